@@ -1,0 +1,37 @@
+# make generate and make test are all the set-up there is; both make .venv on their first run.
+PYTHON ?= python3
+CC ?= cc
+CXX ?= c++
+PY = .venv/bin/python
+export CC CXX
+
+.PHONY: generate test check spec-page clean
+
+generate: .venv/.installed
+	@$(PY) -m codewheel generate
+
+test: .venv/.installed tools
+	@$(PY) -m pytest
+
+check: .venv/.installed
+	@$(PY) -m codewheel check specs
+
+spec-page: .venv/.installed
+	@$(PY) -m codewheel.spec_page docs/spec-language.md
+
+.PHONY: tools
+tools:
+	@command -v $(firstword $(CC)) >/dev/null 2>&1 || { echo "make: no C compiler '$(CC)'; install one (Debian: apt-get install gcc) or set CC" >&2; exit 1; }
+	@command -v $(firstword $(CXX)) >/dev/null 2>&1 || { echo "make: no C++ compiler '$(CXX)'; install one (Debian: apt-get install g++) or set CXX" >&2; exit 1; }
+
+.venv/.installed: pyproject.toml
+	@command -v $(PYTHON) >/dev/null 2>&1 || { echo "make: no '$(PYTHON)'; install Python 3.10 or newer (Debian: apt-get install python3) or set PYTHON" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { echo "make: '$(PYTHON)' is older than Python 3.10; install a newer one or set PYTHON" >&2; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "make: '$(PYTHON)' has no venv module; install it (Debian: apt-get install python3-venv)" >&2; exit 1; }
+	@echo "setting up .venv"
+	@$(PYTHON) -m venv .venv
+	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
+
+clean:
+	rm -rf .venv build generator/codewheel.egg-info codewheel.egg-info

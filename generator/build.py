@@ -1,0 +1,395 @@
+"""From checked data to the model.
+
+What rules cannot see in the text is found here, while the model comes together: bits that overlap, limits that do not fit, examples that
+contradict their layout. A part that cannot be built is reported and left out, so that one run shows every problem.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+from . import codec
+from .crc import form, polynomial_text
+from .examples import check_examples
+from .expressions import Expression, ExpressionError
+from .layouts import Context, Raw, build_layout, build_values
+from .model import (
+    Alarm, CableLength, Characteristic, CodePart, CodeValue, Connector, Contact, ControlField, Crc, DataId, Device, Document, Edition,
+    Erratum, Example, Interface, Led, LedState, LostFigure, Manual, Manufacturer, MemoryAccess, Network, OrderCode, Parameter, Port,
+    PrintedTimeout, Procedure, Register, Revision, Source, Sources, Step, Timeout, Timing, Variant, Write,
+)
+from .order_codes import combinations
+from .problems import DocumentReport, Path
+
+_SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
+
+
+def parse_sources(text: str) -> Sources:
+    """``6.4 p.35; it: 6.4 p.36`` as sources; a page range such as ``p.14-15`` stays part of the section."""
+    found = []
+    for piece in text.split(";"):
+        match = _SOURCE.fullmatch(piece)
+        if match is not None:
+            page = int(match["page"]) if match["page"] else None
+            found.append(Source(match["document"] or "", match["section"], page))
+    return tuple(found)
+
+
+def sources(raw: Raw) -> Sources:
+    return parse_sources(raw["source"]) if "source" in raw else ()
+
+
+def build_manufacturer(raw: Raw) -> Manufacturer:
+    """The manufacturer that a checked manufacturer file describes."""
+    return Manufacturer(
+        name=raw["manufacturer"],
+        title=raw["title"],
+        biss_id=raw.get("biss_id"),
+        python_package=raw.get("python_package", f"{raw['manufacturer']}_encoders"),
+        version=raw.get("version", "0.0.0"),
+        trademarks=tuple(raw.get("trademarks", ())),
+    )
+
+
+def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device:
+    """The family that a checked device file describes.
+
+    What could not be built is missing from the result; the caller uses it only when nothing was reported.
+    """
+    definitions = _definitions(raw)
+    order_code = _order_code(raw["order_code"])
+    variants = _variants(order_code, definitions)
+    crcs = tuple(_crc(item) for item in raw.get("crcs", ()))
+    context = Context(
+        report=report,
+        groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in enumerate(raw.get("field_groups", ()))}),
+        definitions=definitions,
+        parameter_sets=_parameter_sets(raw, variants),
+        crcs=MappingProxyType({item.name: item for item in crcs}),
+        data_ids=MappingProxyType({kind: _data_ids(item) for kind, item in raw["interfaces"].items()}),
+        sources=sources,
+    )
+    interfaces = tuple(_interface(kind, item, context) for kind, item in raw["interfaces"].items())
+    registers = _registers(raw, context)
+    device = Device(
+        name=raw["device"],
+        title=raw["title"],
+        movement=raw["movement"],
+        manufacturer=manufacturer,
+        manual=_manual(raw["manual"]),
+        documents=tuple(Document(key, item["title"], item.get("url", "")) for key, item in raw.get("documents", {}).items()),
+        lost_figures=tuple(LostFigure(item["content"], sources(item)) for item in raw.get("lost_figures", ())),
+        parameters=tuple(_parameter(name, item, definitions, variants) for name, item in raw["parameters"].items()),
+        order_code=order_code,
+        variants=variants,
+        crcs=crcs,
+        interfaces=interfaces,
+        registers=registers,
+        alarms=tuple(map(_alarm, raw.get("alarms", ()))),
+        procedures=(),
+        timings=tuple(map(_timing, raw.get("timings", ()))),
+        connectors=tuple(map(_connector, raw.get("connectors", ()))),
+        leds=tuple(
+            Led(item["name"], item["title"], tuple(LedState(state["state"], state["meaning"]) for state in item["states"]), sources(item))
+            for item in raw.get("leds", ())
+        ),
+        characteristics=tuple(Characteristic(item["name"], item["value"], item.get("only", ""), sources(item)) for item in raw.get("characteristics", ())),
+        examples=tuple(map(_example, raw.get("examples", ()))),
+        errata=tuple(map(_erratum, raw.get("errata", ()))),
+    )
+    _check_control_bytes(device, report)
+    device = replace(device, procedures=_procedures(raw, device))
+    check_examples(device, report)
+    return device
+
+
+def _definitions(raw: Raw) -> Mapping[str, Expression]:
+    found = {}
+    for name, item in raw["parameters"].items():
+        if "equals" in item:
+            try:
+                found[name] = Expression.parse(item["equals"])
+            except ExpressionError:
+                continue  # reported by the rule on expressions
+    return MappingProxyType(found)
+
+
+def _order_code(raw: Raw) -> OrderCode:
+    parts = tuple(
+        CodePart(part["name"], part["meaning"], part.get("open", ""), tuple(_code_value(text, value or {}) for text, value in part["values"].items()), sources(part))
+        for part in raw["parts"]
+    )
+    return OrderCode(raw["pattern"], parts, raw.get("special", ""), raw.get("note", ""), sources(raw))
+
+
+def _code_value(text: str, raw: Raw) -> CodeValue:
+    only = MappingProxyType({name: tuple(values) for name, values in raw.get("only_with", {}).items()})
+    return CodeValue(text, raw.get("meaning", ""), raw.get("interface", ""), MappingProxyType(dict(raw.get("sets", {}))), only, sources(raw))
+
+
+def _variants(order_code: OrderCode, definitions: Mapping[str, Expression]) -> tuple[Variant, ...]:
+    variants = []
+    for code, parts, interface, sets in combinations(order_code):
+        parameters = dict(sets)
+        left = dict(definitions)
+        while left:
+            ready = [name for name, item in left.items() if all(other in parameters for other in item.parameters)]
+            if not ready:
+                break  # a cycle or an unknown name; reported by the rules
+            for name in ready:
+                try:
+                    parameters[name] = left.pop(name).value(parameters)
+                except ExpressionError:
+                    parameters[name] = 0  # out of reach; a width this large is reported where it is used
+        variants.append(Variant(code, MappingProxyType(dict(parts)), interface, MappingProxyType(parameters)))
+    return tuple(variants)
+
+
+def _parameter_sets(raw: Raw, variants: Sequence[Variant]) -> Mapping[str, Sequence[Mapping[str, int]]]:
+    found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in raw["interfaces"]}
+    for variant in variants:
+        known = found.setdefault(variant.interface, [])
+        if variant.parameters not in known:
+            known.append(variant.parameters)
+    return MappingProxyType(found)
+
+
+def _parameter(name: str, raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]) -> Parameter:
+    largest = max((variant.parameters.get(name, 0) for variant in variants), default=0)
+    return Parameter(name, raw["meaning"], raw.get("unit", ""), definitions.get(name), largest, sources(raw))
+
+
+def _crc(raw: Raw) -> Crc:
+    shape = {key: raw[key] for key in ("width", "poly", "init", "refin", "refout")}
+    return Crc(
+        name=raw["name"], xorout=raw["xorout"], form=form(**shape), polynomial=polynomial_text(raw["width"], raw["poly"]),
+        note=raw.get("note", ""), source=sources(raw), **shape,
+    )
+
+
+def _manual(raw: Raw) -> Manual:
+    return Manual(
+        title=raw["title"],
+        revision=raw["revision"],
+        date=raw.get("date", ""),
+        language=raw["language"],
+        publisher=raw.get("publisher", ""),
+        editions=tuple(Edition(item["language"], item.get("title", ""), item["revision"], item.get("date", "")) for item in raw.get("editions", ())),
+        history=tuple(
+            Revision(item["revision"], item.get("date", ""), item["changes"], item.get("hardware", ""), item.get("software", "")) for item in raw.get("history", ())
+        ),
+    )
+
+
+def _timing(raw: Raw) -> Timing:
+    bounds = {key: raw.get(key) for key in ("at_least_us", "typical_us", "at_most_us")}
+    return Timing(raw["name"], raw.get("symbol", ""), raw["meaning"], source=sources(raw), **bounds)
+
+
+def _data_ids(raw: Raw) -> tuple[DataId, ...]:
+    return tuple(
+        DataId(item["name"], item["id"], item["control"], item["purpose"], item.get("meaning", ""), sources(item)) for item in raw.get("data_ids", ())
+    )
+
+
+def _interface(kind: str, raw: Raw, context: Context) -> Interface:
+    path: Path = ("interfaces", kind)
+    layouts = (build_layout(item, (*path, "layouts", index), context, interface=kind) for index, item in enumerate(raw["layouts"]))
+    extra: dict[str, Any] = {}
+    if "clock" in raw:
+        extra |= {"clock_min_hz": raw["clock"]["min_hz"], "clock_max_hz": raw["clock"]["max_hz"], "clock_source": sources(raw["clock"])}
+    if "network" in raw:
+        extra["network"] = Network(raw["network"]["topology"], raw["network"]["multiple_slaves"], sources(raw["network"]))
+    if "timeout" in raw:
+        timeout = raw["timeout"]
+        printed = tuple(PrintedTimeout(item["clock_hz"], item["timeout_ns"]) for item in timeout.get("printed", ()))
+        bounds = {key: timeout.get(key) for key in ("half_clock_periods", "at_most_ns", "typical_ns")}
+        extra["timeout"] = Timeout(rule=timeout["rule"], printed=printed, source=sources(timeout), **bounds)
+    if "control_data" in raw:
+        extra["control_data"] = tuple(_control_field(item, context) for item in raw["control_data"]["fields"])
+        extra["control_data_note"] = raw["control_data"].get("note", "")
+    if "port" in raw:
+        port = raw["port"]
+        extra["port"] = Port(port["baud"], port["data_bits"], port["parity"], port["stop_bits"], port.get("flow_control", "none"), sources(port))
+    return Interface(
+        kind=kind,
+        layouts=tuple(item for item in layouts if item is not None),
+        timings=tuple(map(_timing, raw.get("timings", ()))),
+        note=raw.get("note", ""),
+        source=sources(raw),
+        signals=raw.get("signals", ""),
+        alignment=raw.get("alignment", ""),
+        output_code=raw.get("output_code", ""),
+        cable_lengths=tuple(CableLength(item["shorter_than_m"], item["below_hz"], sources(item) or sources(raw)) for item in raw.get("cable_lengths", ())),
+        profile=raw.get("profile", ""),
+        data_ids=context.data_ids.get(kind, ()),
+        memory_access=tuple(
+            MemoryAccess(item["access"], item["busy"], item["address"], item["data"], item["meaning"], sources(item)) for item in raw.get("memory_access", ())
+        ),
+        **extra,
+    )
+
+
+def _control_field(raw: Raw, context: Context) -> ControlField:
+    bits = raw.get("bits", context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1)
+    values = build_values(raw, context)
+    return ControlField(raw["name"], raw.get("printed_name", ""), bits if isinstance(bits, int) else 0, values, raw.get("crc", ""), raw.get("meaning", ""), sources(raw))
+
+
+def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
+    built = (_register(item, ("registers", index), context) for index, item in enumerate(raw.get("registers", ())))
+    return tuple(item for item in built if item is not None)
+
+
+def _register(raw: Raw, path: Path, context: Context) -> Register | None:
+    interface = raw.get("interface", "biss")
+    body = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": 8 * raw["length"]}]}
+    layout = build_layout(body, path, context, interface=interface, total=8 * raw["length"])
+    if layout is None:
+        return None
+    opened = raw.get("opened_by", {})
+    register = Register(
+        name=raw["name"],
+        printed_name=raw.get("printed_name", ""),
+        names=raw.get("names", {}),
+        meaning=raw.get("meaning", ""),
+        interface=interface,
+        address=raw["address"],
+        length=raw["length"],
+        access=raw["access"],
+        byte_order=raw.get("byte_order", "high_byte_first"),
+        default=raw.get("default"),
+        min=context.expression(raw["min"]) if "min" in raw else None,
+        max=context.expression(raw["max"]) if "max" in raw else None,
+        limits_of=raw.get("limits_of", raw["name"]),
+        opened_by=opened.get("register", ""),
+        opened_by_value=opened.get("value", ""),
+        clears_itself=raw.get("clears_itself", False),
+        wait_at_least_ms=raw.get("wait_at_least_ms"),
+        volatile=raw.get("volatile", False),
+        layout=layout,
+        note=raw.get("note", ""),
+        source=sources(raw),
+    )
+    _check_limits(register, path, context)
+    return register
+
+
+def _check_limits(register: Register, path: Path, context: Context) -> None:
+    """Whether the limits fit what they bound, and the default fits the limits and the named values."""
+    report = context.report
+    for parameters in context.parameter_sets.get(register.interface, ()):
+        placed = register.layout.place(parameters)
+        join = next((item for item in register.layout.joins if item.name == register.limits_of), None)
+        names = join.fields if join is not None else (register.limits_of,)
+        parts = [item for item in (placed.field(name) for name in names) if item is not None]
+        width = sum(item.width for item in parts) or 8 * register.length
+        low = register.min.value(parameters) if register.min is not None else 0
+        high = register.max.value(parameters) if register.max is not None else (1 << width) - 1
+        if high >> width or low < 0 or low > high:
+            key = "max" if high >> width else "min"
+            report.add("limit-does-not-fit", (*path, key), f"the limits {low} to {high} do not fit '{register.limits_of}', which has {width} bits")
+            return
+        if register.default is None:
+            continue
+        if register.default >> (8 * register.length):
+            report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} does not fit into {register.length} bytes")
+            return
+        value = codec.join_value(placed, join, register.default) if join is not None else register.default
+        if join is not None or register.limits_of == register.name:
+            if not low <= value <= high:
+                report.add("default-does-not-fit", (*path, "default"), f"the default {value} is outside the limits {low} to {high}")
+                return
+        if register.values and register.default not in [item.value for item in register.values] and not register.clears_itself:
+            listed = ", ".join(f"{item.value:#x}" for item in register.values)
+            report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} is none of the values {listed}")
+            return
+
+
+def _alarm(raw: Raw) -> Alarm:
+    return Alarm(
+        name=raw["name"], printed_name=raw.get("printed_name", ""), names=raw.get("names", {}), group=raw.get("group", ""),
+        field=raw.get("field", ""), meaning=raw["meaning"], detected=raw.get("detected", ""), below_mv=raw.get("below_mv"),
+        latch=raw.get("latch"), implemented=raw.get("implemented", True), remedy=raw.get("remedy", ""),
+        cleared_by=tuple(raw.get("cleared_by", ())), source=sources(raw),
+    )
+
+
+def _connector(raw: Raw) -> Connector:
+    contacts = tuple(Contact(item["contact"], item["signal"], item.get("only", "")) for item in raw["contacts"])
+    return Connector(raw["name"], raw["kind"], raw["title"], tuple(raw.get("interfaces", ())), raw.get("mating", ""), contacts, raw.get("note", ""), sources(raw))
+
+
+def _example(raw: Raw) -> Example:
+    return Example(
+        name=raw["name"], kind=raw["kind"], order_code=raw.get("order_code", ""), layout=raw.get("layout", ""), register=raw.get("register", ""),
+        procedure=raw.get("procedure", ""), crc=raw.get("crc", ""), sender=raw.get("from", "encoder"), bytes=bytes.fromhex(raw.get("bytes", "")),
+        bits=raw.get("bits", ""), check=raw.get("check"), argument=raw.get("argument"), values=MappingProxyType(dict(raw.get("values", {}))),
+        writes=tuple(Write(item["address"], item["value"]) for item in raw.get("writes", ())), refused=raw.get("refused", ""),
+        erratum=raw.get("erratum", ""), note=raw.get("note", ""), source=sources(raw),
+    )
+
+
+def _erratum(raw: Raw) -> Erratum:
+    return Erratum(raw["name"], raw["printed"], raw["used"], raw["why"], raw["status"], raw["severity"], tuple(raw.get("affects", ())), sources(raw))
+
+
+def _procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
+    found = []
+    for item in raw.get("procedures", ()):
+        argument = item.get("argument", {})
+        steps = tuple(_step(step, item, device) for step in item["steps"])
+        found.append(
+            Procedure(
+                name=item["name"], title=item["title"], interface=item["interface"], argument=argument.get("name", ""), argument_of=argument.get("of", ""),
+                argument_meaning=argument.get("meaning", ""), precondition=item.get("precondition", ""), steps=steps,
+                result=item.get("result", ""), note=item.get("note", ""), source=sources(item),
+            )
+        )
+    return tuple(found)
+
+
+def _step(raw: Raw, procedure: Raw, device: Device) -> Step:
+    step = Step(do=raw["do"], meaning=raw.get("meaning", ""), source=sources(raw) or sources(procedure))
+    if raw["do"] == "wait":
+        return replace(step, microseconds=1000 * raw.get("at_least_ms", 0))
+    if raw["do"] == "send":
+        request = _request(device, raw.get("data_id", ""))
+        return replace(step, data_id=raw.get("data_id", ""), request=request, times=raw.get("times", 1), microseconds=raw.get("every_at_least_us", 0))
+    register = next((item for item in device.registers if item.name == raw.get("register")), None)
+    value = next((item for item in register.values if item.name == raw.get("value")), None) if register is not None else None
+    return replace(step, register=raw.get("register", ""), value_name=raw.get("value", ""), value=value.value if value is not None else None)
+
+
+def _request(device: Device, data_id: str) -> bytes:
+    """The request of one byte that asks for this data ID: its control field."""
+    for interface in device.interfaces:
+        for item in interface.data_ids:
+            if item.name == data_id:
+                return bytes([item.control])
+    return b""
+
+
+def _check_control_bytes(device: Device, report: DocumentReport) -> None:
+    """Whether each printed control byte is what its data ID encodes to."""
+    for interface in device.interfaces:
+        for item in interface.data_ids:
+            layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
+            variant = next((variant for variant in device.variants if variant.interface == interface.kind), None)
+            if layout is None or variant is None:
+                wrong = f"no layout is sent or received for data ID {item.id:X}; add it to a layout's 'when'"
+                report.add("undefined-reference", ("interfaces", interface.kind, "data_ids", item.name), wrong)
+                continue
+            placed = layout.place(variant.parameters)
+            values = {field.name: 0 for field in layout.data_fields} | {layout.selector: item.id}
+            try:
+                made = codec.number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]
+            except codec.EncodeError:
+                continue  # a layout that cannot be encoded with zeros is found by other rules
+            if made != item.control:
+                wrong = f"the control field of data ID {item.id:X} is {made:#04x} by its fields; the manual's {item.control:#04x} does not agree"
+                report.add("control-mismatch", ("interfaces", interface.kind, "data_ids", item.name, "control"), wrong)

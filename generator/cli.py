@@ -1,0 +1,247 @@
+"""The command line: arguments in, text and exit code out.
+
+Exit codes: 0 done; 1 problems in the input, a difference found, or a frame with a fault; 2 wrong usage, unknown order code, or a frame
+that cannot be read.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .model import Device, Variant
+    from .order_codes import Match
+
+_DESCRIPTION = "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."
+JSON_VERSION = 1
+
+
+class Stop(Exception):
+    """The command ends here with this message and exit code."""
+
+    def __init__(self, message: str, code: int) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; ``arguments`` default to those of the process."""
+    chosen = _parser().parse_args(arguments)
+    try:
+        code: int = chosen.run(chosen)
+        sys.stdout.flush()
+        return code
+    except Stop as stop:
+        print(f"codewheel: {stop}", file=sys.stderr)
+        return stop.code
+    except BrokenPipeError:
+        # The reader of our output has left; give the interpreter nothing more to flush.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="codewheel", description=_DESCRIPTION)
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+
+    generate = commands.add_parser("generate", help="write all outputs, or compare them", description="Write every output of the specs.")
+    generate.add_argument("specs", nargs="*", type=Path, metavar="SPECS", help="files or folders; without any, the specs that ship with the tool")
+    generate.add_argument("-o", dest="output", type=Path, default=Path("generated"), metavar="DIR", help="output folder (default: generated)")
+    generate.add_argument("--target", action="append", metavar="NAME", help="python, c, biss or docs; may be repeated (default: all four)")
+    generate.add_argument("--check", action="store_true", help="write nothing; exit 1 if an output is not what the specs yield")
+    generate.add_argument("--templates", type=Path, metavar="DIR", help="folder whose templates are used instead of ours, file by file")
+    generate.set_defaults(run=_generate)
+
+    check = commands.add_parser("check", help="look for problems in specs", description="Report every problem of the specs.")
+    check.add_argument("specs", nargs="*", type=Path, metavar="SPECS", help="files or folders; without any, the specs that ship with the tool")
+    check.add_argument("--json", action="store_true", help="print the problems as JSON")
+    check.set_defaults(run=_check)
+
+    listing = commands.add_parser("list", help="list the families", description="List families, interfaces, order codes and manuals.")
+    _add_spec_option(listing)
+    listing.set_defaults(run=_list)
+
+    show = commands.add_parser("show", help="show a family or an order code", description="Show everything that is known of a family or an order code.")
+    show.add_argument("what", metavar="FAMILY|ORDER-CODE", help="such as amm5, or the code on the label")
+    _add_spec_option(show)
+    show.set_defaults(run=_show)
+
+    decode = commands.add_parser(
+        "decode",
+        help="name every bit of a frame",
+        description="Name every bit of a frame, and check its CRC.",
+        epilog="FRAME is hex bytes for RS-485; for SSI and BiSS one number, first bit sent most significant: 0b... with every digit, or 0x...",
+    )
+    decode.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    decode.add_argument("frame", nargs="+", metavar="FRAME", help="the frame, in one or several arguments; - reads one frame a line")
+    decode.add_argument("--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)")
+    _add_spec_option(decode)
+    decode.set_defaults(run=_decode)
+    return parser
+
+
+def _add_spec_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--specs", action="append", type=Path, default=[], metavar="PATH", help="specs to use instead of those that ship with the tool")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _load(paths: Sequence[Path]) -> tuple[Device, ...]:
+    """The devices of the specs; problems go to standard error."""
+    from .load import load_library
+
+    devices, report = load_library(paths)
+    if report:
+        for problem in report.problems:
+            print(problem.format(), file=sys.stderr)
+        raise Stop(_count(len(report), "problem"), 1)
+    return devices
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+def _print_json(data: Mapping[str, Any]) -> None:
+    print(json.dumps(data, indent=2, ensure_ascii=False))
+
+
+def _generate(chosen: argparse.Namespace) -> int:
+    from .targets import BUILT_IN, Library, target
+    from .write import WriteError, changes, write
+
+    names = list(dict.fromkeys(chosen.target or BUILT_IN))
+    targets = {}
+    for name in names:
+        try:
+            targets[name] = target(name)
+        except LookupError:
+            raise Stop(f"there is no target '{name}'; there are {', '.join(BUILT_IN)}", 2) from None
+    if chosen.templates is not None and not chosen.templates.is_dir():
+        raise Stop(f"there is no folder {chosen.templates}", 2)
+    library = Library(_load(chosen.specs), chosen.templates)
+    files = {name: made(library) for name, made in targets.items()}
+    try:
+        if chosen.check:
+            found = [item for name in names for item in changes(chosen.output, name, files[name])]
+        else:
+            found = write(chosen.output, files)
+    except WriteError as error:
+        raise Stop(str(error), 1) from None
+    words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
+    for item in found:
+        print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
+    stale = sum(item.what != "unchanged" for item in found)
+    if chosen.check:
+        if stale:
+            extra = "" if chosen.output == Path("generated") else f" -o {chosen.output}"
+            raise Stop(f"{_count(stale, 'file')} not what the specs yield; run: codewheel generate{extra}", 1)
+        print(f"{_count(len(found), 'file')} up to date")
+    else:
+        print(f"{_count(stale, 'file')} changed, {len(found) - stale} unchanged" if stale else f"all {len(found)} files unchanged")
+    return 0
+
+
+def _check(chosen: argparse.Namespace) -> int:
+    from .load import load_library
+
+    devices, report = load_library(chosen.specs)
+    if chosen.json:
+        _print_json({"version": JSON_VERSION, "problems": [problem.to_json() for problem in report.problems]})
+    else:
+        for problem in report.problems:
+            print(problem.format())
+        if report:
+            print(_count(len(report), "problem"))
+        else:
+            names = ", ".join(device.name for device in devices)
+            print(f"no problems in {len(devices)} {'family' if len(devices) == 1 else 'families'}: {names}")
+    return 1 if report else 0
+
+
+def _list(chosen: argparse.Namespace) -> int:
+    from .show import list_data, list_text
+
+    devices = _load(chosen.specs)
+    if chosen.json:
+        _print_json(list_data(devices))
+    else:
+        print(list_text(devices))
+    return 0
+
+
+def _find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
+    """The family and variant of an order code.
+
+    Raises:
+        Stop: There is no such code; exit code 2.
+    """
+    from .order_codes import UnknownOrderCode, find, nearest_codes
+
+    reasons = []
+    for device in devices:
+        try:
+            return device, find(device, text)
+        except UnknownOrderCode as reason:
+            reasons.append((device, str(reason)))
+    for device, explanation in reasons:
+        fixed = device.order_code.pattern.split("{")[0].upper()
+        if fixed and text.strip().upper().startswith(fixed):
+            raise Stop(explanation, 2)
+    raise Stop(f"'{text}' is no known order code; the nearest are {', '.join(nearest_codes(list(devices), text))}", 2)
+
+
+def _show(chosen: argparse.Namespace) -> int:
+    devices = _load(chosen.specs)
+    family = next((device for device in devices if device.name == chosen.what.strip().lower()), None)
+    if chosen.json:
+        from .output import device_dump, variant_dump
+
+        if family is not None:
+            _print_json(device_dump(family))
+        else:
+            device, match = _find(devices, chosen.what)
+            _print_json(variant_dump(device, match))
+        return 0
+    from .show import device_text, variant_text
+
+    if family is not None:
+        print(device_text(family))
+    else:
+        device, match = _find(devices, chosen.what)
+        print(variant_text(device, match))
+    return 0
+
+
+def _decode(chosen: argparse.Namespace) -> int:
+    from .decode import FrameTextError, decode_text, decoded_data, explain
+
+    devices = _load(chosen.specs)
+    device, match = _find(devices, chosen.order_code)
+    lines = (line for line in sys.stdin if line.strip()) if chosen.frame == ["-"] else [" ".join(chosen.frame)]
+    code = 0
+    first = True
+    for line in lines:
+        try:
+            decoded = decode_text(device, match.variant, chosen.sender, line)
+        except FrameTextError as error:
+            print(f"codewheel: {error}", file=sys.stderr)
+            code = 2
+            continue
+        if decoded.problems:
+            code = max(code, 1)
+        if chosen.json:
+            # One object a line for a stream of frames, so that a reader need not wait for the end.
+            data = decoded_data(device, match.variant, chosen.sender, decoded)
+            print(json.dumps(data, ensure_ascii=False) if chosen.frame == ["-"] else json.dumps(data, indent=2, ensure_ascii=False))
+        else:
+            print(("" if first else "\n") + explain(device, match, chosen.sender, decoded))
+        first = False
+    return code

@@ -1,0 +1,275 @@
+"""Encoding and decoding by the model alone: what the command line shows, and what every generated codec is held against."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .crc import compute_bits, compute_bytes
+from .model import Crc, Device, Field, Join, Layout, PlacedField, PlacedLayout, Variant
+
+Values = Mapping[str, "int | str | bool"]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A fault of a frame: ``kind`` is ``crc``, ``constant``, ``length`` or ``range``."""
+
+    kind: str
+    field: str
+    message: str
+
+
+class EncodeError(ValueError):
+    """A value is missing, unknown, or does not fit its field."""
+
+
+@dataclass(frozen=True, slots=True)
+class DecodedField:
+    """``raw`` is the number on the wire, ``value`` what it stands for: a number, a truth value, the name of a value, or text."""
+
+    name: str
+    raw: int
+    value: int | str | bool
+    unit: str
+    meaning: str
+    high: int
+    low: int
+
+
+@dataclass(frozen=True, slots=True)
+class CrcResult:
+    name: str
+    received: int
+    computed: int
+
+    @property
+    def ok(self) -> bool:
+        return self.received == self.computed
+
+
+@dataclass(frozen=True, slots=True)
+class Decoded:
+    layout: PlacedLayout | None
+    number: int
+    fields: tuple[DecodedField, ...]
+    crc: CrcResult | None
+    problems: tuple[Problem, ...]
+
+    @property
+    def values(self) -> dict[str, int | str | bool]:
+        return {item.name: item.value for item in self.fields}
+
+
+def number_from_bytes(layout: Layout, data: bytes) -> int:
+    """The bytes of a frame or register as one number."""
+    return int.from_bytes(data, "little" if layout.byte_order == "low_byte_first" else "big")
+
+
+def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
+    """One number as the bytes of a frame or register."""
+    return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
+
+
+def select(device: Device, variant: Variant, sender: str, data: bytes) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
+    """The layout of ``data`` among those of the variant's interface, told by the selecting field; or why there is none."""
+    candidates = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
+    if not candidates:
+        return None, (Problem("range", "", f"the {sender} sends no frame over this interface"),)
+    allowed: list[int] = []
+    for layout in candidates:
+        placed = layout.place(variant.parameters)
+        if not layout.selector:
+            return placed, ()
+        allowed.extend(layout.selects)
+        selector = placed.field(layout.selector)
+        if selector is None or 8 * len(data) <= selector.high:
+            continue
+        # A frame that is too short or too long still starts with its selector when the low byte comes first.
+        if number_from_bytes(layout, data) >> selector.low & selector.mask in layout.selects:
+            return placed, ()
+    layout = candidates[0]
+    selector = layout.place(variant.parameters).field(layout.selector)
+    if selector is None or 8 * len(data) <= selector.high:
+        return None, (Problem("length", "", f"{len(data)} bytes are too few to tell the frame by"),)
+    found = number_from_bytes(layout, data) >> selector.low & selector.mask
+    choices = ", ".join(f"{value:X}" for value in sorted(allowed))
+    return None, (Problem("range", layout.selector, f"{_words(layout.selector)} {found:X} is none of {choices}"),)
+
+
+def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
+    """A frame of whole bytes, its layout told by its selecting field."""
+    placed, problems = select(device, variant, sender, data)
+    if placed is None:
+        return Decoded(None, 0, (), None, problems)
+    if 8 * len(data) != placed.bits:
+        wrong = f"a {_words(placed.name)} has {placed.bits // 8} bytes; this has {len(data)}"
+        return Decoded(placed, number_from_bytes(placed.layout, data), (), None, (Problem("length", "", wrong),))
+    return decode(device, placed, number_from_bytes(placed.layout, data))
+
+
+def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
+    """Every field of ``number``, the CRC, and all faults."""
+    if number >> placed.bits:
+        wrong = f"{number.bit_length()} bits are too many; a {_words(placed.name)} has {placed.bits}"
+        return Decoded(placed, number, (), None, (Problem("length", "", wrong),))
+    problems: list[Problem] = []
+    fields = []
+    crc_result = None
+    for item in placed.fields:
+        raw = number >> item.low & item.mask
+        fields += _decode_field(placed, item, raw, problems)
+        if item.field.kind == "parity":
+            of = placed.field(item.field.parity_of)
+            expected = (number >> of.low & of.mask).bit_count() & 1 if of is not None else 0
+            if raw != expected:
+                problems.append(Problem("constant", item.name, f"{item.name} is {raw}; for this {item.field.parity_of} it has to be {expected}"))
+        elif item.field.kind == "crc":
+            crc_result = CrcResult(item.field.crc, raw, compute(device.crc(item.field.crc), placed, number))
+            if not crc_result.ok:
+                problems.append(Problem("crc", item.name, f"the CRC is {raw:#04x}; over these bits it has to be {crc_result.computed:#04x}"))
+        elif item.name == placed.layout.selector and raw not in placed.layout.selects:
+            problems.append(Problem("range", item.name, f"{_words(item.name)} {raw:X} does not belong to this frame"))
+    for join in placed.layout.joins:
+        value = join_value(placed, join, number)
+        parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
+        fields.append(DecodedField(join.name, value, value, "", f"{parts} as one number" if len(join.fields) > 1 else "", -1, -1))
+    order = {"length": 0, "crc": 1, "constant": 2, "range": 3}
+    return Decoded(placed, number, tuple(fields), crc_result, tuple(sorted(problems, key=lambda item: order[item.kind])))
+
+
+def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
+    """The fields of a join as one number, the first of them most significant."""
+    value = 0
+    for name in join.fields:
+        part = placed.field(name)
+        if part is not None:
+            value = value << part.width | number >> part.low & part.mask
+    return value
+
+
+def _decode_field(placed: PlacedLayout, item: PlacedField, raw: int, problems: list[Problem]) -> list[DecodedField]:
+    field = item.field
+    value: int | str | bool = raw
+    meaning = field.meaning
+    if field.kind == "flag":
+        value = bool(raw) != field.active_low
+        meaning = (field.when_active if value else field.when_inactive) or meaning
+    elif field.kind == "choice":
+        named = next((entry for entry in field.values if entry.value == raw), None)
+        value, meaning = (named.name, named.meaning or meaning) if named is not None else (raw, meaning)
+        if named is None:
+            problems.append(Problem("range", item.name, f"{item.name} has no value {raw:#x}"))
+    elif field.kind == "constant" and raw != field.constant:
+        problems.append(Problem("constant", item.name, f"{item.name} is {raw:#x}; it is always {field.constant:#x}"))
+    elif field.kind == "text":
+        value = raw.to_bytes(item.width // 8, "big").decode("ascii", "replace")
+    elif field.kind == "digits":
+        if raw >= field.digits[0].divisor * field.digits[0].modulus:
+            problems.append(Problem("range", item.name, f"{item.name} is {raw}, which has more than {sum(run.digits for run in field.digits)} digits"))
+        runs = [DecodedField(run.name, raw // run.divisor % run.modulus, raw // run.divisor % run.modulus, "", run.meaning, item.high, item.low) for run in field.digits]
+        return [DecodedField(item.name, raw, raw, field.unit, meaning, item.high, item.low), *runs]
+    return [DecodedField(item.name, raw, value, field.unit, meaning, item.high, item.low)]
+
+
+def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
+    """The CRC that belongs to the other bits of ``number``."""
+    if placed.layout.carried_as == "bytes":
+        data = number_to_bytes(placed.layout, number, placed.bits)
+        return compute_bytes(crc, data[: -(crc.width // 8)])
+    return compute_bits(crc, number >> crc.width, placed.bits - crc.width)
+
+
+def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
+    """The number whose fields have these values; constants, parity and CRC are filled in, a join may stand for its fields.
+
+    Raises:
+        EncodeError: A value is missing, unknown, or does not fit.
+    """
+    given = dict(values)
+    for join in placed.layout.joins:
+        if join.name in given:
+            given |= _split(placed, join, _number(given.pop(join.name)), given)
+    number = 0
+    for item in placed.fields:
+        number |= _raw(placed, item, given) << item.low
+    left = [name for name in given if name not in _used(placed)]
+    if left:
+        raise EncodeError(f"there is no field '{left[0]}' in {placed.name}")
+    for item in placed.fields:
+        if item.field.kind == "parity":
+            of = placed.field(item.field.parity_of)
+            number |= ((number >> of.low & of.mask).bit_count() & 1 if of is not None else 0) << item.low
+    for item in placed.fields:
+        if item.field.kind == "crc":
+            number |= compute(device.crc(item.field.crc), placed, number) << item.low
+    return number
+
+
+def _used(placed: PlacedLayout) -> set[str]:
+    names = {field.name for field in placed.layout.fields}
+    return names | {run.name for field in placed.layout.fields for run in field.digits}
+
+
+def _number(value: int | str | bool) -> int:
+    if isinstance(value, str):
+        raise EncodeError(f"'{value}' is no number")
+    return int(value)
+
+
+def _split(placed: PlacedLayout, join: Join, value: int, given: Values) -> dict[str, int]:
+    parts: dict[str, int] = {}
+    rest = value
+    for name in reversed(join.fields):
+        item = placed.field(name)
+        width = item.width if item is not None else 0
+        parts[name] = rest & ((1 << width) - 1)
+        rest >>= width
+    if rest or value < 0:
+        raise EncodeError(f"{join.name} {value} does not fit")
+    if any(name in given and given[name] != parts[name] for name in parts):
+        raise EncodeError(f"{join.name} and its fields disagree")
+    return parts
+
+
+def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
+    field = item.field
+    if field.kind in ("constant",):
+        return field.constant
+    if field.kind in ("crc", "parity"):
+        return 0
+    if field.kind == "digits" and field.name not in given:
+        return sum(_digits(field, given))
+    if field.name not in given:
+        if field.name == placed.layout.selector and len(placed.layout.selects) == 1:
+            return placed.layout.selects[0]
+        raise EncodeError(f"'{field.name}' is missing")
+    value = given[field.name]
+    if field.kind == "flag":
+        return int(bool(value) != field.active_low)
+    if field.kind == "choice" and isinstance(value, str):
+        named = next((entry for entry in field.values if entry.name == value), None)
+        if named is None:
+            raise EncodeError(f"{field.name} has no value '{value}'")
+        return named.value
+    if field.kind == "text" and isinstance(value, str):
+        raw = int.from_bytes(value.encode("ascii", "replace"), "big")
+    else:
+        raw = _number(value)
+    if raw < 0 or raw > item.mask:
+        raise EncodeError(f"{field.name} {raw} does not fit into {item.width} bits")
+    return raw
+
+
+def _digits(field: Field, given: Values) -> list[int]:
+    parts = []
+    for run in field.digits:
+        value = _number(given.get(run.name, 0))
+        if not 0 <= value < run.modulus:
+            raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
+        parts.append(value * run.divisor)
+    return parts
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ").replace("data id", "data ID")

@@ -1,0 +1,72 @@
+"""Cyclic redundancy checks: the plain definition, and the table-free plan for polynomials of two or three terms.
+
+Parameters are named as everywhere in the field: width, poly (without its top bit), init, refin, refout, xorout.
+"""
+
+from __future__ import annotations
+
+from .model import Crc, FoldStep
+
+
+def reflect(value: int, width: int) -> int:
+    """``value`` with its ``width`` bits in the opposite order."""
+    return int(f"{value:0{width}b}"[::-1], 2)
+
+
+def compute_bits(crc: Crc, number: int, bits: int) -> int:
+    """CRC over ``bits`` bits of ``number``, most significant first, bit by bit as the definition says.
+
+    ``refin`` has no meaning for a string of bits and is taken as false.
+    """
+    register = crc.init
+    top = 1 << (crc.width - 1)
+    for index in range(bits - 1, -1, -1):
+        feedback = bool(register & top) != bool(number >> index & 1)
+        register = (register << 1) & crc.mask
+        if feedback:
+            register ^= crc.poly
+    if crc.refout:
+        register = reflect(register, crc.width)
+    return register ^ crc.xorout
+
+
+def compute_bytes(crc: Crc, data: bytes) -> int:
+    """CRC over whole bytes, each taken least significant bit first when ``refin`` is set."""
+    number = 0
+    for byte in data:
+        number = number << 8 | (reflect(byte, 8) if crc.refin else byte)
+    return compute_bits(crc, number, 8 * len(data))
+
+
+def polynomial_text(width: int, poly: int) -> str:
+    """The generator polynomial as ``x^6 + x + 1``."""
+    powers = [width, *(power for power in range(width - 1, -1, -1) if poly >> power & 1)]
+    return " + ".join({0: "1", 1: "x"}.get(power, f"x^{power}") for power in powers)
+
+
+def form(width: int, poly: int, init: int, refin: bool, refout: bool) -> str:
+    """How code should compute a CRC with these parameters: ``fold``, ``xor`` or ``bitwise``."""
+    if init == 0 and poly & 1:
+        if width == 8 and poly == 1 and refin == refout:
+            return "xor"
+        if poly.bit_count() <= 2 and not refin and not refout:
+            return "fold"
+    return "bitwise"
+
+
+def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
+    """Steps that bring a word of ``bits`` bits down to its remainder modulo x^n + x^m + 1 or x^n + 1.
+
+    Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word above bit n*2^k can be added to the part
+    below it once in place and once shifted by m*2^k. For x^n + 1 both places are the same part, added once.
+    """
+    middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
+    steps = []
+    while bits > width:
+        power = 0
+        while width << (power + 1) < bits:
+            power += 1
+        shift, back = width << power, middle << power
+        steps.append(FoldStep(shift, (1 << shift) - 1, back))
+        bits = max(shift, bits - shift + back)
+    return tuple(steps)

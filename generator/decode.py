@@ -1,0 +1,148 @@
+"""``codewheel decode``: the text of a frame in, every bit named out."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from . import codec
+from .model import Device, Layout, PlacedLayout, Variant
+from .order_codes import Match
+from .render import wrapped
+
+_HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
+#: Far above any frame; it keeps a line of megabytes from being worked on.
+_LONGEST_TEXT = 4096
+VERSION = 1
+
+
+class FrameTextError(ValueError):
+    """The text is no frame; the message says what one looks like."""
+
+
+def decode_text(device: Device, variant: Variant, sender: str, text: str) -> codec.Decoded:
+    """The frame that ``text`` writes, decoded.
+
+    Args:
+        device: The family.
+        variant: The order code.
+        sender: ``encoder`` or ``master``.
+        text: Hex bytes where the line carries bytes; where it carries bits one number, ``0b`` with every digit or ``0x``.
+
+    Raises:
+        FrameTextError: The text cannot be read as a frame.
+    """
+    text = text.strip()
+    if not text or len(text) > _LONGEST_TEXT:
+        raise FrameTextError("the frame is empty" if not text else "the frame is longer than any frame can be")
+    layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
+    if not layouts:
+        raise FrameTextError(f"over {device.interface(variant.interface).title} the {sender} sends no frame that the manual describes")
+    if layouts[0].carried_as == "bytes":
+        return codec.decode_bytes(device, variant, sender, _bytes(text))
+    return _decode_bits(device, layouts[0].place(variant.parameters), text)
+
+
+def _bytes(text: str) -> bytes:
+    digits = ""
+    for piece in text.replace(",", " ").split():
+        if not _HEX.fullmatch(piece):
+            raise FrameTextError(f"'{piece[:20]}' is not hex; write the bytes as in: 02 00 12 34 00 24")
+        piece = piece[2:] if piece[:2] in ("0x", "0X") else piece
+        digits += piece.zfill(2) if len(piece) == 1 else piece
+    if len(digits) % 2:
+        raise FrameTextError("the frame has an odd number of hex digits; a byte has two")
+    return bytes.fromhex(digits)
+
+
+def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decoded:
+    compact = re.sub(r"[\s_]", "", text)
+    if re.fullmatch(r"0[bB][01]+", compact):
+        if len(compact) - 2 != placed.bits:
+            wrong = f"a {placed.name.replace('_', ' ')} has {placed.bits} bits; this has {len(compact) - 2}"
+            return codec.Decoded(placed, int(compact, 2), (), None, (codec.Problem("length", "", wrong),))
+        return codec.decode(device, placed, int(compact, 2))
+    if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact):
+        return codec.decode(device, placed, int(compact, 16))
+    raise FrameTextError(f"'{text[:20]}' is no frame of bits; write 0b and all {placed.bits} bits, first sent first, or 0x and hex digits")
+
+
+def decoded_data(device: Device, variant: Variant, sender: str, decoded: codec.Decoded) -> dict[str, Any]:
+    """The result as plain data, in the shape of ``decode.schema.json``."""
+    return {
+        "version": VERSION,
+        "order_code": variant.code,
+        "layout": decoded.layout.name if decoded.layout is not None else None,
+        "direction": sender,
+        "fields": [{"name": item.name, "raw": item.raw, "value": item.value, "unit": item.unit or None, "meaning": item.meaning} for item in decoded.fields],
+        "crc": {"received": decoded.crc.received, "computed": decoded.crc.computed, "ok": decoded.crc.ok} if decoded.crc is not None else None,
+        "problems": [{"kind": item.kind, "field": item.field or None, "message": item.message} for item in decoded.problems],
+    }
+
+
+def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -> str:
+    """The result for a person, at most 80 columns wide."""
+    variant = match.variant
+    lines = [f"{variant.code}, {device.interface(variant.interface).title}, from the {sender}"]
+    if match.special:
+        lines.append(wrapped(device.order_code.special or "A code that ends in /Sxxx may differ from the manual.", 80, "  "))
+    if decoded.layout is not None:
+        title = decoded.layout.layout.printed_name or decoded.layout.name.replace("_", " ")
+        lines.append(f"{title}, {_size(decoded.layout)}")
+    if decoded.fields:
+        lines += ["", *_table(decoded)]
+    crc = decoded.crc
+    if crc is not None:
+        parameters = device.crc(crc.name)
+        verdict = "as it has to be" if crc.ok else f"WRONG, over the bits before it the CRC is {crc.computed:#04x}"
+        inverted = ", sent inverted" if parameters.xorout == parameters.mask else ""
+        lines += ["", wrapped(f"CRC {crc.received:#04x}: {verdict} ({parameters.polynomial}{inverted})", 80, "  ", "")]
+    if decoded.problems:
+        lines.append("")
+        lines += [wrapped(f"{item.kind} fault: {item.message}", 80, "  ", "") for item in decoded.problems]
+    elif crc is None:
+        lines += ["", "no fault; this frame carries no CRC"]
+    else:
+        lines += ["", "no fault"]
+    return "\n".join(lines)
+
+
+def _size(placed: PlacedLayout) -> str:
+    return f"{placed.bits // 8} bytes" if placed.layout.carried_as == "bytes" else f"{placed.bits} bits"
+
+
+def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
+    """Where a field stands, as a person counts: ``bits 46:31``, or ``byte 2 bits 7:4`` with the first byte as 0."""
+    if layout.carried_as == "bits":
+        return f"{high}:{low}" if high != low else f"{high}"
+    last = bits // 8 - 1
+    first_byte, last_byte = (low // 8, high // 8) if layout.byte_order == "low_byte_first" else (last - high // 8, last - low // 8)
+    if first_byte != last_byte:
+        whole = low % 8 == 0 and high % 8 == 7
+        return f"bytes {first_byte}-{last_byte}" + ("" if whole else f" from bit {low % 8}")
+    if high - low == 7:
+        return f"byte {first_byte}"
+    return f"byte {first_byte}.{high % 8}" + (f":{low % 8}" if high != low else "")
+
+
+def _table(decoded: codec.Decoded) -> list[str]:
+    assert decoded.layout is not None
+    rows = []
+    for item in decoded.fields:
+        place = bit_place(decoded.layout.layout, decoded.layout.bits, item.high, item.low) if item.high >= 0 else ""
+        value = {True: "yes", False: "no"}[item.value] if isinstance(item.value, bool) else str(item.value)
+        raw = f"{item.raw:#x}" if item.high > item.low or item.high < 0 else str(item.raw)
+        unit = f" {item.unit}" if item.unit and not isinstance(item.value, bool) else ""
+        rows.append((place, item.name, raw, value + unit, item.meaning))
+    widths = [max(len(row[column]) for row in rows) for column in range(4)]
+    lines = []
+    for row in rows:
+        start = "  ".join(text.ljust(width) for text, width in zip(row, widths))
+        indent = " " * (len(start) + 2)
+        if len(indent) > 56:
+            lines.append(start.rstrip())
+            if row[4]:
+                lines.append(wrapped(row[4], 80, " " * 6))
+        else:
+            lines.append(wrapped(row[4], 80, indent, start + "  ") if row[4] else start.rstrip())
+    return lines

@@ -1,0 +1,436 @@
+"""From the fields that a spec lists to a layout with a position for every bit.
+
+Fields are listed in the order in which they are sent, or each is placed by bit number. Widths may depend on parameters, so positions
+are expressions; what cannot be seen from those, an overlap or a width below zero, is looked for with every order code's parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from .crc import fold_plan
+from .expressions import Expression, ExpressionError
+from .model import Crc, DataId, Digits, Field, Join, Layout, Piece, Sources, Value
+from .problems import DocumentReport, Path
+
+Raw = Mapping[str, Any]
+ZERO = Expression(0)
+
+#: Numbers of frames and registers are held in 64 bits by the generated C.
+LARGEST_NUMBER = 64
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a layout may refer to. ``parameter_sets`` holds, by interface, the parameters of its order codes, each set once."""
+
+    report: DocumentReport
+    groups: Mapping[str, tuple[Raw, Path]]
+    definitions: Mapping[str, Expression]
+    parameter_sets: Mapping[str, Sequence[Mapping[str, int]]]
+    crcs: Mapping[str, Crc]
+    data_ids: Mapping[str, tuple[DataId, ...]]
+    sources: Any
+
+    def expression(self, text: int | str) -> Expression | None:
+        """The expression over parameters that order codes set, or None when it is none or names one that does not exist."""
+        try:
+            found = Expression.parse(text).substitute(self.definitions)
+            for parameters in next(iter(self.parameter_sets.values()), ())[:1]:
+                found.value(parameters)
+            return found
+        except ExpressionError:
+            return None  # reported by the rules on references and expressions
+
+
+@dataclass(frozen=True)
+class Item:
+    """A field on its way: what the spec says, where, and where it goes. ``span`` is the width with padding."""
+
+    raw: Raw
+    path: Path
+    group: str
+    width: Expression
+    span: Expression
+    low: Expression = ZERO
+
+
+def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, total: int | None = None) -> Layout | None:
+    """The layout that ``raw`` describes, or None after reporting why there is none.
+
+    Args:
+        raw: A layout, or a register, whose ``fields`` have passed the schema.
+        interface: The interface whose order codes the widths must suit.
+        total: The number of bits, where that is given (a register) rather than summed up (a frame).
+    """
+    default = "bytes" if total is not None or interface == "rs485" else "bits"
+    carried_as = raw.get("carried_as", default)
+    byte_order = raw.get("byte_order", "high_byte_first") if carried_as == "bytes" else ""
+    low_first = byte_order == "low_byte_first"
+    items = _items(raw.get("fields", ()), (*path, "fields"), context, low_first)
+    if items is None:
+        return None
+    placed = bool(items) and any(_is_placed(item.raw) for item in items if not item.group)
+    if placed:
+        bits = Expression(total if total is not None else _highest(items, context, interface) + 1)
+    else:
+        items, bits = _in_sequence(items, low_first)
+        if total is not None and not _sums_up(items, bits, total, path, context, interface):
+            return None
+    if not _fits(items, bits, path, context, interface):
+        return None
+    fields = [field for item in items for field in _fields(item, context, interface)]
+    fields = _with_places(fields, bits, context, interface)
+    gaps = raw.get("other_bits", "")
+    if not _covers(fields, bits, gaps, path, context, interface):
+        return None
+    if gaps == "zero" or any(group.get("other_bits") == "zero" for group in _used_groups(raw, context)):
+        fields = _with_zeros(fields, bits, context, interface)
+    widest = _widest(bits, context, interface)
+    if carried_as == "bytes":
+        fields = [replace(field, pieces=_pieces(field, widest // 8, low_first)) for field in fields]
+    crc = next((context.crcs.get(field.crc) for field in fields if field.kind == "crc"), None)
+    when = raw.get("when", {})
+    layout = Layout(
+        name=raw["name"],
+        printed_name=raw.get("printed_name", ""),
+        sender=raw.get("from", ""),
+        carried_as=carried_as,
+        byte_order=byte_order,
+        bits=bits,
+        widest=widest,
+        fields=tuple(_in_order(fields, context, interface, low_first and total is None)),
+        joins=tuple(Join(name, tuple(parts)) for name, parts in raw.get("join", {}).items()),
+        selector=next(iter(when), ""),
+        selects=tuple(next(iter(when.values()), ())),
+        gaps=gaps,
+        note=raw.get("note", ""),
+        source=context.sources(raw),
+        fold=fold_plan(crc.width, crc.poly, widest) if crc is not None and crc.form == "fold" else (),
+    )
+    return layout if _is_sound(layout, path, context, interface) else None
+
+
+def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
+    """The fields with groups taken in; None when one cannot be understood (reported elsewhere)."""
+    items: list[Item] = []
+    for index, raw in enumerate(raw_fields):
+        here = (*path, index)
+        if "use" in raw:
+            group = context.groups.get(raw["use"])
+            if group is None:
+                return None
+            inner = _group_items(*group, context, low_first)
+            if inner is None:
+                return None
+            items.append(Item({"group": inner}, here, raw["use"], Expression(group[0]["bits"]), Expression(group[0]["bits"])))
+            continue
+        width = _width(raw, context)
+        if width is None:
+            return None
+        span = Expression(raw["padded_to"]) if "padded_to" in raw else width
+        low = _low(raw, width, here, context) if _is_placed(raw) else ZERO
+        if low is None:
+            return None
+        items.append(Item(raw, here, "", width, span, low))
+    return items
+
+
+def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
+    """The fields of a group, placed from bit 0 of the group on."""
+    items = _items(group["fields"], (*path, "fields"), context, low_first)
+    if items is None:
+        return None
+    if not any(_is_placed(item.raw) for item in items):
+        items, bits = _in_sequence(items, low_first)
+        if bits != Expression(group["bits"]):
+            context.report.add("width-mismatch", path, f"the fields of group '{group['name']}' take {bits.render()} bits; 'bits' says {group['bits']}")
+            return None
+    return [replace(item, group=group["name"]) for item in items]
+
+
+def _is_placed(raw: Raw) -> bool:
+    return "at" in raw or "top_bit" in raw
+
+
+def _width(raw: Raw, context: Context) -> Expression | None:
+    if "bits" in raw:
+        return context.expression(raw["bits"])
+    if "at" in raw:
+        high, low = bit_range(raw["at"]) or (0, 0)
+        return Expression(high - low + 1)
+    if "crc" in raw and raw["crc"] in context.crcs:
+        return Expression(context.crcs[raw["crc"]].width)
+    return Expression(1) if "active" in raw or "parity_of" in raw else None
+
+
+def bit_range(text: int | str) -> tuple[int, int] | None:
+    """``7:6`` as (7, 6) and ``5`` as (5, 5); None when it is neither, or upside down."""
+    high, _, low = str(text).partition(":")
+    if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
+        return None
+    bounds = int(high), int(low or high)
+    return bounds if bounds[0] >= bounds[1] else None
+
+
+def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expression | None:
+    if "top_bit" in raw:
+        return Expression(raw["top_bit"] + 1) - width
+    bounds = bit_range(raw["at"])
+    if bounds is None:
+        context.report.add("bad-position", (*path, "at"), f"'{raw['at']}' is no position; write a bit number, or a range with the high bit first, as in 7:6")
+        return None
+    return Expression(bounds[1])
+
+
+def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
+    """The items one after the other as they are sent, and their total width."""
+    placed, position = [], ZERO
+    for item in items if low_first else reversed(items):
+        placed.append(replace(item, low=position))
+        position += item.span
+    return placed if low_first else placed[::-1], position
+
+
+def _flat(items: Iterable[Item]) -> Iterable[Item]:
+    """The items with groups opened, each at its place in the layout."""
+    for item in items:
+        inner = item.raw.get("group")
+        if inner is None:
+            yield item
+        else:
+            yield from (replace(field, low=item.low + field.low) for field in inner)
+
+
+def _sets(context: Context, interface: str) -> Sequence[Mapping[str, int]]:
+    return context.parameter_sets.get(interface, ())
+
+
+def _widest(expression: Expression, context: Context, interface: str) -> int:
+    return max((expression.value(parameters) for parameters in _sets(context, interface)), default=expression.constant)
+
+
+def _highest(items: Sequence[Item], context: Context, interface: str) -> int:
+    return max(_widest(item.low + item.span, context, interface) for item in _flat(items)) - 1
+
+
+def _sums_up(items: Sequence[Item], bits: Expression, total: int, path: Path, context: Context, interface: str) -> bool:
+    for parameters in _sets(context, interface):
+        if (sum_ := bits.value(parameters)) != total:
+            context.report.add("width-mismatch", path, f"the fields take {sum_} bits{_with(parameters, bits)}; the register has {total}")
+            return False
+    return True
+
+
+def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
+    """`` with singleturn_bits = 17`` for the parameters that matter."""
+    names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
+    return " with " + ", ".join(f"{name} = {parameters[name]}" for name in names) if names else ""
+
+
+def _fits(items: Sequence[Item], bits: Expression, path: Path, context: Context, interface: str) -> bool:
+    """Whether every field has a possible width, lies inside the layout and on no other field."""
+    sound = True
+    flat = list(_flat(items))
+    for parameters in _sets(context, interface):
+        total = bits.value(parameters)
+        taken: list[tuple[int, int, Item]] = []
+        for item in flat:
+            width, low, span = (part.value(parameters) for part in (item.width, item.low, item.span))
+            where = _with(parameters, item.width, item.low)
+            name = item.raw.get("name", "")
+            if width < 0 or width > span:
+                wrong = f"'{name}' has {width} bits{where}" + (f"; it is padded to {span}" if width > span else "")
+                context.report.add("width-mismatch", item.path, wrong)
+                return False
+            if low < 0 or low + span > total:
+                context.report.add("bit-out-of-range", item.path, f"'{name}' takes bits {low + span - 1}:{low}{where}; the highest is {total - 1} and the lowest 0")
+                return False
+            for other_low, other_high, other in taken:
+                if width and low <= other_high and other_low <= low + span - 1:
+                    shared = f"{min(low + span - 1, other_high)}:{max(low, other_low)}"
+                    context.report.add("bit-overlap", item.path, f"'{name}' and '{other.raw.get('name', '')}' both take bits {shared}{where}")
+                    sound = False
+            if width:
+                taken.append((low, low + span - 1, item))
+        if not sound:
+            return False
+    return sound
+
+
+def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
+    """The fields of an item: one, two with its padding, or those of a group."""
+    for part in _flat([item]):
+        raw, width = part.raw, part.width
+        widest = _widest(width, context, interface)
+        container = raw.get("padded_to", 0)
+        yield Field(
+            name=raw["name"],
+            kind=_kind(raw),
+            low=part.low,
+            width=width,
+            widest=widest,
+            printed_name=raw.get("printed_name", ""),
+            names=raw.get("names", {}),
+            group=part.group,
+            container=container,
+            constant=raw.get("constant", 0),
+            active_low=raw.get("active") == "low",
+            when_active=raw.get("when_active", ""),
+            when_inactive=raw.get("when_inactive", ""),
+            values=_values(raw, context, interface),
+            crc=raw.get("crc", ""),
+            parity_of=raw.get("parity_of", ""),
+            digits=_digits(raw),
+            equals=raw.get("equals"),
+            unit=raw.get("unit", ""),
+            default=raw.get("default"),
+            meaning=raw.get("meaning", ""),
+            note=raw.get("note", ""),
+            source=context.sources(raw),
+        )
+        if container:
+            rest = part.span - width
+            yield _zero(f"{raw['name']}_padding", part.low + width, rest, _widest(rest, context, interface), context.sources(raw), padding_of=raw["name"])
+
+
+def _zero(name: str, low: Expression, width: Expression, widest: int, source: Sources, padding_of: str = "") -> Field:
+    return Field(name=name, kind="constant", low=low, width=width, widest=widest, padding_of=padding_of, meaning="always zero", source=source)
+
+
+def _kind(raw: Raw) -> str:
+    kinds = {"constant": "constant", "active": "flag", "values": "choice", "values_of": "choice", "crc": "crc", "parity_of": "parity", "digits": "digits", "text": "text"}
+    return next((kind for key, kind in kinds.items() if key in raw), "number")
+
+
+def build_values(raw: Raw, context: Context) -> tuple[Value, ...]:
+    """The named values that ``raw['values']`` lists, as the spec orders them."""
+    return tuple(
+        Value(name, value["value"], value.get("printed_name", ""), value.get("names", {}), value.get("meaning", ""), context.sources(value))
+        for name, value in raw.get("values", {}).items()
+    )
+
+
+def _values(raw: Raw, context: Context, interface: str) -> tuple[Value, ...]:
+    if "values_of" in raw:
+        return tuple(Value(item.name, item.id, f"Data ID {item.id:X}", {}, item.meaning, item.source) for item in context.data_ids.get(interface, ()))
+    return build_values(raw, context)
+
+
+def _digits(raw: Raw) -> tuple[Digits, ...]:
+    runs, divisor = [], 1
+    for run in reversed(raw.get("digits", ())):
+        runs.append(Digits(run["name"], run["digits"], divisor, 10 ** run["digits"], run.get("meaning", "")))
+        divisor *= 10 ** run["digits"]
+    return tuple(reversed(runs))
+
+
+def _with_places(fields: Sequence[Field], bits: Expression, context: Context, interface: str) -> list[Field]:
+    """The fields from the lowest up; by the order code with the most bits, which shows every field."""
+    sets = _sets(context, interface)
+    widest = max(sets, key=lambda parameters: sum(field.width.value(parameters) for field in fields), default={})
+    return sorted(fields, key=lambda field: field.low.value(widest))
+
+
+def _in_order(fields: Sequence[Field], context: Context, interface: str, low_first: bool) -> Sequence[Field]:
+    """Sending order for frames, from the top bit down for registers."""
+    return fields if low_first else list(reversed(fields))
+
+
+def _used_groups(raw: Raw, context: Context) -> list[Raw]:
+    return [context.groups[item["use"]][0] for item in raw.get("fields", ()) if item.get("use") in context.groups]
+
+
+def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[tuple[Field | None, Field | None, Expression, Expression]]:
+    """Bits between neighbours, from the lowest up: the field below, the field above, first bit, width."""
+    position, below = ZERO, None
+    for field in fields:
+        if (rest := field.low - position) != ZERO:
+            yield below, field, position, rest
+        position, below = field.low + field.width, field
+    if (rest := bits - position) != ZERO:
+        yield below, None, position, rest
+
+
+def _covers(fields: Sequence[Field], bits: Expression, gaps: str, path: Path, context: Context, interface: str) -> bool:
+    groups_with_gaps = any(group.get("other_bits") for group, _ in context.groups.values())
+    if gaps or groups_with_gaps:
+        return True
+    for below, above, low, width in _gaps(fields, bits):
+        for parameters in _sets(context, interface):
+            if (size := width.value(parameters)) > 0:
+                first = low.value(parameters)
+                context.report.add("bits-without-field", path, f"bits {first + size - 1}:{first}{_with(parameters, low, width)} have no field; give them one, or say 'other_bits: zero' or 'other_bits: unspecified'")
+                return False
+    return True
+
+
+def _with_zeros(fields: Sequence[Field], bits: Expression, context: Context, interface: str) -> list[Field]:
+    """The fields with a constant zero field in every gap, from the lowest up."""
+    zeros = []
+    for below, above, low, width in _gaps(fields, bits):
+        name = f"zero_below_{above.name}" if above is not None else f"zero_above_{below.name}" if below is not None else "zero"
+        zeros.append(_zero(name, low, width, _widest(width, context, interface), (above or below or fields[0]).source))
+    return _with_places([*fields, *zeros], bits, context, interface)
+
+
+def _pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
+    """The bytes that hold the field, where that is the same for every order code."""
+    size = field.container or (field.width.constant if field.width.is_constant else 0)
+    if not field.low.is_constant or not size:
+        return ()
+    low, pieces, done = field.low.constant, [], 0
+    while done < size:
+        bit = low + done
+        part = min(8 - bit % 8, size - done)
+        pieces.append(Piece(bit // 8 if low_first else length - 1 - bit // 8, bit % 8, (1 << part) - 1, done))
+        done += part
+    return tuple(pieces)
+
+
+def _is_sound(layout: Layout, path: Path, context: Context, interface: str) -> bool:
+    """What holds for a layout as a whole: lengths, values that fit, the CRC at the end."""
+    before = len(context.report)
+    report = context.report
+    if layout.carried_as == "bytes" and (not layout.bits.is_constant or layout.bits.constant % 8):
+        report.add("width-mismatch", path, f"'{layout.name}' takes {layout.bits.render()} bits, which is no whole number of bytes")
+    if layout.carried_as == "bits" and layout.widest > LARGEST_NUMBER:
+        report.add("too-long", path, f"'{layout.name}' takes {layout.widest} bits; {LARGEST_NUMBER} is the most")
+    for field in layout.fields:
+        here = (*path, "fields", field.name)
+        narrowest = min((field.width.value(parameters) for parameters in _sets(context, interface)), default=0)
+        if field.widest > LARGEST_NUMBER and field.kind != "text" and not field.padding_of and not field.name.startswith("zero_"):
+            report.add("too-long", here, f"'{field.name}' takes {field.widest} bits; {LARGEST_NUMBER} is the most")
+        if field.kind == "constant" and field.constant >> narrowest and narrowest:
+            report.add("value-too-wide", here, f"the constant {field.constant:#x} does not fit into {narrowest} bits")
+        if field.kind in ("flag", "parity") and field.width != Expression(1):
+            report.add("width-mismatch", here, f"'{field.name}' is a {field.kind} of one bit; it takes {field.widest}")
+        for value in field.values:
+            if value.value >> field.widest:
+                report.add("value-too-wide", here, f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits")
+        if field.digits and field.digits[0].divisor * field.digits[0].modulus > 1 << field.widest:
+            count = sum(run.digits for run in field.digits)
+            report.add("value-too-wide", here, f"{count} decimal digits do not fit into {field.widest} bits")
+        if field.kind == "text" and (field.widest % 8 or (isinstance(field.equals, str) and 8 * len(field.equals) != field.widest)):
+            report.add("width-mismatch", here, f"the text of '{field.name}' does not fill its {field.widest} bits")
+        if field.kind == "crc":
+            _check_crc_field(layout, field, here, context)
+    for value in layout.selects:
+        selector = next((field for field in layout.fields if field.name == layout.selector), None)
+        if selector is not None and selector.values and value not in [item.value for item in selector.values]:
+            report.add("undefined-reference", (*path, "when"), f"'{layout.selector}' has no value {value}")
+    return len(report) == before
+
+
+def _check_crc_field(layout: Layout, field: Field, path: Path, context: Context) -> None:
+    crc = context.crcs.get(field.crc)
+    if crc is None:
+        return
+    if field.width != Expression(crc.width):
+        context.report.add("width-mismatch", path, f"'{field.name}' takes {field.widest} bits; the CRC '{crc.name}' has {crc.width}")
+    if field is not layout.fields[-1]:
+        context.report.add("crc-not-last", path, f"'{field.name}' covers everything sent before it, so it has to be the last field of '{layout.name}'")
+    if layout.carried_as == "bytes" and crc.width % 8:
+        context.report.add("width-mismatch", path, f"a CRC of {crc.width} bits does not end a frame of whole bytes")

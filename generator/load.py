@@ -1,0 +1,73 @@
+"""From paths to the library: read, check and build every spec, with all problems in one report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+
+from .build import build_device, build_manufacturer
+from .check import check_document
+from .model import Device, Manufacturer
+from .problems import Report, listed
+from .read import Document, read_document, read_specs
+
+
+def packaged_specs() -> Path:
+    """The folder of the specs that ship with the tool; in an editable install, the checkout's ``specs``."""
+    return Path(str(resources.files("codewheel.specs")))
+
+
+def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+    """Every device that the specs at ``paths`` describe, in order of name, and everything that is wrong with them.
+
+    Args:
+        paths: Files and folders; without any, the specs that ship with the tool.
+
+    Returns:
+        The devices, to be used only when the report is empty, and the report.
+    """
+    report = Report()
+    documents = read_specs(paths or [packaged_specs()], report)
+    documents += _missing_manufacturers(documents, report)
+    checked = [(document, check_document(document, report)) for document in documents]
+    makers: dict[str, Manufacturer] = {}
+    for document, data in checked:
+        if data is not None and "device" not in data and "manufacturer" in data:
+            if data["manufacturer"] in makers:
+                report.add("duplicate-name", document, ("manufacturer",), f"there is another manufacturer file for '{data['manufacturer']}'")
+            makers[data["manufacturer"]] = build_manufacturer(data)
+    devices: list[Device] = []
+    for document, data in checked:
+        if data is None or "device" not in data:
+            continue
+        maker = makers.get(data["manufacturer"])
+        if maker is None:
+            known = f"; known: {listed(sorted(makers))}" if makers else ""
+            report.add("undefined-reference", document, ("manufacturer",), f"there is no manufacturer file for '{data['manufacturer']}'{known}")
+            continue
+        device = build_device(data, maker, report.for_document(document))
+        _compare_with_others(device, devices, document, report)
+        devices.append(device)
+    return tuple(sorted(devices, key=lambda item: item.name)), report
+
+
+def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
+    """The manufacturer files that lie beside device files which were given alone."""
+    given = {Path(document.file).resolve() for document in documents}
+    folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
+    beside = [folder / "manufacturer.yaml" for folder in folders]
+    found = (read_document(path, report) for path in beside if path.resolve() not in given and path.is_file())
+    return [document for document in found if document is not None]
+
+
+def _compare_with_others(device: Device, others: Sequence[Device], document: Document, report: Report) -> None:
+    """Families have names of their own, and no order code belongs to two."""
+    if any(other.name == device.name for other in others):
+        report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
+    codes = {variant.code: other for other in others for variant in other.variants}
+    for variant in device.variants:
+        if variant.code in codes:
+            wrong = f"the order code {variant.code} belongs to '{codes[variant.code].name}' as well"
+            report.add("order-code-ambiguous", document, ("order_code", "pattern"), wrong)
+            return

@@ -1,0 +1,135 @@
+"""The schema check: is a document written in the language, word by word?
+
+The JSON Schemas are what editors use; jsonschema does the walking. The messages are our own, since those of a validator speak of
+instances and properties to someone who is transcribing a manual.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+from .problems import Path, Report
+from .schema_messages import Finding, explain
+
+if TYPE_CHECKING:
+    from .read import Document
+
+#: Problems of one document after which the rest is not worth reading.
+MAX_PROBLEMS = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What the schema check leaves.
+
+    ``data`` is a deep copy without what is broken: it keeps to the schema, but for keys that are missing at the top. ``complete``
+    says that none is. Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
+    """
+
+    data: dict[str, Any]
+    kind: str
+    complete: bool
+
+
+def check_schema(document: Document, report: Report) -> Checked | None:
+    """Checks a document against the schema of its kind, adds a problem for each fault, and cuts the faults out.
+
+    Returns:
+        What is left, or None where the document is neither a device nor a manufacturer file.
+    """
+    kind = _kind(document.data)
+    if kind is None:
+        message = "'device' is missing; a device file names its family with it, a manufacturer file has 'manufacturer' alone"
+        report.add("missing-key", document, (), message)
+        return None
+    validator = _validator(kind)
+    cut = set(document.broken)
+    findings = _findings(validator, document.data, cut, kind)
+    for finding in findings[:MAX_PROBLEMS]:
+        report.add(finding.rule, document, finding.path, finding.message, at_key=finding.at_key)
+    if len(findings) > MAX_PROBLEMS:
+        message = f"{len(findings) - MAX_PROBLEMS} more problems of this kind are not shown"
+        report.add("too-many-problems", document, findings[MAX_PROBLEMS].path, message)
+    return _cut_out(validator, document, cut | {finding.path for finding in findings if finding.path}, kind)
+
+
+def load_schema(kind: str) -> dict[str, Any]:
+    """The JSON Schema of ``device`` or ``manufacturer`` files."""
+    text = resources.files(f"{__package__}.spec").joinpath(f"{kind}.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, Any] = json.loads(text)
+    return schema
+
+
+def _kind(data: dict[str, Any]) -> str | None:
+    """A file with a key that only device files have is one, even where ``device`` itself is missing or misspelt."""
+    shared = set(load_schema("manufacturer")["properties"])
+    if "device" in data or any(key in data for key in load_schema("device")["properties"] if key not in shared):
+        return "device"
+    return "manufacturer" if "manufacturer" in data else None
+
+
+def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> Checked:
+    """Removes the broken places, and what cannot do without them, until the rest keeps to the schema."""
+    while True:
+        document.kept.clear()
+        data: dict[str, Any] = _without(document.data, cut, (), document.kept)
+        errors = [(_original(tuple(error.absolute_path), document.kept), error) for error in validator.iter_errors(data)] if cut else []
+        more = {path for path, _ in errors if path}
+        if more <= cut:
+            return Checked(data, kind, complete=all(key in data for key in load_schema(kind)["required"]))
+        cut |= more
+
+
+def _without(value: Any, cut: set[Path], path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+    if isinstance(value, dict):
+        return {key: _without(item, cut, (*path, key), kept) for key, item in value.items() if (*path, key) not in cut}
+    if isinstance(value, list):
+        indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
+        if len(indices) < len(value):
+            kept[path] = indices
+        return [_without(value[index], cut, (*path, index), kept) for index in indices]
+    return value
+
+
+def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:
+    """A path into pruned data as a path into the data as read."""
+    result: Path = ()
+    for step in path:
+        result += (kept[result][step] if isinstance(step, int) and result in kept else step,)
+    return result
+
+
+def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
+    """One finding for each place, those of the reader left out."""
+    found: dict[tuple[Path, bool], Finding] = {}
+    for error in validator.iter_errors(data):
+        for finding in explain(error, kind):
+            if not any(finding.path[: len(place)] == place for place in broken):
+                found.setdefault((finding.path, finding.at_key), finding)
+    return list(found.values())
+
+
+@functools.cache
+def _validator(kind: str) -> Any:
+    """A validator that is stricter than JSON Schema in two points, where that would let through what the language means to refuse."""
+    from jsonschema import Draft202012Validator, ValidationError  # 80 ms, which `list` and `decode` need not spend.
+    from jsonschema import validators
+
+    def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
+        # With the search of JSON Schema a name could end in a line break.
+        if isinstance(instance, str) and not re.fullmatch(expected, instance.replace("\n", "\0")):
+            yield ValidationError("pattern")
+
+    def integer(_: Any, instance: Any) -> bool:
+        # For JSON Schema 1.0 is an integer.
+        return isinstance(instance, int) and not isinstance(instance, bool)
+
+    types = Draft202012Validator.TYPE_CHECKER.redefine("integer", integer)
+    extend: Any = validators.extend  # Its stub has no types.
+    return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(load_schema(kind))

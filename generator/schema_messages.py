@@ -1,0 +1,175 @@
+"""What the schema check says: each keyword of JSON Schema in words for someone who is transcribing a manual."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from .problems import Path, listed, quoted, suggestion
+
+_TYPES = {"integer": "a whole number", "string": "text", "object": "a map of keys", "array": "a list", "boolean": "true or false"}
+
+#: Every pattern of the two schemas in words.
+PATTERNS = {
+    "^[a-z][a-z0-9_]*$": "a name has lower case letters, digits and underscores, a letter first",
+    "^[a-z][a-z0-9]*$": "it has lower case letters and digits, a letter first",
+    "^[a-z]{2}$": "a language code has two lower case letters, as in en",
+    "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is year-month-day, as in 2024-05-10",
+    "^https?://[^\\s<>\"]+$": "an address begins with https:// and has no spaces",
+    "^[0-9A-Fa-f]{2}( [0-9A-Fa-f]{2})*$": "bytes are two hexadecimal digits each, parted by single spaces, as in 1A 00 3F",
+    "^[01]+$": "bits are the digits 0 and 1 only",
+    "^[A-Za-z0-9]+$": "a value of an order code has letters and digits only",
+    "^[A-Za-z0-9\\[\\]{},?+*-]+$": "it has letters, digits, classes in brackets and counts only, as in [A-Z]{2}",
+    "^[a-z0-9_]+(\\.[a-z0-9_]+)*$": "a path is names joined by dots, as in registers.preset",
+    "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version is three numbers joined by dots, as in 0.1.0",
+}
+
+#: What one item of a list, or one entry of a map of names, is called where cutting the plural s does not give it.
+_ITEMS = {
+    "errata": "an erratum",
+    "history": "a revision",
+    "crcs": "a CRC",
+    "leds": "an LED",
+    "data_ids": "a data ID",
+    "memory_access": "a row of the memory access",
+    "printed": "a printed value",
+    "digits": "a run of digits",
+    "sets": "a parameter that is set",
+    "join": "a joined number",
+    "names": "a name",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A fault: the rule, the place, the message; ``at_key`` where the key is at fault, not its value."""
+
+    rule: str
+    path: Path
+    message: str
+    at_key: bool = False
+
+
+def explain(error: Any, kind: str) -> Iterator[Finding]:
+    """The findings that one error of the validator stands for.
+
+    Args:
+        error: A ``jsonschema.ValidationError``.
+        kind: ``device`` or ``manufacturer``.
+    """
+    path: Path = tuple(error.absolute_path)
+    if "propertyNames" in error.relative_schema_path:
+        words = PATTERNS.get(error.schema.get("pattern", ""), "")
+        if error.validator == "maxLength":
+            yield Finding("too-long", (*path, error.instance), f"the key {quoted(error.instance)} is longer than {error.validator_value} characters", True)
+        else:
+            yield Finding("bad-pattern", (*path, error.instance), f"the key {quoted(error.instance)} does not fit: {words}", True)
+    elif error.validator == "additionalProperties":
+        for key in error.instance:
+            if key not in error.schema["properties"]:
+                hint = suggestion(key, error.schema["properties"], "known are")
+                yield Finding("unknown-key", (*path, key), f"unknown key {quoted(key)}{hint}", True)
+    elif error.validator == "required":
+        yield from _missing(error, path, kind)
+    else:
+        rule, message = _MESSAGES[error.validator](error, _subject(path))
+        yield Finding(rule, path, message)
+
+
+def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
+    """One finding for all keys that are missing here, but for those that an unknown key is a misspelling of."""
+    known = error.schema["properties"]
+    unknown = [key for key in error.instance if key not in known]
+    misspelt = [key for key in error.validator_value if any(f"'{key}'?" in suggestion(word, known) for word in unknown)]
+    missing = [f"'{key}'" for key in error.validator_value if key not in error.instance and key not in misspelt]
+    if missing:
+        needs = f"{listed(missing)} {'is' if len(missing) == 1 else 'are'} missing; {_owner(error, path, kind)} needs {'it' if len(missing) == 1 else 'them'}"
+        yield Finding("missing-key", path, needs, bool(path) and isinstance(path[-1], str))
+
+
+def _owner(error: Any, path: Path, kind: str) -> str:
+    """Who needs a key: ``a register`` for items and named entries, else the key of the map itself."""
+    if not path:
+        return f"a {kind} file"
+    schema_path = list(error.absolute_schema_path)
+    if len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties"):
+        return _item(next(step for step in reversed(path[:-1]) if isinstance(step, str)))
+    return f"'{path[-1]}'"
+
+
+def _item(plural: str) -> str:
+    singular = plural.removesuffix("s").replace("_", " ")
+    return _ITEMS.get(plural) or f"{'an' if singular[0] in 'aeiou' else 'a'} {singular}"
+
+
+def _subject(path: Path) -> str:
+    """What a message speaks of: the key, or the list that an item is in."""
+    if path and isinstance(path[-1], int):
+        return f"an item of '{path[-2]}'"
+    return f"'{path[-1]}'" if path else "the file"
+
+
+def _type(error: Any, subject: str) -> tuple[str, str]:
+    types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
+    wanted = listed([_TYPES[name] for name in types], "or")
+    if error.instance is None:
+        return "wrong-type", f"{subject} has no value; it must be {wanted}"
+    hint = "; put it in quotes" if "string" in types and isinstance(error.instance, (int, float)) else ""
+    return "wrong-type", f"{subject} must be {wanted}, not {quoted(error.instance)}{hint}"
+
+
+def _enum(error: Any, subject: str) -> tuple[str, str]:
+    hint = suggestion(str(error.instance), map(str, error.validator_value), "it is one of") if not isinstance(error.instance, (dict, list)) else ""
+    if not hint:
+        hint = f"; it is one of {', '.join(map(str, error.validator_value))}"
+    return "not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}"
+
+
+def _const(error: Any, subject: str) -> tuple[str, str]:
+    return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}"
+
+
+def _pattern(error: Any, subject: str) -> tuple[str, str]:
+    words = PATTERNS.get(error.validator_value, f"it must match {error.validator_value}")
+    return "bad-pattern", f"{subject} cannot be {quoted(error.instance)}: {words}"
+
+
+def _range(error: Any, subject: str) -> tuple[str, str]:
+    low, high = error.schema.get("minimum"), error.schema.get("maximum")
+    bounds = f"from {low} to {high}" if None not in (low, high) else f"at least {low}" if high is None else f"at most {high}"
+    return "out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}"
+
+
+def _long(error: Any, subject: str) -> tuple[str, str]:
+    return "too-long", f"{subject} has {len(error.instance)} characters; it may have {error.validator_value}"
+
+
+def _empty(error: Any, subject: str) -> tuple[str, str]:
+    return "too-short", f"{subject} is empty; say something or leave it out"
+
+
+def _few(error: Any, subject: str) -> tuple[str, str]:
+    return "too-short", f"{subject} is empty; it needs at least one entry"
+
+
+def _many(error: Any, subject: str) -> tuple[str, str]:
+    return "too-long", f"{subject} has {len(error.instance)} entries; it may have {error.validator_value}"
+
+
+_MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
+    "type": _type,
+    "enum": _enum,
+    "const": _const,
+    "pattern": _pattern,
+    "minimum": _range,
+    "maximum": _range,
+    "maxLength": _long,
+    "minLength": _empty,
+    "minItems": _few,
+    "minProperties": _few,
+    "maxProperties": _many,
+}
+
+#: The keywords of JSON Schema that the schemas may use; a message exists for each.
+KEYWORDS = frozenset(("required", "additionalProperties", "propertyNames", *_MESSAGES))

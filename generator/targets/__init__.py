@@ -1,0 +1,50 @@
+"""Targets: functions from the library of devices to files.
+
+A target gets the whole library and gives the text of every file under its path in the output folder. It touches no disk and computes no
+bit position. Others can add one by the entry point group ``codewheel.targets``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+from ..model import Device, Manufacturer
+
+
+@dataclass(frozen=True)
+class Library:
+    """Every device that the specs describe, in order of name, and where a user keeps templates of their own."""
+
+    devices: tuple[Device, ...]
+    own_templates: Path | None = None
+
+    def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
+        """The devices of each manufacturer, in order of name."""
+        makers = {device.manufacturer.name: device.manufacturer for device in self.devices}
+        return [(maker, tuple(item for item in self.devices if item.manufacturer.name == name)) for name, maker in sorted(makers.items())]
+
+
+Target = Callable[[Library], Mapping[str, str]]
+
+#: Our targets, by name: the module that holds each, and the folder of the output that belongs to it.
+BUILT_IN = {"python": "python", "c": "c", "biss": "biss", "docs": "docs"}
+
+
+def target(name: str) -> Target:
+    """The target of that name, ours or a registered one.
+
+    Raises:
+        LookupError: There is no such target.
+    """
+    if name in BUILT_IN:
+        found: Target = import_module(f"{__name__}.{name}").generate
+        return found
+    from importlib.metadata import entry_points
+
+    for entry in entry_points(group="codewheel.targets", name=name):
+        registered: Target = entry.load()
+        return registered
+    raise LookupError(name)
