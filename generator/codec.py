@@ -94,7 +94,7 @@ def select(device: Device, variant: Variant, sender: str, data: bytes) -> tuple[
         return None, (Problem("length", "", f"{len(data)} bytes are too few to tell the frame by"),)
     found = number_from_bytes(layout, data) >> selector.low & selector.mask
     choices = ", ".join(f"{value:X}" for value in sorted(allowed))
-    return None, (Problem("range", layout.selector, f"{_words(layout.selector)} {found:X} is none of {choices}"),)
+    return None, (Problem("range", layout.selector, f"{layout.selector} is {found:X}; it can be {choices}"),)
 
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
@@ -103,7 +103,7 @@ def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> 
     if placed is None:
         return Decoded(None, 0, (), None, problems)
     if 8 * len(data) != placed.bits:
-        wrong = f"a {_words(placed.name)} has {placed.bits // 8} bytes; this has {len(data)}"
+        wrong = f"'{placed.name}' has {placed.bits // 8} bytes; this has {len(data)}"
         return Decoded(placed, number_from_bytes(placed.layout, data), (), None, (Problem("length", "", wrong),))
     return decode(device, placed, number_from_bytes(placed.layout, data))
 
@@ -111,7 +111,7 @@ def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> 
 def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     """Every field of ``number``, the CRC, and all faults."""
     if number >> placed.bits:
-        wrong = f"{number.bit_length()} bits are too many; a {_words(placed.name)} has {placed.bits}"
+        wrong = f"'{placed.name}' has {placed.bits} bits; this has {number.bit_length()}"
         return Decoded(placed, number, (), None, (Problem("length", "", wrong),))
     problems: list[Problem] = []
     fields = []
@@ -129,7 +129,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
             if not crc_result.ok:
                 problems.append(Problem("crc", item.name, f"the CRC is {raw:#04x}; over these bits it has to be {crc_result.computed:#04x}"))
         elif item.name == placed.layout.selector and raw not in placed.layout.selects:
-            problems.append(Problem("range", item.name, f"{_words(item.name)} {raw:X} does not belong to this frame"))
+            problems.append(Problem("range", item.name, f"{item.name} {raw:X} does not belong to this frame"))
     for join in placed.layout.joins:
         value = join_value(placed, join, number)
         parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
@@ -269,7 +269,3 @@ def _digits(field: Field, given: Values) -> list[int]:
             raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
         parts.append(value * run.divisor)
     return parts
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ").replace("data id", "data ID")

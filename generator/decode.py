@@ -59,7 +59,7 @@ def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decod
     compact = re.sub(r"[\s_]", "", text)
     if re.fullmatch(r"0[bB][01]+", compact):
         if len(compact) - 2 != placed.bits:
-            wrong = f"a {placed.name.replace('_', ' ')} has {placed.bits} bits; this has {len(compact) - 2}"
+            wrong = f"'{placed.name}' has {placed.bits} bits; this has {len(compact) - 2}"
             return codec.Decoded(placed, int(compact, 2), (), None, (codec.Problem("length", "", wrong),))
         return codec.decode(device, placed, int(compact, 2))
     if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact):
@@ -84,6 +84,8 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -
     """The result for a person, at most 80 columns wide."""
     variant = match.variant
     lines = [f"{variant.code}, {device.interface(variant.interface).title}, from the {sender}"]
+    if match.unlisted:
+        lines.append(f"  not listed in the manual, taken as any other: {', '.join(match.unlisted)}")
     if match.special:
         lines.append(wrapped(device.order_code.special or "A code that ends in /Sxxx may differ from the manual.", 80, "  "))
     if decoded.layout is not None:
@@ -119,7 +121,7 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     first_byte, last_byte = (low // 8, high // 8) if layout.byte_order == "low_byte_first" else (last - high // 8, last - low // 8)
     if first_byte != last_byte:
         whole = low % 8 == 0 and high % 8 == 7
-        return f"bytes {first_byte}-{last_byte}" + ("" if whole else f" from bit {low % 8}")
+        return f"bytes {first_byte}-{last_byte}" if whole else f"bytes {first_byte}.{low % 8}-{last_byte}.{high % 8}"
     if high - low == 7:
         return f"byte {first_byte}"
     return f"byte {first_byte}.{high % 8}" + (f":{low % 8}" if high != low else "")

@@ -70,7 +70,7 @@ def decode_example(device: Device, example: Example, variant: Variant) -> codec.
         return codec.decode_bytes(device, variant, example.sender, example.bytes)
     placed = device.layout(example.layout).place(variant.parameters)
     if len(example.bits) != placed.bits:
-        wrong = f"a {placed.name} has {placed.bits} bits; this has {len(example.bits)}"
+        wrong = f"'{placed.name}' has {placed.bits} bits; this has {len(example.bits)}"
         return codec.Decoded(placed, int(example.bits, 2), (), None, (codec.Problem("length", "", wrong),))
     return codec.decode(device, placed, int(example.bits, 2))
 

@@ -417,10 +417,10 @@ def _is_sound(layout: Layout, path: Path, context: Context, interface: str) -> b
             report.add("width-mismatch", here, f"the text of '{field.name}' does not fill its {field.widest} bits")
         if field.kind == "crc":
             _check_crc_field(layout, field, here, context)
-    for value in layout.selects:
+    for selected in layout.selects:
         selector = next((field for field in layout.fields if field.name == layout.selector), None)
-        if selector is not None and selector.values and value not in [item.value for item in selector.values]:
-            report.add("undefined-reference", (*path, "when"), f"'{layout.selector}' has no value {value}")
+        if selector is not None and selector.values and selected not in [item.value for item in selector.values]:
+            report.add("undefined-reference", (*path, "when"), f"'{layout.selector}' has no value {selected}")
     return len(report) == before
 
 

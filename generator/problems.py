@@ -100,6 +100,10 @@ class DocumentReport:
         """Adds a problem at ``path``; see :meth:`Report.add`."""
         self._report.add(rule, self.document, path, message, at_key=at_key)
 
+    def __len__(self) -> int:
+        """How many problems there are so far, over all documents."""
+        return len(self._report)
+
 
 def quoted(value: Any) -> str:
     """A value of a spec as a message shows it: text in quotes and not too long, a container by its kind."""

@@ -90,7 +90,8 @@ def variant_text(device: Device, match: Match) -> str:
         lines += ["", f"{layout.printed_name or layout.name}, from the {layout.sender}, {size}  [{cite(layout.source)}]", *picture(placed)]
     lines += _registers(device, [item for item in device.registers if item.interface == variant.interface], variant)
     lines += _procedures(device, variant)
-    return "\n".join([*lines, *_errata(device)])
+    others = tuple(f"interfaces.{item.kind}" for item in device.interfaces if item.kind != variant.interface)
+    return "\n".join([*lines, *_errata(device, others)])
 
 
 def picture(placed: PlacedLayout) -> list[str]:
@@ -205,11 +206,13 @@ def _procedures(device: Device, variant: Variant | None) -> list[str]:
     return ["", "Procedures", *_pairs([(item.name, f"{item.title}  [{cite(item.source)}]") for item in found], 2)]
 
 
-def _errata(device: Device) -> list[str]:
-    if not device.errata:
+def _errata(device: Device, without: tuple[str, ...] = ()) -> list[str]:
+    """The errata, but for those that touch only what begins with one of ``without``."""
+    found = [item for item in device.errata if not item.affects or not all(path.startswith(without) for path in item.affects)]
+    if not found:
         return []
     lines = ["", "Errata of the manual"]
-    for item in device.errata:
+    for item in found:
         lines.append(wrapped(f"printed: {item.printed}; used: {item.used}", _WIDTH, "    ", f"  {item.name} ({item.status}, {item.severity.replace('_', ' ')}) [{cite(item.source)}] "))
     return lines
 

@@ -1,0 +1,46 @@
+"""The rules beyond the schema: what is wrong with a spec although each word of it is in the language.
+
+A rule is a function of the pruned data, the data as read, and the report of the document. It adds problems under a stable name and
+never raises. To add one: write the function into the module of its subject, name it here, and give it a broken spec in ``tests/check/broken``.
+"""
+
+from __future__ import annotations
+
+from . import names, order_code, references, shapes, values
+from .walk import Rule
+
+#: Rules without which nothing can be built: order codes and parameters lie under every width, groups under every layout.
+FOUNDATIONS: tuple[Rule, ...] = (
+    references.order_code_references,
+    references.expressions,
+    order_code.parameter_cycle,
+    order_code.order_code_pattern,
+    shapes.layout_keys,
+    values.crc_impossible,
+)
+
+#: Every rule, in the order in which they run. It does not show: problems are sorted by their place.
+RULES: tuple[Rule, ...] = (
+    *FOUNDATIONS,
+    order_code.order_code_ambiguous,
+    names.device_name,
+    names.duplicate_name,
+    names.duplicate_field,
+    names.duplicate_address,
+    names.value_clash,
+    references.field_references,
+    references.register_references,
+    references.alarm_references,
+    references.procedure_references,
+    references.example_references,
+    references.erratum_references,
+    references.connector_references,
+    values.value_too_wide,
+    values.timing_bounds,
+    values.clock_range,
+    values.timeout_mismatch,
+    values.bad_source,
+    shapes.byte_order_missing,
+    shapes.step_shape,
+    shapes.example_shape,
+)

@@ -1,0 +1,114 @@
+"""Rules on names and numbers that have to be unique."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import PurePath
+
+from ..problems import DocumentReport, Path, quoted
+from .walk import Spec, by_name, expanded, field_lists, interface_of, items, layouts, mapping
+
+#: Lists at the top whose items have to differ, with the word for an item and the key by which they differ.
+_LISTS = (
+    ("crcs", "a CRC", "name"),
+    ("field_groups", "a field group", "name"),
+    ("registers", "a register", "name"),
+    ("alarms", "an alarm", "name"),
+    ("procedures", "a procedure", "name"),
+    ("timings", "a timing", "name"),
+    ("connectors", "a connector", "name"),
+    ("leds", "a light", "name"),
+    ("characteristics", "a characteristic", "name"),
+    ("examples", "an example", "name"),
+    ("errata", "an erratum", "name"),
+)
+
+Named = tuple[Path, object]
+
+
+def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The name of the family is the stem of its file, so that either leads to the other."""
+    stem = PurePath(report.document.file).stem
+    if "device" in spec and spec["device"] != stem:
+        report.add("device-name", ("device",), f"the device is called {quoted(spec['device'])} and the file {quoted(stem)}; give both the same name")
+
+
+def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """No two things of one kind share a name."""
+    for key, word, label in _LISTS:
+        _unique(((path, item.get(label)) for path, item in items(spec, key)), word, label, report)
+    _unique(((layout.path, layout.owner["name"]) for layout in layouts(spec)), "a layout", "name", report)
+    for interface in mapping(spec, "interfaces"):
+        _unique(((path, item["name"]) for path, item in items(spec, "interfaces", interface, "timings")), "a timing", "name", report)
+        for key in ("name", "id", "control"):
+            _unique(((path, item[key]) for path, item in items(spec, "interfaces", interface, "data_ids")), "a data ID", key, report)
+    for key, label in (("editions", "language"), ("history", "revision")):
+        _unique(((path, item[label]) for path, item in items(spec, "manual", key)), f"a {label}", label, report)
+    _unique(((path, item["name"]) for path, item in items(spec, "order_code", "parts")), "a part", "name", report)
+    for key, inner, label in (("connectors", "contacts", "contact"), ("leds", "states", "state")):
+        for path, item in items(spec, key):
+            _unique((((*path, *below), entry[label]) for below, entry in items(item, inner)), f"a {label}", label, report)
+
+
+def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Within a layout fields, joined numbers and runs of digits share one space of names: a decoder hands them all out together."""
+    groups = by_name(spec, "field_groups")
+    for fields in field_lists(spec):
+        named: list[Named] = []
+        for path, field in expanded(fields, groups):
+            named.append((path, field.get("name")))
+            named += (((*path, *below), run["name"]) for below, run in items(field, "digits") if run["name"] != field.get("name"))
+        named += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
+        _unique(named, "a field", "name", report)
+
+
+def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """No two registers of an interface share a byte, but for one that is only read and one that is only written at the same place."""
+    registers = sorted(items(spec, "registers"), key=lambda entry: entry[1]["address"])
+    for index, (path, register) in enumerate(registers):
+        for other_path, other in reversed(registers[max(0, index - 128) : index]):
+            if interface_of(other) != interface_of(register) or other["address"] + other["length"] <= register["address"]:
+                continue
+            accesses = {register["access"], other["access"]}
+            if register["address"] == other["address"] and accesses == {"read_only", "write_only"}:
+                continue
+            later, earlier = ((path, register), (other_path, other)) if path > other_path else ((other_path, other), (path, register))
+            line = report.document.position(earlier[0])[0]
+            message = f"{_range(later[1])} overlaps {quoted(earlier[1]['name'])} on line {line}, which has {_range(earlier[1])}"
+            report.add("duplicate-address", (*later[0], "address"), message)
+            break
+
+
+def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """No two names stand for one number: a decoder could not choose."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            seen: dict[int, str] = {}
+            for name, value in mapping(field, "values").items():
+                first = seen.setdefault(value["value"], name)
+                if first != name:
+                    message = f"{value['value']:#x} is already {quoted(first)}; a number has one name"
+                    report.add("value-clash", (*path, "values", name, "value"), message)
+
+
+def _unique(named: Iterable[Named], word: str, label: str, report: DocumentReport) -> None:
+    """Reports every entry whose ``label`` an earlier one has."""
+    seen: dict[object, Path] = {}
+    for path, value in named:
+        if value is None:
+            continue
+        first = seen.setdefault(value, path)
+        if first != path:
+            line = report.document.position(first)[0]
+            what = f"{word} {quoted(value)}" if label == "name" or word.endswith(label) else f"{word} with {label} {quoted(value)}"
+            report.add("duplicate-name", _at(path, label), f"there is already {what} on line {line}; give each its own")
+
+
+def _at(path: Path, label: str) -> Path:
+    """The place of the label itself, where the entry is an item of a list."""
+    return (*path, label) if isinstance(path[-1], int) else path
+
+
+def _range(register: Spec) -> str:
+    first, last = register["address"], register["address"] + register["length"] - 1
+    return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

@@ -1,0 +1,147 @@
+"""Rules on which keys go together: what the schema cannot say without messages that nobody understands."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from ..problems import DocumentReport, Path, listed, quoted
+from .walk import Fields, Spec, field_lists, items
+
+#: Each says what kind of field it is; a field without any is a number.
+_KINDS = ("constant", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
+#: What may stand beside ``use``.
+_BESIDE_USE = frozenset(("use", "note", "source"))
+#: Kinds whose width follows: a flag and a parity bit have one, a CRC its own.
+_WIDTH_FOLLOWS = ("active", "parity_of", "crc")
+
+#: For each kind of step and of example: what it needs, and what it may have beyond what all may have.
+_STEPS: dict[str, tuple[Collection[str], Collection[str]]] = {
+    "write": (("register", "value"), ()),
+    "wait": (("at_least_ms",), ()),
+    "send": (("data_id",), ("times", "every_at_least_us")),
+}
+_ALL_STEPS = frozenset(("do", "meaning", "source"))
+_EXAMPLES: dict[str, tuple[Collection[str], Collection[str]]] = {
+    "frame": ((), ("order_code", "layout", "from", "bytes", "bits", "values", "refused")),
+    "register": (("register", "bytes", "values"), ("order_code",)),
+    "crc": (("crc", "bytes", "check"), ()),
+    "procedure": (("procedure", "writes"), ("order_code", "argument")),
+}
+_ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
+
+
+def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Fields and layouts have keys that go together."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            if "use" in field:
+                _check_use(fields, path, field, report)
+            else:
+                _check_field(fields, path, field, report)
+        _check_placing(fields, report)
+        if fields.kind == "layout":
+            _check_carriage(fields, report)
+
+
+def _check_use(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
+    if fields.kind == "group":
+        report.add("layout-keys", (*path, "use"), "a field group cannot take in another; list the fields here")
+    elif fields.kind == "control":
+        report.add("layout-keys", (*path, "use"), "the control data takes in no groups; list the fields here")
+    beside = [key for key in field if key not in _BESIDE_USE]
+    if beside:
+        report.add("layout-keys", (*path, beside[0]), f"{quoted(beside[0])} cannot stand beside 'use'; it belongs to a field of the group", at_key=True)
+
+
+def _check_field(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
+    if "name" not in field:
+        report.add("layout-keys", path, "a field needs 'name', or 'use' to take in a group")
+        return
+    name = quoted(field["name"])
+    kinds = [key for key in _KINDS if key in field]
+    if len(kinds) > 1:
+        report.add("layout-keys", (*path, kinds[1]), f"{listed(map(quoted, kinds))} do not go together; a field is one of them", at_key=True)
+    for key in ("when_active", "when_inactive"):
+        if key in field and "active" not in field:
+            report.add("layout-keys", (*path, key), f"{quoted(key)} belongs to a flag; {name} needs 'active: high' or 'active: low' with it", at_key=True)
+    if isinstance(field.get("equals"), str) and "text" not in field:
+        report.add("layout-keys", (*path, "equals"), f"{name} equals a text, so it needs 'text: ascii'")
+    if isinstance(field.get("equals"), int) and "text" in field:
+        report.add("layout-keys", (*path, "equals"), f"{name} is a text; what it equals is put in quotes")
+    if "at" in field and "top_bit" in field:
+        report.add("layout-keys", (*path, "top_bit"), "'at' and 'top_bit' both give the position; keep one", at_key=True)
+    elif "bits" in field and ":" in str(field.get("at", "")):
+        report.add("layout-keys", (*path, "bits"), f"the range {quoted(field['at'])} already gives the width; leave 'bits' out", at_key=True)
+    elif "bits" not in field and "at" not in field and not any(key in field for key in _WIDTH_FOLLOWS):
+        report.add("layout-keys", path, f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6")
+
+
+def _check_placing(fields: Fields, report: DocumentReport) -> None:
+    """All fields of a layout follow each other, or all have positions."""
+    listed_fields = list(fields)
+    placed = [(path, field) for path, field in listed_fields if "at" in field or "top_bit" in field]
+    if not placed or len(placed) == len(listed_fields):
+        return
+    if fields.kind == "control":
+        return
+    path, field = next((path, field) for path, field in listed_fields if "at" not in field and "top_bit" not in field)
+    name = quoted(field.get("name", field.get("use", "")))
+    other = quoted(placed[0][1].get("name", ""))
+    report.add("layout-keys", path, f"{name} has no position, but {other} has; give all fields of a layout one ('at' or 'top_bit'), or none")
+
+
+def _check_carriage(fields: Fields, report: DocumentReport) -> None:
+    layout = fields.owner
+    carried_as = layout.get("carried_as", "bytes" if fields.interface == "rs485" else "bits")
+    name = quoted(layout["name"])
+    if carried_as == "bytes" and "byte_order" not in layout:
+        report.add("layout-keys", fields.path, f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first")
+    if carried_as == "bits" and "byte_order" in layout:
+        report.add("layout-keys", (*fields.path, "byte_order"), f"{name} is carried as bits, which have no byte order; leave it out", at_key=True)
+
+
+def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A register of several bytes says which comes first; no default is safe to guess."""
+    for path, register in items(spec, "registers"):
+        if register["length"] > 1 and "byte_order" not in register:
+            message = f"{quoted(register['name'])} has {register['length']} bytes, so it needs 'byte_order': low_byte_first or high_byte_first"
+            report.add("byte-order-missing", path, message)
+
+
+def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each step has the keys of its kind."""
+    for path, procedure in items(spec, "procedures"):
+        for below, step in items(procedure, "steps"):
+            needed, optional = _STEPS[step["do"]]
+            _check_keys("step-shape", f"a {step['do']} step", (*path, *below), step, needed, (*needed, *optional, *_ALL_STEPS), report)
+
+
+def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each example has the keys of its kind, and one that does not hold is explained."""
+    for path, example in items(spec, "examples"):
+        needed, optional = _EXAMPLES[example["kind"]]
+        _check_keys("example-shape", f"a {example['kind']} example", path, example, needed, (*needed, *optional, *_ALL_EXAMPLES), report)
+        if example["kind"] == "frame":
+            _check_frame(path, example, report)
+
+
+def _check_frame(path: Path, example: Spec, report: DocumentReport) -> None:
+    if ("bytes" in example) == ("bits" in example):
+        fault = "has both; keep one" if "bits" in example else "has neither"
+        report.add("example-shape", path, f"a frame example needs 'bytes' or 'bits'; this {fault}")
+    elif "layout" not in example and ("bits" in example or "refused" not in example):
+        report.add("example-shape", path, "'layout' is missing; a frame example needs it" + ("" if "bits" in example else ", or 'refused' where it fits none"))
+    if "refused" in example:
+        if "erratum" not in example and "note" not in example:
+            report.add("example-shape", path, "an example that is refused needs 'erratum' or 'note' to say why it is here")
+    elif "values" not in example:
+        report.add("example-shape", path, "'values' is missing; a frame example needs it, or 'refused'")
+
+
+def _check_keys(rule: str, what: str, path: Path, item: Spec, needed: Collection[str], allowed: Collection[str], report: DocumentReport) -> None:
+    missing = [quoted(key) for key in needed if key not in item]
+    if missing:
+        report.add(rule, path, f"{listed(missing)} {'is' if len(missing) == 1 else 'are'} missing; {what} needs {'it' if len(missing) == 1 else 'them'}")
+    for key in item:
+        if key not in allowed:
+            report.add(rule, (*path, key), f"{quoted(key)} does not belong to {what}", at_key=True)

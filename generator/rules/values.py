@@ -1,0 +1,134 @@
+"""Rules on single numbers and texts: CRC parameters, widths of values, times, clocks, sources."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ..problems import DocumentReport, Path, quoted, suggestion
+from .walk import Spec, field_lists, items, mapping, walk
+
+_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+#: A section by number, or by its heading where it has no number; then the page.
+_SECTION = re.compile(r"(?:[0-9]+(?:\.[0-9]+)*|[^\W\d_](?:[^\W\d_]|[ '&/()-])+)(?: p\.[0-9]+(?:-[0-9]+)?)?")
+_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+
+_CLOCKED = ("ssi", "biss")
+
+
+def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The parameters of a CRC fit its width, and its polynomial ends in + 1."""
+    for path, crc in items(spec, "crcs"):
+        width = crc["width"]
+        if crc["poly"] >> width:
+            hint = f"; leave the top bit out: {crc['poly'] ^ 1 << width:#x}" if crc["poly"] >> width == 1 else ""
+            report.add("crc-impossible", (*path, "poly"), f"the polynomial {crc['poly']:#x} does not fit into {width} bits{hint}")
+        elif crc["poly"] & 1 == 0:
+            report.add("crc-impossible", (*path, "poly"), f"the polynomial {crc['poly']:#x} is even; every generator polynomial ends in + 1")
+        for key in ("init", "xorout"):
+            if crc[key] >> width:
+                report.add("crc-impossible", (*path, key), f"{quoted(key)} is {crc[key]:#x}, which does not fit into {width} bits")
+
+
+def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What a field is said to hold fits into it, where its width does not depend on the order code."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            width = _constant_width(field)
+            if width is None:
+                continue
+            numbers: Iterator[tuple[Path, str, int]] = ((("values", name, "value"), f"the value {quoted(name)} is", item["value"]) for name, item in mapping(field, "values").items())
+            held = ((((key,), f"{quoted(key)} is", field[key])) for key in ("constant", "default", "equals") if isinstance(field.get(key), int))
+            for below, what, number in (*numbers, *held):
+                if number < 0 or number >> width:
+                    message = f"{what} {number:#x}, which does not fit into {width} bit{'s' if width > 1 else ''}"
+                    report.add("value-too-wide", (*path, *below), message)
+
+
+def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A timing has a bound, and its bounds are in order."""
+    for path, timing in _timings(spec):
+        bounds = [(key, timing[key]) for key in ("at_least_us", "typical_us", "at_most_us") if key in timing]
+        if not bounds:
+            report.add("timing-without-bound", path, "a timing needs 'at_least_us', 'typical_us' or 'at_most_us'")
+        for (low_key, low), (high_key, high) in zip(bounds, bounds[1:]):
+            if low > high:
+                report.add("timing-order", (*path, high_key), f"{quoted(high_key)} is {high}, less than {quoted(low_key)}, which is {low}")
+
+
+def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The lowest clock is not above the highest."""
+    for interface in _CLOCKED:
+        clock = mapping(spec, "interfaces", interface, "clock")
+        if clock and clock["min_hz"] > clock["max_hz"]:
+            report.add("clock-range", ("interfaces", interface, "clock", "min_hz"), f"'min_hz' is {clock['min_hz']}, above 'max_hz', which is {clock['max_hz']}")
+
+
+def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The time-outs that a manual works out are what its rule gives, to the nearest nanosecond."""
+    path: Path = ("interfaces", "biss", "timeout")
+    timeout = mapping(spec, *map(str, path))
+    if not timeout:
+        return
+    halves: int | None = timeout.get("half_clock_periods")
+    if timeout["rule"] == "follows_clock" and halves is None:
+        report.add("timeout-mismatch", path, "a time-out that follows the clock needs 'half_clock_periods'", at_key=True)
+    if timeout["rule"] == "fixed":
+        if halves is not None:
+            report.add("timeout-mismatch", (*path, "half_clock_periods"), "a fixed time-out does not depend on the clock; leave this out", at_key=True)
+        if "at_most_ns" not in timeout and "typical_ns" not in timeout:
+            report.add("timeout-mismatch", path, "a fixed time-out needs 'at_most_ns' or 'typical_ns'", at_key=True)
+    if timeout["rule"] == "fixed" or halves is None:
+        return
+    for below, printed in items(timeout, "printed"):
+        twice, clock = halves * 10**9, printed["clock_hz"]
+        if abs(twice - 2 * clock * printed["timeout_ns"]) > clock:
+            expected = (twice + clock) // (2 * clock)
+            message = f"{halves} half periods at {clock} Hz are {expected} ns, not {printed['timeout_ns']}"
+            report.add("timeout-mismatch", (*path, *below, "timeout_ns"), message)
+
+
+def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A source can be read, and the edition or document that it cites is listed."""
+    editions = [item["language"] for _, item in items(raw, "manual", "editions") if isinstance(item.get("language"), str)]
+    documents = mapping(raw, "documents")
+    own = mapping(raw, "manual").get("language")
+    for path, key, value in walk(spec):
+        if key == "source" and isinstance(value, str):
+            for piece in value.split(";"):
+                _check_piece(piece.strip(), path, editions, list(documents), own, report)
+
+
+def _check_piece(piece: str, path: Path, editions: list[str], documents: list[str], own: object, report: DocumentReport) -> None:
+    match = _PIECE.fullmatch(piece.replace("\n", " "))
+    key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
+    if key is not None and key == own:
+        report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; leave '{key}:' out")
+    elif key is not None and key not in editions and key not in documents:
+        hint = suggestion(key, [*editions, *documents], "known are")
+        report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
+    elif key in documents and place:
+        return  # Public documents have sections of every kind.
+    elif not _SECTION.fullmatch(place):
+        shown = quoted(piece) if piece else "an empty source"
+        message = f"{shown} is no section, as in '6.4', '6.4 p.35' or 'Cover'; several are parted by semicolons, another document has its key and a colon before"
+        report.add("bad-source", path, message)
+
+
+def _timings(spec: Spec) -> Iterator[tuple[Path, Spec]]:
+    for interface in mapping(spec, "interfaces"):
+        yield from items(spec, "interfaces", interface, "timings")
+    yield from items(spec, "timings")
+
+
+def _constant_width(field: Spec) -> int | None:
+    """The width of a field where it is plain to see; None where it depends on something, or another rule speaks about it."""
+    if isinstance(field.get("bits"), int):
+        return int(field["bits"]) if field["bits"] > 0 else None
+    if "bits" in field:
+        return None
+    match = _RANGE.fullmatch(str(field.get("at", "")))
+    if match is not None:
+        width = int(match[1]) - int(match[2]) + 1
+        return width if width > 0 else None
+    return 1 if "active" in field or isinstance(field.get("at"), int) else None
