@@ -9,7 +9,7 @@ from its place in that schema:
 * what is null, empty or an empty list is left out;
 * ``source`` elements cite the manual; what has none has those of the element around it.
 
-``spec/device-description.xsd`` is made from the schema by ``python -m codewheel.description``, and a test holds the two together.
+``spec/device-description.xsd`` is made from the same schema by ``python -m codewheel.xsd``, and a test holds the two together.
 """
 
 from __future__ import annotations
@@ -106,7 +106,8 @@ def _scalar(value: object) -> str:
 
 def to_xml(dump: Mapping[str, Any]) -> str:
     """The data of a device as an XML document."""
-    root = etree.Element(_tag("device_description"), nsmap={None: NAMESPACE, "xsi": _XSI})
+    namespaces: Any = {None: NAMESPACE, "xsi": _XSI}
+    root = etree.Element(_tag("device_description"), nsmap=namespaces)
     root.set(f"{{{_XSI}}}schemaLocation", f"{NAMESPACE} {XSD_NAME}")
     _write(root, dump, show_schema(), ())
     text: str = etree.tostring(root, pretty_print=True, encoding="unicode")

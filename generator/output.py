@@ -163,7 +163,8 @@ class _Dump:
         return made
 
     def _step(self, step: Step, inherited: Sources) -> Item:
-        return {"do": step.do} | self.plain(step, inherited)
+        made: Item = self.plain(step, inherited)
+        return made
 
     def _timings(self) -> list[Item]:
         """The times of the device and of its interfaces in one list."""

@@ -28,8 +28,8 @@ MAX_PROBLEMS = 200
 class Checked:
     """What the schema check leaves.
 
-    ``data`` is a deep copy without what is broken: it keeps to the schema, but for keys that are missing at the top. ``complete``
-    says that none is. Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
+    ``data`` is a deep copy without what is broken: it keeps to the schema, but for keys that are missing at the top or at the top of
+    an interface. ``complete`` says that none is. Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
     """
 
     data: dict[str, Any]
@@ -56,7 +56,7 @@ def check_schema(document: Document, report: Report) -> Checked | None:
     if len(findings) > MAX_PROBLEMS:
         message = f"{len(findings) - MAX_PROBLEMS} more problems of this kind are not shown"
         report.add("too-many-problems", document, findings[MAX_PROBLEMS].path, message)
-    return _cut_out(validator, document, cut | {finding.path for finding in findings if finding.path}, kind)
+    return _cut_out(validator, document, {_holder(path) for path in (*cut, *(finding.path for finding in findings if not _can_be_incomplete(finding.path)))}, kind)
 
 
 def load_schema(kind: str) -> dict[str, Any]:
@@ -75,15 +75,35 @@ def _kind(data: dict[str, Any]) -> str | None:
 
 
 def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> Checked:
-    """Removes the broken places, and what cannot do without them, until the rest keeps to the schema."""
+    """Removes what holds the broken places, and what cannot do without that, until the rest keeps to the schema."""
     while True:
         document.kept.clear()
         data: dict[str, Any] = _without(document.data, cut, (), document.kept)
-        errors = [(_original(tuple(error.absolute_path), document.kept), error) for error in validator.iter_errors(data)] if cut else []
-        more = {path for path, _ in errors if path}
+        complete, more = True, set()
+        for error in validator.iter_errors(data):
+            path = _original(tuple(error.absolute_path), document.kept)
+            if _can_be_incomplete(path) and error.validator == "required":
+                complete = False
+            elif path:
+                more.add(path)
         if more <= cut:
-            return Checked(data, kind, complete=all(key in data for key in load_schema(kind)["required"]))
+            return Checked(data, kind, complete)
         cut |= more
+
+
+def _can_be_incomplete(path: Path) -> bool:
+    """The file as a whole, and an interface: for one missing key it would be a pity to say nothing about all the rest."""
+    return not path or (len(path) == 2 and path[0] == "interfaces")
+
+
+def _holder(path: Path) -> Path:
+    """What to cut out for a fault at ``path``: the nearest item of a list, for a field all that has the fields, else the place itself.
+
+    A width or a key that is merely gone would look like another fault: the item would lack it, or bits would lack a field.
+    """
+    if "fields" in path[:-1]:
+        return path[: path.index("fields")]
+    return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)
 
 
 def _without(value: Any, cut: set[Path], path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 
 from ..problems import DocumentReport, Path, quoted
@@ -36,30 +36,32 @@ def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """No two things of one kind share a name."""
     for key, word, label in _LISTS:
-        _unique(((path, item.get(label)) for path, item in items(spec, key)), word, label, report)
-    _unique(((layout.path, layout.owner["name"]) for layout in layouts(spec)), "a layout", "name", report)
+        _unique(_labels(items(spec, key), label), word, report)
+    _unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
     for interface in mapping(spec, "interfaces"):
-        _unique(((path, item["name"]) for path, item in items(spec, "interfaces", interface, "timings")), "a timing", "name", report)
-        for key in ("name", "id", "control"):
-            _unique(((path, item[key]) for path, item in items(spec, "interfaces", interface, "data_ids")), "a data ID", key, report)
+        _unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
+        for key, word in (("name", "a data ID"), ("id", "a data ID with the number"), ("control", "a data ID with the control field")):
+            _unique(_labels(items(spec, "interfaces", interface, "data_ids"), key), word, report)
     for key, label in (("editions", "language"), ("history", "revision")):
-        _unique(((path, item[label]) for path, item in items(spec, "manual", key)), f"a {label}", label, report)
-    _unique(((path, item["name"]) for path, item in items(spec, "order_code", "parts")), "a part", "name", report)
+        _unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
+    _unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
     for key, inner, label in (("connectors", "contacts", "contact"), ("leds", "states", "state")):
         for path, item in items(spec, key):
-            _unique((((*path, *below), entry[label]) for below, entry in items(item, inner)), f"a {label}", label, report)
+            _unique(_labels((((*path, *below), entry) for below, entry in items(item, inner)), label), f"a {label}", report)
 
 
 def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Within a layout fields, joined numbers and runs of digits share one space of names: a decoder hands them all out together."""
     groups = by_name(spec, "field_groups")
     for fields in field_lists(spec):
+        used = {path for path, field in fields if "use" in field}
         named: list[Named] = []
         for path, field in expanded(fields, groups):
-            named.append((path, field.get("name")))
-            named += (((*path, *below), run["name"]) for below, run in items(field, "digits") if run["name"] != field.get("name"))
+            place = (*path, "name") if path not in used else path
+            named.append((place, field.get("name")))
+            named += (((*path, *below, "name"), run["name"]) for below, run in items(field, "digits") if run["name"] != field.get("name"))
         named += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
-        _unique(named, "a field", "name", report)
+        _unique(named, "a field", report)
 
 
 def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -74,7 +76,7 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 continue
             later, earlier = ((path, register), (other_path, other)) if path > other_path else ((other_path, other), (path, register))
             line = report.document.position(earlier[0])[0]
-            message = f"{_range(later[1])} overlaps {quoted(earlier[1]['name'])} on line {line}, which has {_range(earlier[1])}"
+            message = f"{_range(later[1])} overlap{'s' if later[1]['length'] == 1 else ''} {quoted(earlier[1]['name'])} on line {line}, which has {_range(earlier[1])}"
             report.add("duplicate-address", (*later[0], "address"), message)
             break
 
@@ -91,22 +93,22 @@ def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     report.add("value-clash", (*path, "values", name, "value"), message)
 
 
-def _unique(named: Iterable[Named], word: str, label: str, report: DocumentReport) -> None:
-    """Reports every entry whose ``label`` an earlier one has."""
+def _labels(entries: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]:
+    """The value of ``label`` of each entry, with its own path."""
+    return (((*path, label), entry[label]) for path, entry in entries)
+
+
+def _unique(named: Iterable[Named], word: str, report: DocumentReport) -> None:
+    """Reports every value that an earlier one equals; ``word`` says with its article what has it."""
     seen: dict[object, Path] = {}
     for path, value in named:
         if value is None:
             continue
         first = seen.setdefault(value, path)
         if first != path:
+            shown = f"{value:#04x}" if isinstance(value, int) else quoted(value)
             line = report.document.position(first)[0]
-            what = f"{word} {quoted(value)}" if label == "name" or word.endswith(label) else f"{word} with {label} {quoted(value)}"
-            report.add("duplicate-name", _at(path, label), f"there is already {what} on line {line}; give each its own")
-
-
-def _at(path: Path, label: str) -> Path:
-    """The place of the label itself, where the entry is an item of a list."""
-    return (*path, label) if isinstance(path[-1], int) else path
+            report.add("duplicate-name", path, f"there is already {word} {shown} on line {line}; give each its own", at_key=path[-2] == "join")
 
 
 def _range(register: Spec) -> str:

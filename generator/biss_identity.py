@@ -1,0 +1,127 @@
+"""What a BiSS master can know a device by: the fixed bits of its 64-bit identity, and the lengths of its single cycle data.
+
+Device ID (registers 78h to 7Dh) and manufacturer ID (7Eh and 7Fh) are taken as one number of 64 bits, high byte first, as the BiSS C protocol
+description orders registers: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from .model import Crc, Device, Field, Layout, PlacedLayout, Register, Variant
+
+FIRST, LAST = 0x78, 0x7F
+_IDENTITY_BITS = 8 * (LAST - FIRST + 1)
+_MANUFACTURER_BITS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class IdBits:
+    """Bits ``high`` to ``low`` of the identity and what they hold; ``what`` says where they are read, ``text`` what they spell."""
+
+    high: int
+    low: int
+    number: int
+    what: str
+    text: str = ""
+    register: str = ""
+
+    @property
+    def digits(self) -> str:
+        """Every bit as a binary literal, ``0b`` first."""
+        return f"0b{self.number:0{self.high - self.low + 1}b}"
+
+    @property
+    def hexadecimal(self) -> str:
+        return f"{self.number:0{(self.high - self.low + 4) // 4}X}h"
+
+
+@dataclass(frozen=True, slots=True)
+class DataLength:
+    """Lengths of the single cycle data of some order codes: ``parts`` are the widths of the data fields in sending order."""
+
+    codes: tuple[str, ...]
+    data_bits: int
+    status_bits: int
+    crc_bits: int
+    parts: Mapping[str, int]
+
+    @property
+    def with_status(self) -> int:
+        return self.data_bits + self.status_bits
+
+    @property
+    def total(self) -> int:
+        return self.with_status + self.crc_bits
+
+
+def manufacturer_bits(biss_id: int) -> IdBits:
+    """The manufacturer's part of the identity."""
+    text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
+    return IdBits(_MANUFACTURER_BITS - 1, 0, biss_id, "manufacturer ID, registers 7Eh and 7Fh", text if text.isprintable() and text.isascii() else "")
+
+
+def device_bits(device: Device) -> tuple[IdBits, ...]:
+    """The fixed bits of the device ID, from the highest down."""
+    found = [bits for register in device.registers if _holds_identity(register) for bits in _register_bits(register)]
+    return tuple(sorted((item for item in found if item.low >= _MANUFACTURER_BITS), key=lambda item: -item.low))
+
+
+def _holds_identity(register: Register) -> bool:
+    ordered = register.length == 1 or register.byte_order == "high_byte_first"
+    return register.interface == "biss" and FIRST <= register.address and register.last_address <= LAST and ordered
+
+
+def _register_bits(register: Register) -> Iterator[IdBits]:
+    below = 8 * (LAST - register.last_address)
+    for field in register.layout.fields:
+        number = _fixed(field)
+        if number is None or not field.low.is_constant or not field.width.is_constant:
+            continue
+        low = below + field.low.constant
+        high = low + field.width.constant - 1
+        first, last = FIRST + (_IDENTITY_BITS - 1 - high) // 8, FIRST + (_IDENTITY_BITS - 1 - low) // 8
+        place = f"register {first:02X}h" if first == last else f"registers {first:02X}h to {last:02X}h"
+        yield IdBits(high, low, number, f"device ID, {place}", field.equals if isinstance(field.equals, str) else "", register.name)
+
+
+def _fixed(field: Field) -> int | None:
+    """The value that the field holds in every device of the family, where it has one."""
+    if field.kind == "constant":
+        return field.constant
+    if isinstance(field.equals, str):
+        return int.from_bytes(field.equals.encode("ascii", "replace"), "big")
+    return field.equals
+
+
+def single_cycle_data(device: Device) -> tuple[Layout, Crc] | None:
+    """The frame that a BiSS master receives in every cycle, and its CRC."""
+    for interface, layout in device.layouts():
+        if interface.kind == "biss" and layout.sender == "encoder" and layout.carried_as == "bits" and layout.crc_field is not None:
+            return layout, device.crc(layout.crc_field.crc)
+    return None
+
+
+def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
+    """The lengths of the single cycle data, each once, with the order codes that have it; in order of length."""
+    placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
+    for variant in device.variants:
+        if variant.interface == "biss":
+            made = layout.place(variant.parameters)
+            shape = tuple((item.name, item.width) for item in made.fields)
+            placed.setdefault(shape, (made, []))[1].append(variant.code)
+    found = (_length(made, tuple(codes)) for made, codes in placed.values())
+    return tuple(sorted(found, key=lambda item: (item.data_bits, item.codes)))
+
+
+def _length(placed: PlacedLayout, codes: tuple[str, ...]) -> DataLength:
+    data = {item.name: item.width for item in placed.fields if item.field.kind not in ("crc", "flag")}
+    crc = sum(item.width for item in placed.fields if item.field.kind == "crc")
+    flags = sum(item.width for item in placed.fields if item.field.kind == "flag")
+    return DataLength(codes, sum(data.values()), flags, crc, data)
+
+
+def biss_variants(device: Device) -> tuple[Variant, ...]:
+    """The order codes with a BiSS interface."""
+    return tuple(variant for variant in device.variants if variant.interface == "biss")
