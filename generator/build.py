@@ -16,14 +16,16 @@ from . import codec
 from .crc import form, polynomial_text
 from .examples import check_examples
 from .expressions import Expression, ExpressionError
-from .layouts import Context, Raw, build_layout, build_values
+from .layouts import Context, Raw, bit_range, build_layout, build_values
 from .model import (
-    Alarm, CableLength, Characteristic, CodePart, CodeValue, Connector, Contact, ControlField, Crc, DataId, Device, Document, Edition,
-    Erratum, Example, Interface, Led, LedState, LostFigure, Manual, Manufacturer, MemoryAccess, Network, OrderCode, Parameter, Port,
-    PrintedTimeout, Procedure, Register, Revision, Source, Sources, Step, Timeout, Timing, Variant, Write,
+    Alarm, Argument, CableLength, Characteristic, CodePart, CodeValue, Connector, Contact, ControlField, Crc, DataId, Device, Document, Edition,
+    Erratum, Example, FieldGroup, Input, Interface, Led, LedState, LostFigure, Manual, Manufacturer, Measurement, MemoryAccess, Network, OrderCode,
+    Parameter, Port, PrintedTimeout, Procedure, Register, RegisterMeaning, Revision, Source, Sources, Step, Table, Timeout, Timing, Variant,
+    Write,
 )
 from .order_codes import combinations
 from .problems import DocumentReport, Path
+from .run_time import resolve_parameters
 
 _SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
 
@@ -62,13 +64,14 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     """
     definitions = _definitions(raw)
     order_code = _order_code(raw["order_code"])
-    variants = _variants(order_code, definitions)
+    held = _held_in_registers(raw, report)
+    variants = _variants(order_code, definitions, held)
     crcs = tuple(_crc(item) for item in raw.get("crcs", ()))
     context = Context(
         report=report,
         groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in enumerate(raw.get("field_groups", ()))}),
         definitions=definitions,
-        parameter_sets=_parameter_sets(raw, variants),
+        parameter_sets=_parameter_sets(raw, order_code, definitions, variants),
         crcs=MappingProxyType({item.name: item for item in crcs}),
         data_ids=MappingProxyType({kind: _data_ids(item) for kind, item in raw["interfaces"].items()}),
         sources=sources,
@@ -100,6 +103,13 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
         characteristics=tuple(Characteristic(item["name"], item["value"], item.get("only", ""), sources(item)) for item in raw.get("characteristics", ())),
         examples=tuple(map(_example, raw.get("examples", ()))),
         errata=tuple(map(_erratum, raw.get("errata", ()))),
+        measurement=_measurement(raw, context),
+        inputs=tuple(map(_input, raw.get("inputs", ()))),
+        tables=tuple(map(_table, raw.get("tables", ()))),
+        field_groups=tuple(
+            FieldGroup(item["name"], item.get("printed_name", ""), item.get("names", {}), item["bits"], item.get("note", ""), sources(item))
+            for item in raw.get("field_groups", ())
+        ),
     )
     _check_control_bytes(device, report)
     device = replace(device, procedures=_procedures(raw, device))
@@ -131,36 +141,57 @@ def _code_value(text: str, raw: Raw) -> CodeValue:
     return CodeValue(text, raw.get("meaning", ""), raw.get("interface", ""), MappingProxyType(dict(raw.get("sets", {}))), only, sources(raw))
 
 
-def _variants(order_code: OrderCode, definitions: Mapping[str, Expression]) -> tuple[Variant, ...]:
-    variants = []
-    for code, parts, interface, sets in combinations(order_code):
-        parameters = dict(sets)
-        left = dict(definitions)
-        while left:
-            ready = [name for name, item in left.items() if all(other in parameters for other in item.parameters)]
-            if not ready:
-                break  # a cycle or an unknown name; reported by the rules
-            for name in ready:
-                try:
-                    parameters[name] = left.pop(name).value(parameters)
-                except ExpressionError:
-                    parameters[name] = 0  # out of reach; a width this large is reported where it is used
-        variants.append(Variant(code, MappingProxyType(dict(parts)), interface, MappingProxyType(parameters)))
-    return tuple(variants)
+def _held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
+    """The parameters that a register holds at run time, with the value that the register has by default."""
+    found = {}
+    for name, item in raw["parameters"].items():
+        if "read_from" not in item:
+            continue
+        register_name, _, field_name = item["read_from"].partition(".")
+        register = next((entry for entry in raw.get("registers", ()) if entry["name"] == register_name), None)
+        field = next((entry for entry in register.get("fields", ()) if entry.get("name") == field_name), None) if register is not None else None
+        bounds = bit_range(field["at"]) if field is not None and "at" in field else None
+        if register is None or field is None or bounds is None or "default" not in register:
+            wrong = f"'{item['read_from']}' is no field, placed with 'at', of a register that has a default"
+            report.add("undefined-reference", ("parameters", name, "read_from"), wrong)
+            found[name] = item.get("max", 0)
+            continue
+        high, low = bounds
+        value = register["default"] >> low & ((1 << (high - low + 1)) - 1)
+        found[name] = value
+        if not item.get("min", 0) <= value <= item.get("max", value):
+            wrong = f"the default of '{item['read_from']}' is {value}, which is not between 'min' and 'max'"
+            report.add("default-does-not-fit", ("parameters", name), wrong)
+    return MappingProxyType(found)
 
 
-def _parameter_sets(raw: Raw, variants: Sequence[Variant]) -> Mapping[str, Sequence[Mapping[str, int]]]:
+def _variants(order_code: OrderCode, definitions: Mapping[str, Expression], held: Mapping[str, int]) -> tuple[Variant, ...]:
+    found = combinations(order_code)
+    return tuple(
+        Variant(code, MappingProxyType(dict(parts)), interface, resolve_parameters({**held, **sets}, definitions)) for code, parts, interface, sets in found
+    )
+
+
+def _parameter_sets(
+    raw: Raw, order_code: OrderCode, definitions: Mapping[str, Expression], variants: Sequence[Variant]
+) -> Mapping[str, Sequence[Mapping[str, int]]]:
+    """By interface, every set of parameters that a layout has to suit: the order codes', and the bounds of those held in registers."""
     found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in raw["interfaces"]}
+    bounds = [(name, item[key]) for name, item in raw["parameters"].items() if "read_from" in item for key in ("min", "max") if key in item]
     for variant in variants:
         known = found.setdefault(variant.interface, [])
-        if variant.parameters not in known:
-            known.append(variant.parameters)
+        base = {name: value for name, value in variant.parameters.items() if name not in definitions}
+        for changed in ({}, *({name: value} for name, value in bounds)):
+            parameters = resolve_parameters({**base, **changed}, definitions)
+            if parameters not in known:
+                known.append(parameters)
     return MappingProxyType(found)
 
 
 def _parameter(name: str, raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]) -> Parameter:
     largest = max((variant.parameters.get(name, 0) for variant in variants), default=0)
-    return Parameter(name, raw["meaning"], raw.get("unit", ""), definitions.get(name), largest, sources(raw))
+    bounds = (raw.get("read_from", ""), raw.get("min"), raw.get("max"))
+    return Parameter(name, raw["meaning"], raw.get("unit", ""), definitions.get(name), largest, sources(raw), *bounds)
 
 
 def _crc(raw: Raw) -> Crc:
@@ -210,7 +241,7 @@ def _interface(kind: str, raw: Raw, context: Context) -> Interface:
         bounds = {key: timeout.get(key) for key in ("half_clock_periods", "at_most_ns", "typical_ns")}
         extra["timeout"] = Timeout(rule=timeout["rule"], printed=printed, source=sources(timeout), **bounds)
     if "control_data" in raw:
-        extra["control_data"] = tuple(_control_field(item, context) for item in raw["control_data"]["fields"])
+        extra["control_data"] = tuple(_control_field(item, raw["control_data"], context) for item in raw["control_data"]["fields"])
         extra["control_data_note"] = raw["control_data"].get("note", "")
     if "port" in raw:
         port = raw["port"]
@@ -226,6 +257,9 @@ def _interface(kind: str, raw: Raw, context: Context) -> Interface:
         output_code=raw.get("output_code", ""),
         cable_lengths=tuple(CableLength(item["shorter_than_m"], item["below_hz"], sources(item) or sources(raw)) for item in raw.get("cable_lengths", ())),
         profile=raw.get("profile", ""),
+        description_file=raw.get("description_file", ""),
+        bank_select=raw.get("bank_select", ""),
+        measurement=_measurement(raw, context),
         data_ids=context.data_ids.get(kind, ()),
         memory_access=tuple(
             MemoryAccess(item["access"], item["busy"], item["address"], item["data"], item["meaning"], sources(item)) for item in raw.get("memory_access", ())
@@ -234,10 +268,10 @@ def _interface(kind: str, raw: Raw, context: Context) -> Interface:
     )
 
 
-def _control_field(raw: Raw, context: Context) -> ControlField:
+def _control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:
     bits = raw.get("bits", context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1)
     values = build_values(raw, context)
-    return ControlField(raw["name"], raw.get("printed_name", ""), bits if isinstance(bits, int) else 0, values, raw.get("crc", ""), raw.get("meaning", ""), sources(raw))
+    return ControlField(raw["name"], raw.get("printed_name", ""), bits if isinstance(bits, int) else 0, values, raw.get("crc", ""), raw.get("meaning", ""), sources(raw) or sources(parent), raw.get("names", {}))
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
@@ -274,9 +308,19 @@ def _register(raw: Raw, path: Path, context: Context) -> Register | None:
         layout=layout,
         note=raw.get("note", ""),
         source=sources(raw),
+        above_max=raw.get("above_max", ""),
+        write_clears=tuple(raw.get("write_clears", ())),
+        meanings=tuple(_register_meaning(item, context) for item in raw.get("meanings", ())),
+        reserved=raw.get("reserved", ""),
+        bank=raw.get("bank"),
     )
     _check_limits(register, path, context)
     return register
+
+
+def _register_meaning(raw: Raw, context: Context) -> RegisterMeaning:
+    low, high = (context.expression(raw[key]) if key in raw else None for key in ("min", "max"))
+    return RegisterMeaning(raw["name"], raw["when"], raw["is"], low, high, raw.get("meaning", ""), sources(raw))
 
 
 def _check_limits(register: Register, path: Path, context: Context) -> None:
@@ -310,6 +354,26 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
             return
 
 
+def _measurement(raw: Raw, context: Context) -> Measurement | None:
+    if "measurement" not in raw:
+        return None
+    found = raw["measurement"]
+    parts = {key: context.expression(found[key]) if key in found else None for key in ("steps_per_turn", "turns", "step_um", "steps")}
+    return Measurement(of=found["of"], source=sources(found), **parts)
+
+
+def _input(raw: Raw) -> Input:
+    return Input(
+        name=raw["name"], printed_name=raw.get("printed_name", ""), names=raw.get("names", {}), meaning=raw["meaning"], low=raw.get("low", ""),
+        high=raw.get("high", ""), pulse_at_least_us=raw.get("pulse_at_least_us"), inverts=raw.get("inverts", ""), needs=raw.get("needs", ""),
+        when_unused=raw.get("when_unused", ""), note=raw.get("note", ""), source=sources(raw),
+    )
+
+
+def _table(raw: Raw) -> Table:
+    return Table(raw["name"], raw["title"], tuple(raw["columns"]), tuple(tuple(map(str, row)) for row in raw["rows"]), raw.get("note", ""), sources(raw))
+
+
 def _alarm(raw: Raw) -> Alarm:
     return Alarm(
         name=raw["name"], printed_name=raw.get("printed_name", ""), names=raw.get("names", {}), group=raw.get("group", ""),
@@ -328,9 +392,9 @@ def _example(raw: Raw) -> Example:
     return Example(
         name=raw["name"], kind=raw["kind"], order_code=raw.get("order_code", ""), layout=raw.get("layout", ""), register=raw.get("register", ""),
         procedure=raw.get("procedure", ""), crc=raw.get("crc", ""), sender=raw.get("from", "encoder"), bytes=bytes.fromhex(raw.get("bytes", "")),
-        bits=raw.get("bits", ""), check=raw.get("check"), argument=raw.get("argument"), values=MappingProxyType(dict(raw.get("values", {}))),
+        bits=raw.get("bits", ""), check=raw.get("check"), arguments=MappingProxyType(dict(raw.get("arguments", {}))), values=MappingProxyType(dict(raw.get("values", {}))),
         writes=tuple(Write(item["address"], item["value"]) for item in raw.get("writes", ())), refused=raw.get("refused", ""),
-        erratum=raw.get("erratum", ""), note=raw.get("note", ""), source=sources(raw),
+        erratum=raw.get("erratum", ""), note=raw.get("note", ""), source=sources(raw), counts=raw.get("counts"), micrometres=raw.get("micrometres"),
     )
 
 
@@ -341,12 +405,11 @@ def _erratum(raw: Raw) -> Erratum:
 def _procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
     found = []
     for item in raw.get("procedures", ()):
-        argument = item.get("argument", {})
         steps = tuple(_step(step, item, device) for step in item["steps"])
         found.append(
             Procedure(
-                name=item["name"], title=item["title"], interface=item["interface"], argument=argument.get("name", ""), argument_of=argument.get("of", ""),
-                argument_meaning=argument.get("meaning", ""), precondition=item.get("precondition", ""), steps=steps,
+                name=item["name"], title=item["title"], interface=item["interface"], 
+                arguments=tuple(Argument(entry["name"], entry["of"], entry.get("meaning", "")) for entry in item.get("arguments", ())), precondition=item.get("precondition", ""), steps=steps,
                 result=item.get("result", ""), note=item.get("note", ""), source=sources(item),
             )
         )
@@ -360,9 +423,13 @@ def _step(raw: Raw, procedure: Raw, device: Device) -> Step:
     if raw["do"] == "send":
         request = _request(device, raw.get("data_id", ""))
         return replace(step, data_id=raw.get("data_id", ""), request=request, times=raw.get("times", 1), microseconds=raw.get("every_at_least_us", 0))
-    register = next((item for item in device.registers if item.name == raw.get("register")), None)
-    value = next((item for item in register.values if item.name == raw.get("value")), None) if register is not None else None
-    return replace(step, register=raw.get("register", ""), value_name=raw.get("value", ""), value=value.value if value is not None else None)
+    step = replace(step, register=raw.get("register", ""), field=raw.get("field", ""), value_name=raw.get("value", ""))
+    if raw["do"] == "poll":
+        return replace(step, value=raw.get("until", 0))
+    register = next((item for item in device.registers if item.name == step.register), None)
+    fields = [item for item in register.layout.fields if not step.field or item.name == step.field] if register is not None else []
+    named = next((value for item in fields for value in item.values if value.name == step.value_name), None) if step.field or len(fields) == 1 else None
+    return replace(step, value=named.value if named is not None else None)
 
 
 def _request(device: Device, data_id: str) -> bytes:

@@ -11,6 +11,7 @@ import json
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,6 +83,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     decode.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     decode.add_argument("frame", nargs="+", metavar="FRAME", help="the frame, in one or several arguments; - reads one frame a line")
+    decode.add_argument("--as", dest="register_name", metavar="REGISTER", help="decode the bytes as the value of this register")
+    decode.add_argument(
+        "--register", action="append", default=[], metavar="ADDRESS=BYTE", help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)"
+    )
     decode.add_argument("--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)")
     _add_spec_option(decode)
     decode.set_defaults(run=_decode)
@@ -220,18 +225,44 @@ def _show(chosen: argparse.Namespace) -> int:
     return 0
 
 
+def _held(pairs: Sequence[str]) -> dict[int, int]:
+    """``0x56=0x10`` and the like as bytes by address.
+
+    Raises:
+        Stop: A pair is none; exit code 2.
+    """
+    held = {}
+    for pair in pairs:
+        address, equals, value = pair.partition("=")
+        try:
+            held[int(address, 0)] = int(value, 0)
+        except ValueError:
+            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2) from None
+        if not equals or not 0 <= int(value, 0) <= 255:
+            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2)
+    return held
+
+
 def _decode(chosen: argparse.Namespace) -> int:
-    from .decode import FrameTextError, decode_text, decoded_data, explain
+    from .decode import FrameTextError, decode_register_text, decode_text, decoded_data, explain
+    from .run_time import RegisterError, with_registers
 
     devices = _load(chosen.specs)
     device, match = _find(devices, chosen.order_code)
+    try:
+        match = replace(match, variant=with_registers(device, match.variant, _held(chosen.register)))
+    except RegisterError as error:
+        raise Stop(str(error), 2) from None
     lines = (line for line in sys.stdin if line.strip()) if chosen.frame == ["-"] else [" ".join(chosen.frame)]
     code = 0
     first = True
     for line in lines:
         try:
-            decoded = decode_text(device, match.variant, chosen.sender, line)
-        except FrameTextError as error:
+            if chosen.register_name is not None:
+                decoded = decode_register_text(device, match.variant, chosen.register_name, line)
+            else:
+                decoded = decode_text(device, match.variant, chosen.sender, line)
+        except (FrameTextError, RegisterError) as error:
             print(f"codewheel: {error}", file=sys.stderr)
             code = 2
             continue

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from .crc import compute_bits, compute_bytes
@@ -116,9 +116,10 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     problems: list[Problem] = []
     fields = []
     crc_result = None
+    plain = from_gray(placed, number)
     for item in placed.fields:
         raw = number >> item.low & item.mask
-        fields += _decode_field(placed, item, raw, problems)
+        fields += _decode_field(placed, item, raw, plain >> item.low & item.mask, problems)
         if item.field.kind == "parity":
             of = placed.field(item.field.parity_of)
             expected = (number >> of.low & of.mask).bit_count() & 1 if of is not None else 0
@@ -131,9 +132,9 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         elif item.name == placed.layout.selector and raw not in placed.layout.selects:
             problems.append(Problem("range", item.name, f"{item.name} {raw:X} does not belong to this frame"))
     for join in placed.layout.joins:
-        value = join_value(placed, join, number)
+        value = join_value(placed, join, plain)
         parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
-        fields.append(DecodedField(join.name, value, value, "", f"{parts} as one number" if len(join.fields) > 1 else "", -1, -1))
+        fields.append(DecodedField(join.name, join_value(placed, join, number), value, "", f"{parts} as one number" if len(join.fields) > 1 else "", -1, -1))
     order = {"length": 0, "crc": 1, "constant": 2, "range": 3}
     return Decoded(placed, number, tuple(fields), crc_result, tuple(sorted(problems, key=lambda item: order[item.kind])))
 
@@ -148,9 +149,45 @@ def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
     return value
 
 
-def _decode_field(placed: PlacedLayout, item: PlacedField, raw: int, problems: list[Problem]) -> list[DecodedField]:
+def gray_to_binary(gray: int) -> int:
+    """The number that ``gray`` stands for in reflected binary code."""
+    binary = gray
+    while gray := gray >> 1:
+        binary ^= gray
+    return binary
+
+
+def binary_to_gray(binary: int) -> int:
+    """``binary`` in reflected binary code."""
+    return binary ^ binary >> 1
+
+
+def from_gray(placed: PlacedLayout, number: int) -> int:
+    """``number`` with the part that is sent in Gray code, if any, turned into binary."""
+    return _with_part(placed, number, gray_to_binary)
+
+
+def to_gray(placed: PlacedLayout, number: int) -> int:
+    """``number`` with the part that is sent in Gray code, if any, turned into it."""
+    return _with_part(placed, number, binary_to_gray)
+
+
+def _with_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) -> int:
+    if not placed.gray:
+        return number
+    low, width = placed.place_of(placed.layout.gray_of)
+    mask = (1 << width) - 1
+    return number & ~(mask << low) | change(number >> low & mask) << low
+
+
+def _decode_field(placed: PlacedLayout, item: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
+    """The field as a user reads it; ``wire`` is what was sent, ``raw`` the same out of Gray code."""
     field = item.field
     value: int | str | bool = raw
+    if field.signed and raw >> (item.width - 1):
+        value = raw - (1 << item.width)
+    elif field.zero_means and raw == 0:
+        value = field.zero_means
     meaning = field.meaning
     if field.kind == "flag":
         value = bool(raw) != field.active_low
@@ -169,7 +206,7 @@ def _decode_field(placed: PlacedLayout, item: PlacedField, raw: int, problems: l
             problems.append(Problem("range", item.name, f"{item.name} is {raw}, which has more than {sum(run.digits for run in field.digits)} digits"))
         runs = [DecodedField(run.name, raw // run.divisor % run.modulus, raw // run.divisor % run.modulus, "", run.meaning, item.high, item.low) for run in field.digits]
         return [DecodedField(item.name, raw, raw, field.unit, meaning, item.high, item.low), *runs]
-    return [DecodedField(item.name, raw, value, field.unit, meaning, item.high, item.low)]
+    return [DecodedField(item.name, wire, value, field.unit, meaning, item.high, item.low)]
 
 
 def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
@@ -200,6 +237,7 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
         if item.field.kind == "parity":
             of = placed.field(item.field.parity_of)
             number |= ((number >> of.low & of.mask).bit_count() & 1 if of is not None else 0) << item.low
+    number = to_gray(placed, number)
     for item in placed.fields:
         if item.field.kind == "crc":
             number |= compute(device.crc(item.field.crc), placed, number) << item.low
@@ -256,6 +294,12 @@ def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
         raw = int.from_bytes(value.encode("ascii", "replace"), "big")
     else:
         raw = _number(value)
+        if field.signed and -(1 << (item.width - 1)) <= raw < 1 << (item.width - 1):
+            raw &= item.mask
+        elif field.signed or (field.zero_means and raw == 0):
+            raise EncodeError(f"{field.name} {raw} does not fit into {item.width} bits")
+        elif field.zero_means and raw == field.zero_means:
+            raw = 0
     if raw < 0 or raw > item.mask:
         raise EncodeError(f"{field.name} {raw} does not fit into {item.width} bits")
     return raw

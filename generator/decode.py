@@ -9,6 +9,7 @@ from . import codec
 from .model import Device, Layout, PlacedLayout, Variant
 from .order_codes import Match
 from .render import wrapped
+from .run_time import decode_register
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 #: Far above any frame; it keeps a line of megabytes from being worked on.
@@ -41,6 +42,18 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str) -> cod
     if layouts[0].carried_as == "bytes":
         return codec.decode_bytes(device, variant, sender, _bytes(text))
     return _decode_bits(device, layouts[0].place(variant.parameters), text)
+
+
+def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
+    """The value of the register ``name`` from hex bytes in ascending order of address.
+
+    Raises:
+        FrameTextError: The text is no hex bytes.
+        RegisterError: There is no such register, or it has another length.
+    """
+    if len(text) > _LONGEST_TEXT:
+        raise FrameTextError("this is longer than any register can be")
+    return decode_register(device, variant, name, _bytes(text))
 
 
 def _bytes(text: str) -> bytes:

@@ -31,10 +31,16 @@ def _check(device: Device, example: Example) -> str:
         made = compute_bytes(device.crc(example.crc), example.bytes)
         return "" if made == example.check else f"the CRC over these bytes is {made:#04x}"
     variant = example_variant(device, example)
+    if example.kind == "measure":
+        measurement = device.measurement_of(variant.interface)
+        if measurement is None or measurement.step_um is None or example.counts is None:
+            return "the device measures no length"
+        made = measurement.step_um.value(variant.parameters) * example.counts
+        return "" if made == example.micrometres else f"{example.counts} counts are {made} micrometres"
     if example.kind == "register":
         return _check_register(device, example, variant)
     if example.kind == "procedure":
-        made_writes = register_writes(device, device.procedure(example.procedure), variant, example.argument or 0)
+        made_writes = register_writes(device, device.procedure(example.procedure), variant, example.arguments)
         if made_writes != example.writes:
             return "the writes are " + ", ".join(f"{item.address:02X}h = {item.value:02X}h" for item in made_writes)
         return ""

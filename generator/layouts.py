@@ -108,6 +108,8 @@ def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, tota
         gaps=gaps,
         note=raw.get("note", ""),
         source=context.sources(raw),
+        gray_of=raw.get("gray", {}).get("of", ""),
+        gray_when=raw.get("gray", {}).get("when", ""),
         fold=fold_plan(crc.width, crc.poly, widest) if crc is not None and crc.form == "fold" else (),
     )
     return layout if _is_sound(layout, path, context, interface) else None
@@ -140,7 +142,8 @@ def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: b
 
 def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
     """The fields of a group, placed from bit 0 of the group on."""
-    items = _items(group["fields"], (*path, "fields"), context, low_first)
+    fields = [{"source": group["source"], **raw} for raw in group["fields"]]
+    items = _items(fields, (*path, "fields"), context, low_first)
     if items is None:
         return None
     if not any(_is_placed(item.raw) for item in items):
@@ -284,7 +287,13 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
             crc=raw.get("crc", ""),
             parity_of=raw.get("parity_of", ""),
             digits=_digits(raw),
-            equals=raw.get("equals"),
+            equals=_equals(raw, context),
+            signed=raw.get("signed", False),
+            zero_means=raw.get("zero_means", 0),
+            power_of_two=raw.get("power_of_two", False),
+            implemented=raw.get("implemented", True),
+            reserved=raw.get("reserved", ""),
+            explained_by=tuple(raw.get("explained_by", ())),
             unit=raw.get("unit", ""),
             default=raw.get("default"),
             meaning=raw.get("meaning", ""),
@@ -294,6 +303,14 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
         if container:
             rest = part.span - width
             yield _zero(f"{raw['name']}_padding", part.low + width, rest, _widest(rest, context, interface), context.sources(raw), padding_of=raw["name"])
+
+
+def _equals(raw: Raw, context: Context) -> Expression | int | str | None:
+    """What a reader finds: text as it is, a number as a number, an expression where it depends on the order code."""
+    found = raw.get("equals")
+    if isinstance(found, str) and "text" not in raw:
+        return context.expression(found)
+    return found if isinstance(found, (int, str)) else None
 
 
 def _zero(name: str, low: Expression, width: Expression, widest: int, source: Sources, padding_of: str = "") -> Field:

@@ -87,6 +87,18 @@ class Parameter:
     equals: Expression | None
     largest: int
     source: Sources
+    read_from: str = ""
+    min: int | None = None
+    max: int | None = None
+
+    @property
+    def register(self) -> str:
+        """The register that holds the parameter at run time, or empty."""
+        return self.read_from.partition(".")[0]
+
+    @property
+    def field(self) -> str:
+        return self.read_from.partition(".")[2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +230,13 @@ class Field:
     crc: str = ""
     parity_of: str = ""
     digits: tuple[Digits, ...] = ()
-    equals: int | str | None = None
+    equals: Expression | int | str | None = None
+    signed: bool = False
+    zero_means: int = 0
+    power_of_two: bool = False
+    implemented: bool = True
+    reserved: str = ""
+    explained_by: tuple[str, ...] = ()
     unit: str = ""
     default: int | None = None
     meaning: str = ""
@@ -234,6 +252,18 @@ class Field:
     def is_optional(self) -> bool:
         """Whether some order codes do not have the field (its width can be 0)."""
         return not self.width.is_constant
+
+
+@dataclass(frozen=True, slots=True)
+class FieldGroup:
+    """Fields that several layouts share; a field names its group."""
+
+    name: str
+    printed_name: str
+    names: Mapping[str, str]
+    bits: int
+    note: str
+    source: Sources
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +318,8 @@ class Layout:
     note: str
     source: Sources
     fold: tuple[FoldStep, ...] = ()
+    gray_of: str = ""
+    gray_when: str = ""
 
     def field(self, name: str) -> Field:
         return next(item for item in self.fields if item.name == name)
@@ -303,16 +335,18 @@ class Layout:
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """The layout for one order code; fields without bits are left out."""
         placed = (PlacedField(item, item.low.value(parameters), item.width.value(parameters)) for item in self.fields)
-        return PlacedLayout(self, self.bits.value(parameters), tuple(item for item in placed if item.width > 0))
+        gray = bool(self.gray_when and parameters.get(self.gray_when))
+        return PlacedLayout(self, self.bits.value(parameters), tuple(item for item in placed if item.width > 0), gray)
 
 
 @dataclass(frozen=True, slots=True)
 class PlacedLayout:
-    """A layout whose positions are numbers."""
+    """A layout whose positions are numbers; ``gray`` says that the number ``layout.gray_of`` is sent in Gray code."""
 
     layout: Layout
     bits: int
     fields: tuple[PlacedField, ...]
+    gray: bool = False
 
     @property
     def name(self) -> str:
@@ -321,10 +355,11 @@ class PlacedLayout:
     def field(self, name: str) -> PlacedField | None:
         return next((item for item in self.fields if item.name == name), None)
 
-    def join_low_and_width(self, join: Join) -> tuple[int, int]:
-        """Position of a join whose fields touch, as low bit and width."""
-        parts = [item for item in (self.field(name) for name in join.fields) if item is not None]
-        return parts[-1].low, sum(item.width for item in parts)
+    def place_of(self, name: str) -> tuple[int, int]:
+        """Low bit and width of a field, or of a join whose fields touch; width 0 where this order code has none of them."""
+        join = next((item for item in self.layout.joins if item.name == name), None)
+        parts = [item for item in map(self.field, join.fields if join is not None else (name,)) if item is not None]
+        return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -409,6 +444,7 @@ class ControlField:
     crc: str
     meaning: str
     source: Sources
+    names: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, slots=True)
@@ -432,6 +468,9 @@ class Interface:
     timeout: Timeout | None = None
     control_data: tuple[ControlField, ...] = ()
     control_data_note: str = ""
+    description_file: str = ""
+    bank_select: str = ""
+    measurement: Measurement | None = None
     port: Port | None = None
     data_ids: tuple[DataId, ...] = ()
     memory_access: tuple[MemoryAccess, ...] = ()
@@ -439,6 +478,19 @@ class Interface:
     @property
     def title(self) -> str:
         return {"ssi": "SSI", "biss": "BiSS C-mode", "rs485": "RS-485"}[self.kind]
+
+
+@dataclass(frozen=True, slots=True)
+class RegisterMeaning:
+    """One of the things that a register can mean: while ``register.field`` (``when``) has the value named ``value``."""
+
+    name: str
+    when: str
+    value: str
+    min: Expression | None
+    max: Expression | None
+    meaning: str
+    source: Sources
 
 
 @dataclass(frozen=True, slots=True)
@@ -466,6 +518,11 @@ class Register:
     layout: Layout
     note: str
     source: Sources
+    above_max: str = ""
+    write_clears: tuple[str, ...] = ()
+    meanings: tuple[RegisterMeaning, ...] = ()
+    reserved: str = ""
+    bank: int | None = None
 
     @property
     def last_address(self) -> int:
@@ -512,12 +569,14 @@ class Alarm:
 class Step:
     """One step of a procedure.
 
-    ``do`` is ``write`` (``register``, and ``value`` or the argument when ``value`` is None), ``wait`` (``microseconds``), or ``send``
-    (``data_id``, ``times``, ``microseconds`` from one to the next; ``request`` is the frame).
+    ``do`` is ``write`` (``register``, and ``value``, or the argument ``value_name`` when ``value`` is None; with ``field`` only that field is
+    set and the others stay as read), ``read`` (``register``), ``poll`` (``register`` until ``field`` is ``value``), ``wait``
+    (``microseconds``), or ``send`` (``data_id``, ``times``, ``microseconds`` from one to the next; ``request`` is the frame).
     """
 
     do: str
     register: str = ""
+    field: str = ""
     value_name: str = ""
     value: int | None = None
     microseconds: int = 0
@@ -529,18 +588,37 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
+class Argument:
+    """A value that the caller of a procedure gives, written to the register ``of``."""
+
+    name: str
+    of: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
 class Procedure:
     name: str
     title: str
     interface: str
-    argument: str
-    argument_of: str
-    argument_meaning: str
+    arguments: tuple[Argument, ...]
     precondition: str
     steps: tuple[Step, ...]
     result: str
     note: str
     source: Sources
+
+    @property
+    def argument(self) -> str:
+        return self.arguments[0].name if self.arguments else ""
+
+    @property
+    def argument_of(self) -> str:
+        return self.arguments[0].of if self.arguments else ""
+
+    @property
+    def argument_meaning(self) -> str:
+        return self.arguments[0].meaning if self.arguments else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -585,6 +663,46 @@ class Characteristic:
 
 
 @dataclass(frozen=True, slots=True)
+class Measurement:
+    """What ``of`` counts: ``steps_per_turn`` and ``turns`` for an angle, ``step_um`` and ``steps`` for a length."""
+
+    of: str
+    steps_per_turn: Expression | None
+    turns: Expression | None
+    step_um: Expression | None
+    steps: Expression | None
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A hardware input; ``inverts`` and ``needs`` name register bits as ``register.field``."""
+
+    name: str
+    printed_name: str
+    names: Mapping[str, str]
+    meaning: str
+    low: str
+    high: str
+    pulse_at_least_us: int | None
+    inverts: str
+    needs: str
+    when_unused: str
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    name: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
 class Write:
     address: int
     value: int
@@ -605,13 +723,19 @@ class Example:
     bytes: bytes
     bits: str
     check: int | None
-    argument: int | None
+    arguments: Mapping[str, int]
     values: Mapping[str, int | str | bool]
     writes: tuple[Write, ...]
     refused: str
     erratum: str
     note: str
     source: Sources
+    counts: int | None = None
+    micrometres: int | None = None
+
+    @property
+    def argument(self) -> int | None:
+        return next(iter(self.arguments.values()), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -671,11 +795,20 @@ class Device:
     characteristics: tuple[Characteristic, ...]
     examples: tuple[Example, ...]
     errata: tuple[Erratum, ...]
+    measurement: Measurement | None = None
+    inputs: tuple[Input, ...] = ()
+    tables: tuple[Table, ...] = ()
+    field_groups: tuple[FieldGroup, ...] = ()
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
-        """The parameters that an order code sets, as opposed to those that follow from them."""
+        """The parameters that everything else follows from: those that an order code sets or that a register holds."""
         return tuple(item for item in self.parameters if item.equals is None)
+
+    @cached_property
+    def run_time_parameters(self) -> tuple[Parameter, ...]:
+        """The parameters that a register holds at run time."""
+        return tuple(item for item in self.parameters if item.read_from)
 
     def layouts(self) -> Iterator[tuple[Interface, Layout]]:
         for interface in self.interfaces:
@@ -687,6 +820,10 @@ class Device:
 
     def layout(self, name: str) -> Layout:
         return next(layout for _, layout in self.layouts() if layout.name == name)
+
+    def measurement_of(self, interface: str) -> Measurement | None:
+        """What the position counts over this interface."""
+        return self.interface(interface).measurement or self.measurement
 
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)

@@ -73,14 +73,18 @@ class _Dump:
             "order_codes": [self.plain(item, device.order_code.source) | _cited(device.order_code.source) for item in variants],
             "interfaces": {item.kind: self._interface(item) for item in device.interfaces},
             "layouts": [self._layout(layout, item.kind, item.source) for item in device.interfaces for layout in item.layouts],
+            "field_groups": self.plain(device.field_groups, ()),
             "registers": [self._register(item) for item in device.registers],
             "crcs": [self.plain(item, ()) | {"poly_with_top_bit": item.poly_with_top_bit} for item in device.crcs],
             "alarms": self.plain(device.alarms, ()),
             "procedures": [self.plain(item, ()) | {"steps": [self._step(step, item.source) for step in item.steps]} for item in device.procedures],
             "timings": self._timings(),
+            "measurement": self.plain(device.measurement, ()),
+            "inputs": self.plain(device.inputs, ()),
             "connectors": self.plain(device.connectors, ()),
             "leds": self.plain(device.leds, ()),
             "characteristics": self.plain(device.characteristics, ()),
+            "tables": [self.plain(item, ()) | {"rows": [{"cells": list(row)} for row in item.rows]} for item in device.tables],
             "examples": self.plain(device.examples, ()),
             "errata": self.plain(device.errata, ()),
             "lost_figures": self.plain(device.lost_figures, ()),
@@ -138,7 +142,7 @@ class _Dump:
         is_flag, is_constant = field.kind == "flag", field.kind == "constant"
         place = {"name": made.pop("name"), "kind": made.pop("kind"), "high": self._number(high)}
         del made["active_low"]
-        made["equals"] = field.equals if isinstance(field.equals, int) else None
+        made["equals"] = None if isinstance(field.equals, str) else made["equals"]
         made["equals_text"] = field.equals if isinstance(field.equals, str) else ""
         made["constant"] = field.constant if is_constant else None
         made["active"] = ("low" if field.active_low else "high") if is_flag else ""
@@ -203,6 +207,7 @@ def _for_interface(device: Device, kind: str) -> Device:
         registers=registers,
         procedures=procedures,
         crcs=tuple(item for item in device.crcs if item.name in crcs),
+        field_groups=tuple(item for item in device.field_groups if item.name in groups),
         alarms=tuple(item for item in device.alarms if not item.group or item.group in groups),
         connectors=tuple(item for item in device.connectors if not item.interfaces or kind in item.interfaces),
         examples=tuple(item for item in device.examples if all(getattr(item, key) in {"", *found} for key, found in names.items()) and _same_interface(device, item, kind)),

@@ -1,27 +1,32 @@
-"""Procedures carried out on paper: the register writes that come out for one order code and one argument."""
+"""Procedures carried out on paper: the register writes that come out for one order code and given arguments."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from . import codec
 from .model import Device, Procedure, Register, Step, Variant, Write
 
 
-def register_writes(device: Device, procedure: Procedure, variant: Variant, argument: int) -> tuple[Write, ...]:
+def register_writes(device: Device, procedure: Procedure, variant: Variant, arguments: Mapping[str, int]) -> tuple[Write, ...]:
     """Every byte that the procedure writes, in order.
 
     Raises:
-        EncodeError: The argument does not fit its register.
+        EncodeError: An argument is missing or does not fit its register.
     """
     writes: list[Write] = []
     for step in procedure.steps:
         if step.do == "write":
-            writes += _step_writes(device.register(step.register), step, variant, argument, device)
+            writes += _step_writes(device.register(step.register), step, variant, arguments, device)
     return tuple(writes)
 
 
-def _step_writes(register: Register, step: Step, variant: Variant, argument: int, device: Device) -> list[Write]:
+def _step_writes(register: Register, step: Step, variant: Variant, arguments: Mapping[str, int], device: Device) -> list[Write]:
     number = step.value
     if number is None:
+        if step.value_name not in arguments:
+            raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
+        argument = arguments[step.value_name]
         placed = register.layout.place(variant.parameters)
         low = register.min.value(variant.parameters) if register.min is not None else 0
         high = register.max.value(variant.parameters) if register.max is not None else argument

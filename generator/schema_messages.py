@@ -21,6 +21,8 @@ PATTERNS = {
     "^[01]+$": "bits are the digits 0 and 1 only",
     "^[A-Za-z0-9]+$": "a value of an order code has letters and digits only",
     "^[A-Za-z0-9\\[\\]{},?+*-]+$": "it has letters, digits, classes in brackets and counts only, as in [A-Z]{2}",
+    "^[a-z][a-z0-9_]*\\.[a-z][a-z0-9_]*$": "it names a register and its field, as in configuration.output_code",
+    "^[A-Za-z0-9_.-]+$": "a file name has letters, digits, '_', '.' and '-'",
     "^[a-z0-9_]+(\\.[a-z0-9_]+)*$": "a path is names joined by dots, as in registers.preset",
     "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version is three numbers joined by dots, as in 0.1.0",
 }
@@ -169,6 +171,7 @@ _MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
     "minItems": _few,
     "minProperties": _few,
     "maxProperties": _many,
+    "maxItems": _many,
 }
 
 #: The keywords of JSON Schema that the schemas may use; a message exists for each.

@@ -35,6 +35,7 @@ RULES: tuple[Rule, ...] = (
     references.example_references,
     references.erratum_references,
     references.connector_references,
+    references.device_references,
     values.value_too_wide,
     values.timing_bounds,
     values.clock_range,
@@ -43,4 +44,7 @@ RULES: tuple[Rule, ...] = (
     shapes.byte_order_missing,
     shapes.step_shape,
     shapes.example_shape,
+    shapes.example_arguments,
+    shapes.measurement_shape,
+    shapes.table_shape,
 )

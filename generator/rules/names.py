@@ -16,11 +16,21 @@ _LISTS = (
     ("alarms", "an alarm", "name"),
     ("procedures", "a procedure", "name"),
     ("timings", "a timing", "name"),
+    ("inputs", "an input", "name"),
+    ("tables", "a table", "name"),
     ("connectors", "a connector", "name"),
     ("leds", "a light", "name"),
     ("characteristics", "a characteristic", "name"),
     ("examples", "an example", "name"),
     ("errata", "an erratum", "name"),
+)
+
+#: The same for lists inside of these items.
+_INNER_LISTS = (
+    ("registers", "meanings", "name", "a meaning"),
+    ("procedures", "arguments", "name", "an argument"),
+    ("connectors", "contacts", "contact", "a contact"),
+    ("leds", "states", "state", "a state"),
 )
 
 Named = tuple[Path, object]
@@ -45,9 +55,9 @@ def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for key, label in (("editions", "language"), ("history", "revision")):
         _unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
     _unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
-    for key, inner, label in (("connectors", "contacts", "contact"), ("leds", "states", "state")):
+    for key, inner, label, word in _INNER_LISTS:
         for path, item in items(spec, key):
-            _unique(_labels((((*path, *below), entry) for below, entry in items(item, inner)), label), f"a {label}", report)
+            _unique(_labels((((*path, *below), entry) for below, entry in items(item, inner)), label), word, report)
 
 
 def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -65,11 +75,11 @@ def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """No two registers of an interface share a byte, but for one that is only read and one that is only written at the same place."""
+    """No two registers of an interface and bank share a byte, but for one that is only read and one that is only written at the same place."""
     registers = sorted(items(spec, "registers"), key=lambda entry: entry[1]["address"])
     for index, (path, register) in enumerate(registers):
         for other_path, other in reversed(registers[max(0, index - 128) : index]):
-            if interface_of(other) != interface_of(register) or other["address"] + other["length"] <= register["address"]:
+            if _space(other) != _space(register) or other["address"] + other["length"] <= register["address"]:
                 continue
             accesses = {register["access"], other["access"]}
             if register["address"] == other["address"] and accesses == {"read_only", "write_only"}:
@@ -109,6 +119,11 @@ def _unique(named: Iterable[Named], word: str, report: DocumentReport) -> None:
             shown = f"{value:#04x}" if isinstance(value, int) else quoted(value)
             line = report.document.position(first)[0]
             report.add("duplicate-name", path, f"there is already {word} {shown} on line {line}; give each its own", at_key=path[-2] == "join")
+
+
+def _space(register: Spec) -> tuple[str, object]:
+    """Registers of one space have addresses of their own; each bank of an interface is one, what lies in no bank another."""
+    return interface_of(register), register.get("bank")
 
 
 def _range(register: Spec) -> str:

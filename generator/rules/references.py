@@ -7,8 +7,9 @@ from typing import Any
 
 from ..expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, quoted, suggestion
+from .shapes import ANGLE, LENGTH
 from .walk import (
-    INTERFACE_OF_REGISTERS, Fields, Spec, by_name, expanded, field_lists, field_names, interface_of, items, layouts, mapping, named_values,
+    INTERFACE_OF_REGISTERS, Fields, Spec, bits_of, by_name, field_lists, field_names, interface_of, items, layouts, mapping, named_values,
     readable_names,
 )
 
@@ -19,6 +20,15 @@ def _refer(report: DocumentReport, path: Path, kind: str, name: str, known: Iter
     choices = list(known)
     if name not in choices:
         report.add("undefined-reference", path, f"there is no {kind} {quoted(name)}{suggestion(name, choices, 'known are')}")
+
+
+def _refer_to_bit(report: DocumentReport, path: Path, text: str, raw: Spec) -> None:
+    """Reports ``text``, written as ``register.field``, unless both exist."""
+    registers = by_name(raw, "registers")
+    name, _, field = text.partition(".")
+    _refer(report, path, "register", name, registers)
+    if name in registers:
+        _refer(report, path, f"field of {quoted(name)} called", field, bits_of(registers[name], by_name(raw, "field_groups")))
 
 
 def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -37,6 +47,12 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if "values_of" in field and fields.kind != "group" and not mapping(raw, "interfaces", fields.interface).get("data_ids"):
                 message = f"the interface {quoted(fields.interface)} has no table of data IDs; list the values with 'values'"
                 report.add("undefined-reference", (*path, "values_of"), message)
+            for index, text in enumerate(field.get("explained_by", ())):
+                _refer_to_bit(report, (*path, "explained_by", index), text, raw)
+        gray = mapping(fields.owner, "gray")
+        if gray:
+            _refer(report, (*fields.path, "gray", "of"), "field or joined number", gray["of"], [*names, *mapping(fields.owner, "join")])
+            _refer(report, (*fields.path, "gray", "when"), "parameter", gray["when"], mapping(raw, "parameters"))
         for name in mapping(fields.owner, "when"):
             _refer(report, (*fields.path, "when", name), "field", name, names)
         for join, members in mapping(fields.owner, "join").items():
@@ -64,6 +80,32 @@ def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             fields = Fields("register", register, path, interface)
             known = [*field_names(fields, groups), *mapping(register, "join")]
             _refer(report, (*path, "limits_of"), "field or joined number", register["limits_of"], known)
+        for index, name in enumerate(register.get("write_clears", ())):
+            _refer(report, (*path, "write_clears", index), "register", name, registers)
+        for below, meaning in items(register, "meanings"):
+            _refer_to_bit(report, (*path, *below, "when"), meaning["when"], raw)
+            name, _, field = meaning["when"].partition(".")
+            if name in registers and field in bits_of(registers[name], groups):
+                _refer(report, (*path, *below, "is"), f"value of {quoted(meaning['when'])} called", meaning["is"], named_values(registers[name], groups, field))
+
+
+def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What parameters, hardware inputs, the measurement and BiSS as a whole refer to."""
+    for name, parameter in mapping(spec, "parameters").items():
+        if "read_from" in parameter:
+            _refer_to_bit(report, ("parameters", name, "read_from"), parameter["read_from"], raw)
+    for path, item in items(spec, "inputs"):
+        for key in ("inverts", "needs"):
+            if key in item:
+                _refer_to_bit(report, (*path, key), item[key], raw)
+    measurement = mapping(spec, "measurement")
+    if measurement:
+        groups = by_name(raw, "field_groups")
+        known = [name for fields in layouts(raw) for name in readable_names(fields, groups)]
+        _refer(report, ("measurement", "of"), "field or joined number", measurement["of"], dict.fromkeys(known))
+    bank_select = mapping(spec, "interfaces", "biss").get("bank_select")
+    if bank_select is not None:
+        _refer(report, ("interfaces", "biss", "bank_select"), "register", bank_select, by_name(raw, "registers"))
 
 
 def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -87,15 +129,19 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, procedure in items(spec, "procedures"):
         interface = procedure["interface"]
         _refer(report, (*path, "interface"), "interface", interface, mapping(raw, "interfaces"))
-        argument = mapping(procedure, "argument")
-        if argument:
-            _refer(report, (*path, "argument", "of"), "register", argument["of"], registers)
+        arguments = []
+        for below, argument in items(procedure, "arguments"):
+            _refer(report, (*path, *below, "of"), "register", argument["of"], registers)
+            arguments.append(argument["name"])
         for below, step in items(procedure, "steps"):
             here = (*path, *below)
+            register = registers.get(step.get("register", ""))
             if "register" in step:
                 _refer(report, (*here, "register"), "register", step["register"], registers)
-            if "value" in step and step.get("register") in registers:
-                known = [*named_values(registers[step["register"]], groups), *([argument["name"]] if argument else [])]
+            if "field" in step and register is not None:
+                _refer(report, (*here, "field"), f"field of {quoted(step['register'])} called", step["field"], bits_of(register, groups))
+            if "value" in step and register is not None:
+                known = [*named_values(register, groups, step.get("field")), *arguments]
                 _refer(report, (*here, "value"), f"argument, or value of {quoted(step['register'])}, called", step["value"], known)
             if "data_id" in step:
                 _refer(report, (*here, "data_id"), "data ID", step["data_id"], by_name(raw, "interfaces", interface, "data_ids"))
@@ -104,12 +150,17 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """What examples refer to: what they are examples of, the fields that they give values of, and errata."""
     groups, registers, errata = by_name(raw, "field_groups"), by_name(raw, "registers"), by_name(raw, "errata")
+    procedures = by_name(raw, "procedures")
     known_layouts = {layout.owner["name"]: layout for layout in layouts(raw) if isinstance(layout.owner.get("name"), str)}
-    simple = (("procedure", by_name(raw, "procedures")), ("crc", by_name(raw, "crcs")), ("erratum", errata), ("register", registers), ("layout", known_layouts))
+    simple = (("procedure", procedures), ("crc", by_name(raw, "crcs")), ("erratum", errata), ("register", registers), ("layout", known_layouts))
     for path, example in items(spec, "examples"):
         for key, known in simple:
             if key in example:
                 _refer(report, (*path, key), "CRC" if key == "crc" else key, example[key], known)
+        if example.get("procedure") in procedures:
+            arguments = by_name(procedures[example["procedure"]], "arguments")
+            for name in mapping(example, "arguments"):
+                _refer(report, (*path, "arguments", name), f"argument of {quoted(example['procedure'])} called", name, arguments)
         of = None
         if example.get("layout") in known_layouts:
             of = known_layouts[example["layout"]]
@@ -166,12 +217,15 @@ def _expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
             yield ("parameters", name, "equals"), parameter["equals"]
     for fields in field_lists(spec):
         for path, field in fields:
-            if "bits" in field:
-                yield (*path, "bits"), field["bits"]
+            # What a text equals is text; what a number equals may depend on the order code.
+            keys = ("bits",) if "text" in field else ("bits", "equals")
+            yield from (((*path, key), field[key]) for key in keys if key in field)
     for path, register in items(spec, "registers"):
-        for key in ("min", "max"):
-            if key in register:
-                yield (*path, key), register[key]
+        yield from (((*path, key), register[key]) for key in ("min", "max") if key in register)
+        for below, meaning in items(register, "meanings"):
+            yield from (((*path, *below, key), meaning[key]) for key in ("min", "max") if key in meaning)
+    measurement = mapping(spec, "measurement")
+    yield from ((("measurement", key), measurement[key]) for key in (*ANGLE, *LENGTH) if key in measurement)
 
 
 def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:

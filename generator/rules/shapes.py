@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ..problems import DocumentReport, Path, listed, quoted
-from .walk import Fields, Spec, field_lists, items
+from .walk import Fields, Spec, by_name, field_lists, items, mapping
 
 #: Each says what kind of field it is; a field without any is a number.
 _KINDS = ("constant", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
@@ -16,16 +16,21 @@ _WIDTH_FOLLOWS = ("active", "parity_of", "crc")
 
 #: For each kind of step and of example: what it needs, and what it may have beyond what all may have.
 _STEPS: dict[str, tuple[Collection[str], Collection[str]]] = {
-    "write": (("register", "value"), ()),
+    "write": (("register", "value"), ("field",)),
+    "read": (("register",), ("field",)),
+    "poll": (("register", "field", "until"), ("at_least_ms",)),
     "wait": (("at_least_ms",), ()),
     "send": (("data_id",), ("times", "every_at_least_us")),
 }
+#: What a measurement has, by whether the encoder measures an angle or a length.
+ANGLE = ("steps_per_turn", "turns")
+LENGTH = ("step_um", "steps")
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
 _EXAMPLES: dict[str, tuple[Collection[str], Collection[str]]] = {
     "frame": ((), ("order_code", "layout", "from", "bytes", "bits", "values", "refused")),
     "register": (("register", "bytes", "values"), ("order_code",)),
     "crc": (("crc", "bytes", "check"), ()),
-    "procedure": (("procedure", "writes"), ("order_code", "argument")),
+    "procedure": (("procedure", "writes"), ("order_code", "arguments")),
 }
 _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
@@ -64,8 +69,6 @@ def _check_field(fields: Fields, path: Path, field: Spec, report: DocumentReport
     for key in ("when_active", "when_inactive"):
         if key in field and "active" not in field:
             report.add("layout-keys", (*path, key), f"{quoted(key)} belongs to a flag; {name} needs 'active: high' or 'active: low' with it", at_key=True)
-    if isinstance(field.get("equals"), str) and "text" not in field:
-        report.add("layout-keys", (*path, "equals"), f"{name} equals a text, so it needs 'text: ascii'")
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is a text; what it equals is put in quotes")
     if "at" in field and "top_bit" in field:
@@ -136,6 +139,40 @@ def _check_frame(path: Path, example: Spec, report: DocumentReport) -> None:
             report.add("example-shape", path, "an example that is refused needs 'erratum' or 'note' to say why it is here")
     elif "values" not in example:
         report.add("example-shape", path, "'values' is missing; a frame example needs it, or 'refused'")
+
+
+def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """An example of a procedure gives every argument of it."""
+    procedures = by_name(raw, "procedures")
+    for path, example in items(spec, "examples"):
+        procedure = procedures.get(example.get("procedure", ""))
+        if example["kind"] == "procedure" and procedure is not None:
+            missing = [quoted(name) for name in by_name(procedure, "arguments") if name not in mapping(example, "arguments")]
+            if missing:
+                report.add("example-shape", path, f"{listed(missing)} {'is' if len(missing) == 1 else 'are'} missing from 'arguments' of the example")
+
+
+def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What the position counts fits the movement."""
+    movement, measurement = spec.get("movement"), mapping(spec, "measurement")
+    if not measurement or movement not in ("rotary", "linear"):
+        return
+    needed, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
+    if needed[0] not in measurement:
+        report.add("measurement-shape", ("measurement",), f"{quoted(needed[0])} is missing; the measurement of a {movement} encoder needs it", at_key=True)
+    for key in foreign:
+        if key in measurement:
+            report.add("measurement-shape", ("measurement", key), f"{quoted(key)} does not belong to a {movement} encoder", at_key=True)
+
+
+def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each row of a table has a cell for every column."""
+    for path, table in items(spec, "tables"):
+        columns = len(table["columns"])
+        for index, row in enumerate(table["rows"]):
+            if len(row) != columns:
+                message = f"the row has {len(row)} cell{'s' if len(row) > 1 else ''}; the table has {columns} column{'s' if columns > 1 else ''}"
+                report.add("table-shape", (*path, "rows", index), message)
 
 
 def _check_keys(rule: str, what: str, path: Path, item: Spec, needed: Collection[str], allowed: Collection[str], report: DocumentReport) -> None:

@@ -40,7 +40,8 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             numbers: Iterator[tuple[Path, str, int]] = ((("values", name, "value"), f"the value {quoted(name)} is", item["value"]) for name, item in mapping(field, "values").items())
             held = ((((key,), f"{quoted(key)} is", field[key])) for key in ("constant", "default", "equals") if isinstance(field.get(key), int))
             for below, what, number in (*numbers, *held):
-                if number < 0 or number >> width:
+                stands_for_zero = number == field.get("zero_means") and below != ("constant",)
+                if (number < 0 or number >> width) and not stands_for_zero:
                     message = f"{what} {number:#x}, which does not fit into {width} bit{'s' if width > 1 else ''}"
                     report.add("value-too-wide", (*path, *below), message)
 

@@ -113,10 +113,15 @@ def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
     return [*inner, *mapping(fields.owner, "join"), *digits]
 
 
-def named_values(register: Spec, groups: Mapping[str, Spec]) -> list[str]:
-    """The names of values that any field of a register has."""
+def named_values(register: Spec, groups: Mapping[str, Spec], only: str | None = None) -> list[str]:
+    """The names of values that any field of a register has, or the field called ``only``."""
     fields = Fields("register", register, (), "")
-    return [name for _, field in expanded(fields, groups) for name in mapping(field, "values")]
+    return [name for _, field in expanded(fields, groups) if only in (None, field.get("name")) for name in mapping(field, "values")]
+
+
+def bits_of(register: Spec, groups: Mapping[str, Spec]) -> list[str]:
+    """What may follow the dot in ``register.field``: the fields, or for a register without any its own name."""
+    return list(field_names(Fields("register", register, (), ""), groups)) if "fields" in register else [str(register.get("name"))]
 
 
 def walk(data: Any, path: Path = ()) -> Iterator[tuple[Path, str, Any]]:

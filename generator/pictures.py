@@ -1,0 +1,179 @@
+"""Pictures of layouts as SVG: strips of boxes, one box for each field.
+
+The card behind them is white and every colour is stated, so that a picture reads the same on a light page and on a dark one. Names that do not
+fit into their box stand below it at the end of a line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.sax.saxutils import escape, quoteattr
+
+from .model import Field, PlacedLayout
+from .render import plain
+
+_INK, _FAINT, _EDGE = "#0f172a", "#475569", "#64748b"
+_FILL = {"flag": "#fde2e2", "crc": "#e6dcfb", "parity": "#e6dcfb", "constant": "#eef1f5", "choice": "#dcf5e3", "group": "#fdf0d0"}
+_DATA = "#dbeafe"
+_MARGIN, _BOX, _ROW = 16.0, 38.0, 17.0
+#: Average width of a letter of the sans-serif fonts that browsers have, as a part of the font size; on the safe side.
+_LETTER = 0.58
+
+
+@dataclass(frozen=True)
+class Box:
+    """A field at ``start``, ``size`` bits wide as it is drawn; ``place`` says which bits it has."""
+
+    start: float
+    size: float
+    name: str
+    place: str
+    fill: str
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A row of boxes under a caption; ``marks`` stand above it at the middle of their bits."""
+
+    caption: str
+    boxes: tuple[Box, ...]
+    marks: tuple[tuple[float, str], ...] = ()
+
+
+def bit_strip(caption: str, placed: PlacedLayout, widest: int, left: bool = False, marks: tuple[tuple[float, str], ...] = ()) -> Strip:
+    """A layout with its highest bit on the left; ``widest`` is the length to which shorter strips are aligned, to the right unless ``left``."""
+    shift = 0 if left else widest - placed.bits
+    boxes = [Box(shift + placed.bits - 1 - item.high, item.width, _label(item.field), _range(item.high, item.low), _fill(item.field)) for item in placed.fields]
+    return Strip(caption, tuple(sorted(boxes, key=lambda box: box.start)), marks)
+
+
+def register_strip(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Strip:
+    """A register with its highest bit on the left and the address of each byte above it."""
+    count = placed.bits // 8
+    addresses = [address + (count - 1 - index if low_byte_first else index) for index in range(count)]
+    return bit_strip(caption, placed, placed.bits, marks=tuple((8 * index + 4, f"{number:02X}h") for index, number in enumerate(addresses)))
+
+
+def byte_strip(caption: str, placed: PlacedLayout) -> Strip:
+    """A frame of bytes in sending order; within a byte the highest bit is on the left. A group of fields, or a field with its padding, is one box."""
+    low_first = placed.layout.byte_order == "low_byte_first"
+    count = placed.bits // 8
+    boxes: list[Box] = []
+    done: set[str] = set()
+    for item in placed.fields:
+        field = item.field
+        whole = field.group or field.padding_of or field.name
+        if whole in done:
+            continue
+        done.add(whole)
+        parts = [other for other in placed.fields if whole in (other.field.group, other.field.padding_of, other.name)]
+        low, high = min(part.low for part in parts), max(part.high for part in parts)
+        first = low // 8 if low_first else count - 1 - high // 8
+        bytes_taken = high // 8 - low // 8 + 1
+        inside = bytes_taken == 1
+        start = 8 * first + (7 - high % 8 if inside else 0)
+        size = high - low + 1 if inside else 8 * bytes_taken
+        place = "" if not inside or size == 8 else _range(high % 8, low % 8)
+        name = whole.replace("_", " ") if field.group else _label(placed.layout.field(field.padding_of) if field.padding_of else field)
+        boxes.append(Box(start, size, name, place, _FILL["group"] if field.group else _fill(field)))
+    marks = tuple((8 * index + 4.0, f"byte {index}") for index in range(count))
+    return Strip(caption, tuple(sorted(boxes, key=lambda box: box.start)), marks)
+
+
+def group_strip(fields: Sequence[tuple[Field, int, int]], bits: int) -> Strip:
+    """A group of fields, each with its highest and lowest bit within the group."""
+    boxes = (Box(bits - 1 - high, high - low + 1, _label(field), _range(high, low), _fill(field)) for field, high, low in fields)
+    return Strip("", tuple(sorted(boxes, key=lambda box: box.start)))
+
+
+def draw(title: str, strips: Sequence[Strip], scale: float) -> str:
+    """The strips one under the other, ``scale`` pixels for each bit."""
+    body: list[str] = []
+    right, top = 0.0, _MARGIN
+    for index, strip in enumerate(strips):
+        if strip.caption:
+            body.append(_text(_MARGIN, top + 12, strip.caption, 12, "start", _INK, bold=True))
+            right = max(right, _MARGIN + _width(strip.caption, 12.5))
+            top += _ROW + 4
+        if strip.marks:
+            body += [_text(_MARGIN + middle * scale, top + 9, text, 10, "middle", _FAINT) for middle, text in strip.marks]
+            top += 15
+        outside = []
+        for box in strip.boxes:
+            left, width = _MARGIN + box.start * scale, box.size * scale
+            body.append(f'<rect x="{_n(left)}" y="{_n(top)}" width="{_n(width)}" height="{_n(_BOX)}" fill="{box.fill}" stroke="{_EDGE}"/>')
+            right = max(right, left + width)
+            lines = _lines(box, width)
+            body += _centred(left + width / 2, top, lines)
+            if not lines:
+                outside.append(box)
+        top += _BOX
+        if outside and not _repeated(outside, strips[index + 1 : index + 2]):
+            for row, box in enumerate(reversed(outside)):
+                middle, bottom = _MARGIN + (box.start + box.size / 2) * scale, top + 6 + _ROW * (row + 0.5)
+                label = f"{box.name} ({box.place})" if box.place else box.name
+                body.append(f'<path d="M{_n(middle)} {_n(top)}V{_n(bottom)}h6" fill="none" stroke="{_EDGE}"/>')
+                body.append(_text(middle + 9, bottom + 4, label, 11, "start", _INK))
+                right = max(right, middle + 9 + _width(label, 11))
+            top += 8 + _ROW * len(outside)
+        top += 14
+    width, height = right + _MARGIN, top - 14 + _MARGIN
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_n(width)}" height="{_n(height)}" viewBox="0 0 {_n(width)} {_n(height)}" role="img" '
+        f'aria-label={quoteattr(plain(title))} font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
+    )
+    card = f'<rect x="0.5" y="0.5" width="{_n(width - 1)}" height="{_n(height - 1)}" rx="6" fill="#ffffff" stroke="#cbd5e1"/>'
+    return "\n".join([head, f"<title>{escape(plain(title))}</title>", card, *body, "</svg>", ""])
+
+
+def _repeated(outside: Sequence[Box], following: Sequence[Strip]) -> bool:
+    """Whether the next strip has the same boxes at the same places, so that their names need to stand below it only."""
+    return bool(following) and all(box in following[0].boxes for box in outside)
+
+
+def _label(field: Field) -> str:
+    if field.kind == "constant" and (field.padding_of or field.constant == 0):
+        return "0"
+    return field.name.replace("_", " ")
+
+
+def _fill(field: Field) -> str:
+    return _FILL.get(field.kind, _DATA)
+
+
+def _range(high: int, low: int) -> str:
+    return f"{high}" if high == low else f"{high}:{low}"
+
+
+def _width(text: str, size: float) -> float:
+    return len(text) * size * _LETTER
+
+
+def _lines(box: Box, width: float) -> list[tuple[str, int, str]]:
+    """The lines of text inside a box as text, size and colour; none where the name does not fit."""
+    place = [(box.place, 10, _FAINT)] if box.place and _width(box.place, 10) <= width - 2 else []
+    for size in (12, 11, 10):
+        if _width(box.name, size) <= width - 4:
+            if box.place and not place:
+                return [(box.name, size, _INK)] if box.size > 1 else []
+            return [(box.name, size, _INK), *place]
+        words = box.name.split(" ")
+        if len(words) > 1 and all(_width(part, size) <= width - 4 for part in (words[0], " ".join(words[1:]))) and not place:
+            return [(words[0], size, _INK), (" ".join(words[1:]), size, _INK)]
+    return []
+
+
+def _centred(middle: float, top: float, lines: Sequence[tuple[str, int, str]]) -> list[str]:
+    first = top + _BOX / 2 + 4 - 7 * (len(lines) - 1)
+    return [_text(middle, first + 14 * index, text, size, "middle", colour) for index, (text, size, colour) in enumerate(lines)]
+
+
+def _text(x: float, y: float, text: str, size: int, anchor: str, colour: str, bold: bool = False) -> str:
+    weight = ' font-weight="600"' if bold else ""
+    return f'<text x="{_n(x)}" y="{_n(y)}" font-size="{size}" text-anchor="{anchor}" fill="{colour}"{weight}>{escape(plain(text))}</text>'
+
+
+def _n(value: float) -> str:
+    """A number with at most one decimal, the same on every machine."""
+    return f"{value:.1f}".removesuffix(".0")

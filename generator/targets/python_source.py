@@ -1,0 +1,194 @@
+"""Python source from data: names, strings, docstrings and literals that text from a spec cannot break out of."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Union
+
+from ..expressions import Expression
+from ..render import plain, wrapped
+
+WIDTH = 120
+
+#: A quotation mark at the end that no backslash takes the meaning from.
+_OPEN_QUOTE = re.compile(r'(?<!\\)(?:\\\\)*"$')
+
+#: Built-ins that the generated classes use in their bodies; a field of such a name would hide them there.
+_BUILT_IN = frozenset(("bool", "bytes", "classmethod", "float", "int", "property", "staticmethod", "str", "tuple"))
+
+
+def attribute(name: str, taken: Iterable[str] = ()) -> str:
+    """The name of an attribute or argument; one that Python or the class needs itself gets a trailing underscore."""
+    return f"{name}_" if keyword.iskeyword(name) or name in _BUILT_IN or name in taken else name
+
+
+def camel(name: str) -> str:
+    """``single_cycle_data`` as ``SingleCycleData``."""
+    return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+
+
+class Names:
+    """The names of a module, each given once."""
+
+    def __init__(self, taken: Iterable[str]) -> None:
+        self._taken = set(taken)
+
+    def take(self, wanted: str, suffix: str) -> str:
+        """``wanted`` where it is free, else with ``suffix``, else with a number as well."""
+        base = wanted if wanted not in self._taken and not keyword.iskeyword(wanted) else f"{wanted}{suffix}"
+        name, number = base, 2
+        while name in self._taken:
+            name, number = f"{base}{number}", number + 1
+        self._taken.add(name)
+        return name
+
+
+def quoted(text: str | bytes) -> str:
+    """A literal of one line in double quotes."""
+    literal = repr(text)
+    prefix, body = (literal[0], literal[1:]) if literal[0] == "b" else ("", literal)
+    if body[0] == '"':
+        return prefix + body
+    return prefix + '"' + body[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+
+
+@dataclass(frozen=True)
+class Code:
+    """Source that stands as it is."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Hex:
+    """A number in hexadecimal, in at least two digits."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class Call:
+    """A call; an argument without a name is positional, one without a value is left out."""
+
+    function: str
+    arguments: tuple[tuple[str, Value], ...]
+
+
+Value = Union[None, bool, int, str, bytes, Code, Hex, Call, Sequence["Value"], Mapping[str, str]]
+
+
+def call(function: str, *positional: Value, **named: Value) -> Call:
+    """A call with its named arguments, without those that are empty and so equal to their default."""
+    kept = {name: value for name, value in named.items() if value is not None and not (value == "" or value == () or value == {} or value is False)}
+    return Call(function, (*(("", value) for value in positional), *kept.items()))
+
+
+def literal(value: Value, indent: int = 0, before: int = 0, after: int = 0) -> str:
+    """``value`` as source: on one line where it fits, else broken as Black would.
+
+    Args:
+        value: What to write.
+        indent: Columns that the statement is indented by.
+        before: Columns that stand before the value on its first line, indentation included.
+        after: Columns that follow it on its last line.
+    """
+    flat = _flat(value)
+    if (before or indent) + len(flat) + after <= WIDTH:
+        return flat
+    pad, inner = " " * indent, " " * (indent + 4)
+    if isinstance(value, str):
+        pieces = _pieces(value, WIDTH - indent - 6)
+        return "\n".join(["(", *(f"{inner}{quoted(piece)}" for piece in pieces), f"{pad})"]) if len(pieces) > 1 else flat
+    if isinstance(value, Call):
+        return "\n".join([f"{value.function}(", *(_item(item, name and f"{name}=", indent + 4) for name, item in value.arguments), f"{pad})"])
+    if isinstance(value, Mapping):
+        return "\n".join(["{", *(_item(item, f"{quoted(key)}: ", indent + 4) for key, item in value.items()), f"{pad}}}"])
+    if isinstance(value, Sequence) and not isinstance(value, bytes):
+        return "\n".join(["(", *(_item(item, "", indent + 4) for item in value), f"{pad})"])
+    return flat
+
+
+def _item(value: Value, label: str, indent: int) -> str:
+    return f"{' ' * indent}{label}{literal(value, indent, indent + len(label), 1)},"
+
+
+def _flat(value: Value) -> str:
+    if isinstance(value, (str, bytes)):
+        return quoted(value)
+    if isinstance(value, Code):
+        return value.text
+    if isinstance(value, Hex):
+        return f"0x{value.number:02X}"
+    if isinstance(value, Call):
+        return f"{value.function}({', '.join(f'{name}={_flat(item)}' if name else _flat(item) for name, item in value.arguments)})"
+    if value is None or isinstance(value, bool):
+        return str(value)
+    if isinstance(value, int):
+        return grouped(value)
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{quoted(key)}: {quoted(item)}" for key, item in value.items()) + "}"
+    return f"({', '.join(map(_flat, value))}{',' if len(value) == 1 else ''})"
+
+
+def _pieces(text: str, width: int) -> list[str]:
+    """``text`` cut after spaces into pieces whose literals take at most ``width`` columns."""
+    pieces = [""]
+    for word in text.split(" "):
+        longer = pieces[-1] + word
+        if pieces[-1] and len(quoted(longer)) > width:
+            pieces.append("")
+        pieces[-1] += word + " "
+    pieces[-1] = pieces[-1][:-1]
+    return [piece for piece in pieces if piece]
+
+
+def grouped(number: int) -> str:
+    """A decimal number, its digits in groups of three from five digits on."""
+    return f"{number:_}" if abs(number) >= 10_000 else str(number)
+
+
+Block = Union[str, tuple[str, Sequence[tuple[str, str]]]]
+
+
+def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
+    """A docstring with its quotes; a block is a paragraph, or a title with named entries. Empty blocks are left out."""
+    pad = " " * indent
+    lines = [wrapped(_in_docstring(summary), WIDTH - (3 if not any(blocks) else 0), pad, f'{pad}"""')]
+    for block in blocks:
+        if isinstance(block, str):
+            lines += ["", wrapped(_in_docstring(block), WIDTH, pad)] if block else []
+        elif block[1]:
+            entries = (wrapped(_in_docstring(text), WIDTH, f"{pad}        ", f"{pad}    {name}: ") for name, text in block[1])
+            lines += ["", f"{pad}{block[0]}:", *entries]
+    text = "\n".join(lines)
+    if "\n" in text:
+        return f'{text}\n{pad}"""'
+    open_quote = _OPEN_QUOTE.search(text)
+    return (f'{text[:-1]}\\"' if open_quote else text) + '"""'
+
+
+def _in_docstring(text: str) -> str:
+    return plain(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+
+
+def sentence(text: str) -> str:
+    """``text`` with a capital at its beginning and a full stop at its end."""
+    text = plain(text)
+    if not text:
+        return ""
+    first = text[:1].upper() + text[1:] if text[:2].isalpha() and text[1:2].islower() else text
+    return first if first.endswith((".", "!", "?")) else f"{first}."
+
+
+def expression(value: Expression, names: Mapping[str, str], owner: str) -> str:
+    """The expression with each parameter as an attribute of ``owner``."""
+    renamed = Expression(value.constant, tuple(replace(term, parameter=names.get(term.parameter, term.parameter)) for term in value.terms))
+    return renamed.render(prefix=f"{owner}.", power="(1 << {})")
+
+
+def operand(text: str) -> str:
+    """``text`` in parentheses where it is more than a name or number."""
+    return text if text.replace(".", "_").replace("_", "a").isalnum() else f"({text})"
