@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from .expressions import Expression
 from .model import Crc, Device, Field, Layout, PlacedLayout, Register, Variant
 
 FIRST, LAST = 0x78, 0x7F
@@ -92,6 +93,8 @@ def _fixed(field: Field) -> int | None:
         return field.constant
     if isinstance(field.equals, str):
         return int.from_bytes(field.equals.encode("ascii", "replace"), "big")
+    if isinstance(field.equals, Expression):
+        return field.equals.constant if field.equals.is_constant else None
     return field.equals
 
 

@@ -152,8 +152,9 @@ def _held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
         field = next((entry for entry in register.get("fields", ()) if entry.get("name") == field_name), None) if register is not None else None
         bounds = bit_range(field["at"]) if field is not None and "at" in field else None
         if register is None or field is None or bounds is None or "default" not in register:
-            wrong = f"'{item['read_from']}' is no field, placed with 'at', of a register that has a default"
-            report.add("undefined-reference", ("parameters", name, "read_from"), wrong)
+            if register is not None and field is not None:
+                wrong = f"'{item['read_from']}' has to be placed with 'at', in a register that has a default"
+                report.add("undefined-reference", ("parameters", name, "read_from"), wrong)
             found[name] = item.get("max", 0)
             continue
         high, low = bounds
@@ -336,12 +337,13 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
         high = register.max.value(parameters) if register.max is not None else (1 << width) - 1
         if high >> width or low < 0 or low > high:
             key = "max" if high >> width else "min"
-            report.add("limit-does-not-fit", (*path, key), f"the limits {low} to {high} do not fit '{register.limits_of}', which has {width} bits")
+            wrong = f"the maximum {high} does not fit into the {width} bits of '{register.limits_of}'" if high >> width else f"the minimum {low} is above the maximum {high}"
+            report.add("limit-does-not-fit", (*path, key), wrong)
             return
         if register.default is None:
             continue
         if register.default >> (8 * register.length):
-            report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} does not fit into {register.length} bytes")
+            report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} does not fit into {8 * register.length} bits")
             return
         value = codec.join_value(placed, join, register.default) if join is not None else register.default
         if join is not None or register.limits_of == register.name:

@@ -96,7 +96,11 @@ def decoded_data(device: Device, variant: Variant, sender: str, decoded: codec.D
 def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -> str:
     """The result for a person, at most 80 columns wide."""
     variant = match.variant
-    lines = [f"{variant.code}, {device.interface(variant.interface).title}, from the {sender}"]
+    is_frame = decoded.layout is None or decoded.layout.layout.sender != ""
+    lines = [f"{variant.code}, {device.interface(variant.interface).title}" + (f", from the {sender}" if is_frame else "")]
+    if device.run_time_parameters:
+        state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in device.run_time_parameters)
+        lines.append(wrapped(f"with {state} (from registers; --register changes them)", 80, "  "))
     if match.unlisted:
         lines.append(f"  not listed in the manual, taken as any other: {', '.join(match.unlisted)}")
     if match.special:
@@ -115,7 +119,7 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -
     if decoded.problems:
         lines.append("")
         lines += [wrapped(f"{item.kind} fault: {item.message}", 80, "  ", "") for item in decoded.problems]
-    elif crc is None:
+    elif crc is None and decoded.layout is not None and decoded.layout.layout.sender:
         lines += ["", "no fault; this frame carries no CRC"]
     else:
         lines += ["", "no fault"]

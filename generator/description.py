@@ -111,7 +111,7 @@ def to_xml(dump: Mapping[str, Any]) -> str:
     root.set(f"{{{_XSI}}}schemaLocation", f"{NAMESPACE} {XSD_NAME}")
     _write(root, dump, show_schema(), ())
     text: str = etree.tostring(root, pretty_print=True, encoding="unicode")
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + text
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<!-- Made by codewheel from the spec. {XSD_NAME} beside this file says what each element is. -->\n{text}'
 
 
 def _sources(item: Mapping[str, Any]) -> tuple[tuple[tuple[str, Any], ...], ...]:

@@ -136,6 +136,8 @@ class Expression:
                 text = ("" if term.sign > 0 else "-") + atom
         if not text:
             return f"{self.constant}{suffix}"
+        if text.startswith("-") and self.constant > 0:
+            return f"{self.constant}{suffix} - {text[1:]}"
         if self.constant > 0:
             return f"{text} + {self.constant}{suffix}"
         return f"{text} - {-self.constant}{suffix}" if self.constant < 0 else text

@@ -227,6 +227,10 @@ def _sums_up(items: Sequence[Item], bits: Expression, total: int, path: Path, co
     return True
 
 
+def _bits(high: int, low: int) -> str:
+    return f"bits {high}:{low}" if high != low else f"bit {low}"
+
+
 def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
     """`` with singleturn_bits = 17`` for the parameters that matter."""
     names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
@@ -249,12 +253,12 @@ def _fits(items: Sequence[Item], bits: Expression, path: Path, context: Context,
                 context.report.add("width-mismatch", item.path, wrong)
                 return False
             if low < 0 or low + span > total:
-                context.report.add("bit-out-of-range", item.path, f"'{name}' takes bits {low + span - 1}:{low}{where}; the highest is {total - 1} and the lowest 0")
+                context.report.add("bit-out-of-range", item.path, f"'{name}' takes {_bits(low + span - 1, low)}{where}; there are bits {total - 1} to 0")
                 return False
             for other_low, other_high, other in taken:
                 if width and low <= other_high and other_low <= low + span - 1:
-                    shared = f"{min(low + span - 1, other_high)}:{max(low, other_low)}"
-                    context.report.add("bit-overlap", item.path, f"'{name}' and '{other.raw.get('name', '')}' both take bits {shared}{where}")
+                    shared = _bits(min(low + span - 1, other_high), max(low, other_low))
+                    context.report.add("bit-overlap", item.path, f"'{name}' and '{other.raw.get('name', '')}' both take {shared}{where}")
                     sound = False
             if width:
                 taken.append((low, low + span - 1, item))
@@ -379,7 +383,7 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, path: Path, co
         for parameters in _sets(context, interface):
             if (size := width.value(parameters)) > 0:
                 first = low.value(parameters)
-                context.report.add("bits-without-field", path, f"bits {first + size - 1}:{first}{_with(parameters, low, width)} have no field; give them one, or say 'other_bits: zero' or 'other_bits: unspecified'")
+                context.report.add("bits-without-field", path, f"no field covers {_bits(first + size - 1, first)}{_with(parameters, low, width)}; add one, or say 'other_bits: zero' or 'other_bits: unspecified'")
                 return False
     return True
 
@@ -420,12 +424,13 @@ def _is_sound(layout: Layout, path: Path, context: Context, interface: str) -> b
         narrowest = min((field.width.value(parameters) for parameters in _sets(context, interface)), default=0)
         if field.widest > LARGEST_NUMBER and field.kind != "text" and not field.padding_of and not field.name.startswith("zero_"):
             report.add("too-long", here, f"'{field.name}' takes {field.widest} bits; {LARGEST_NUMBER} is the most")
-        if field.kind == "constant" and field.constant >> narrowest and narrowest:
+        # Where the width is a plain number, the rules on the text have looked already.
+        if field.kind == "constant" and not field.width.is_constant and field.constant >> narrowest and narrowest:
             report.add("value-too-wide", here, f"the constant {field.constant:#x} does not fit into {narrowest} bits")
         if field.kind in ("flag", "parity") and field.width != Expression(1):
             report.add("width-mismatch", here, f"'{field.name}' is a {field.kind} of one bit; it takes {field.widest}")
         for value in field.values:
-            if value.value >> field.widest:
+            if not field.width.is_constant and value.value >> field.widest:
                 report.add("value-too-wide", here, f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits")
         if field.digits and field.digits[0].divisor * field.digits[0].modulus > 1 << field.widest:
             count = sum(run.digits for run in field.digits)

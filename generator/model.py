@@ -24,8 +24,8 @@ class Source:
     page: int | None
 
     def __str__(self) -> str:
-        page = "" if self.page is None else f" p.{self.page}"
-        return f"{self.document + ': ' if self.document else ''}{self.section}{page}".strip()
+        parts = (f"{self.document}:" if self.document else "", self.section, "" if self.page is None else f"p.{self.page}")
+        return " ".join(part for part in parts if part)
 
 
 Sources = tuple[Source, ...]
@@ -354,6 +354,10 @@ class PlacedLayout:
 
     def field(self, name: str) -> PlacedField | None:
         return next((item for item in self.fields if item.name == name), None)
+
+    def join_low_and_width(self, join: Join) -> tuple[int, int]:
+        """Position of a join whose fields touch, as low bit and width."""
+        return self.place_of(join.name)
 
     def place_of(self, name: str) -> tuple[int, int]:
         """Low bit and width of a field, or of a join whose fields touch; width 0 where this order code has none of them."""

@@ -133,9 +133,11 @@ def _repeated(outside: Sequence[Box], following: Sequence[Strip]) -> bool:
 
 
 def _label(field: Field) -> str:
-    if field.kind == "constant" and (field.padding_of or field.constant == 0):
-        return "0"
-    return field.name.replace("_", " ")
+    if field.kind != "constant":
+        return field.name.replace("_", " ")
+    value = f"{field.constant:X}h" if field.constant > 9 else f"{field.constant}"
+    is_plain = field.constant == 0 and (field.padding_of or not field.printed_name)
+    return value if is_plain else f"{field.name.replace('_', ' ')} = {value}"
 
 
 def _fill(field: Field) -> str:

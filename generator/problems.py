@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import difflib
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 Path = tuple[str | int, ...]
 
 _LONGEST_QUOTE = 60
+_LONGEST_PATH = 200
+#: Names among which the nearest is sought; among more it would take longer than the rest of the check.
+_MOST_CHOICES = 500
 
 
 @dataclass(frozen=True, order=True, slots=True)
@@ -39,7 +42,8 @@ class Problem:
         """
         lines = [f"{visible(self.file)}:{self.line}:{self.column}: {self.rule}: {visible(self.message)}"]
         if self.path:
-            lines.append(f"  in {visible(self.path)}")
+            path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
+            lines.append(f"  in {visible(path)}")
         if self.text.strip():
             shown, caret = _window(self.text, self.column, max(width, 20) - 4)
             lines += [f"    {shown}", f"    {' ' * caret}^"]
@@ -133,7 +137,7 @@ def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str
         otherwise: The word before the list of all.
     """
     choices = [item for item in dict.fromkeys(known) if item != word]
-    near = difflib.get_close_matches(word[:_LONGEST_QUOTE], choices, n=1, cutoff=0.6)
+    near = difflib.get_close_matches(word[:_LONGEST_QUOTE], choices, n=1, cutoff=0.6) if len(choices) <= _MOST_CHOICES else []
     if near:
         return f"; did you mean '{near[0]}'?"
     if choices and len(choices) <= 8:
@@ -163,24 +167,32 @@ def _columns(text: str) -> int:
 
 
 def _window(text: str, column: int, width: int) -> tuple[str, int]:
-    """The part of a line to show, and the offset of the caret in it.
+    """The part of a line to show without its indentation, and the offset of the caret in it.
 
-    Indentation common to nobody is dropped; a line that is still too long is scrolled so that the caret stands in sight.
+    A line that is too long is scrolled so that the caret stands in sight, with more of what comes before it than after.
     """
-    stripped = text.lstrip(" ")
-    caret = max(0, min(column - 1, len(text)) - (len(text) - len(stripped)))
-    pieces = [_visible_character(character) for character in stripped.rstrip()]
-    # The window is sought in characters; only the last step counts terminal columns.
-    start, end = 0, len(pieces)
-    if _columns("".join(pieces)) > width:
-        while start < caret and _columns("".join(pieces[start:caret])) > width * 2 // 3:
-            start += 1
-        room = width - (3 if start else 0) - 3
-        end = start
-        used = 0
-        while end < len(pieces) and used + _columns(pieces[end]) <= room:
-            used += _columns(pieces[end])
-            end += 1
-    before = "..." if start else ""
-    after = "..." if end < len(pieces) else ""
-    return before + "".join(pieces[start:end]) + after, _columns(before + "".join(pieces[start:caret]))
+    indent = len(text) - len(text.lstrip(" "))
+    stripped = text.strip(" ")
+    caret = max(0, min(column - 1 - indent, len(stripped)))
+    # One character takes a column at least, so nothing further off can be shown; a line may have millions.
+    first = max(0, caret - width)
+    before = [_visible_character(character) for character in stripped[first:caret]]
+    after = [_visible_character(character) for character in stripped[caret : caret + width + 1]]
+    if first or _columns("".join(before + after)) > width:
+        start = _fitting(before[::-1], width * 2 // 3)
+        cut = first > 0 or start < len(before)
+        before = ["...", *before[len(before) - start :]] if cut else before
+        room = width - _columns("".join(before))
+        if _columns("".join(after)) > room:
+            after = [*after[: _fitting(after, room - 3)], "..."]
+    return "".join(before + after), _columns("".join(before))
+
+
+def _fitting(pieces: Sequence[str], room: int) -> int:
+    """How many of the pieces, from the first on, fit into so many columns."""
+    used = 0
+    for count, piece in enumerate(pieces):
+        used += _columns(piece)
+        if used > room:
+            return count
+    return len(pieces)

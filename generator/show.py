@@ -64,7 +64,7 @@ def device_text(device: Device) -> str:
     for interface in device.interfaces:
         lines += ["", *_interface(device, interface.kind)]
         for layout in interface.layouts:
-            lines.append(f"  {layout.name}, from the {layout.sender}, {_bits(layout)}  [{cite(layout.source)}]")
+            lines.append(wrapped(f"{layout.name}, from the {layout.sender}, {_bits(layout)}  [{cite(layout.source)}]", _WIDTH, "    ", "  "))
             lines += _pairs([(field.name, f"{field.width.render()} bit") for field in layout.fields], 4)
     lines += _registers(device, device.registers, None)
     lines += _procedures(device, None)
@@ -87,7 +87,8 @@ def variant_text(device: Device, match: Match) -> str:
     for layout in device.interface(variant.interface).layouts:
         placed = layout.place(variant.parameters)
         size = f"{placed.bits // 8} bytes" if layout.carried_as == "bytes" else f"{placed.bits} bits"
-        lines += ["", f"{layout.printed_name or layout.name}, from the {layout.sender}, {size}  [{cite(layout.source)}]", *picture(placed)]
+        title = f"{layout.printed_name or layout.name}, from the {layout.sender}, {size}  [{cite(layout.source)}]"
+        lines += ["", wrapped(title, _WIDTH, "  ", ""), *picture(placed)]
     lines += _registers(device, [item for item in device.registers if item.interface == variant.interface], variant)
     lines += _procedures(device, variant)
     others = tuple(f"interfaces.{item.kind}" for item in device.interfaces if item.kind != variant.interface)
@@ -213,7 +214,8 @@ def _errata(device: Device, without: tuple[str, ...] = ()) -> list[str]:
         return []
     lines = ["", "Errata of the manual"]
     for item in found:
-        lines.append(wrapped(f"printed: {item.printed}; used: {item.used}", _WIDTH, "    ", f"  {item.name} ({item.status}, {item.severity.replace('_', ' ')}) [{cite(item.source)}] "))
+        lines.append(wrapped(f"{item.name}: {item.status}, {item.severity.replace('_', ' ')}  [{cite(item.source)}]", _WIDTH, "    ", "  "))
+        lines += [wrapped(item.printed, _WIDTH, " " * 13, "    printed: "), wrapped(item.used, _WIDTH, " " * 13, "    used:    ")]
     return lines
 
 

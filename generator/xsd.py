@@ -1,12 +1,13 @@
 """The XML Schema of the device description, made from the JSON Schema of the same data.
 
-``python -m codewheel.xsd`` prints it; it is kept as ``spec/device-description.xsd``.
+``python -m codewheel.xsd`` prints it; with a path it writes it there. It is kept as ``generator/spec/device-description.xsd``.
 """
 
 from __future__ import annotations
 
 import sys
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 from lxml import etree
@@ -19,7 +20,7 @@ The root is device_description. Elements and attributes have the names of what c
 Numbers are decimal and bit 0 is the least significant. Where a position or a limit depends on the order code it is a sum of numbers, parameters and powers of two,
 such as 48 - singleturn_bits; each order_code gives the value of every parameter.
 What is left out is not said by the manual, or does not apply. A source element cites the manual; what has none has those of the element around it.
-This file is made from show.schema.json by: python -m codewheel.xsd"""
+This file is made from show.schema.json by: python -m codewheel.xsd generator/spec/device-description.xsd"""
 _EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-] (2\^)?[a-z0-9_]+)*"
 
 
@@ -128,4 +129,7 @@ def _add_attribute(made: Any, member: Member, description: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(make())
+    if len(sys.argv) > 1:
+        Path(sys.argv[1]).write_text(make(), encoding="utf-8")
+    else:
+        sys.stdout.write(make())

@@ -97,7 +97,7 @@ def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], li
         "left_out": f"Not listed, for want of a device ID in the spec: {', '.join(left_out)}" if left_out else "",
     }
     filters: Mapping[str, Callable[..., Any]] = {"comment": comment, "comment_text": comment_text, "ascii_text": ascii_text}
-    return render("biss", "idbiss.xml.j2", values, filters, library.own_templates)
+    return render("biss", "idbiss.xml.jinja", values, filters, library.own_templates)
 
 
 _MANUFACTURER_NOTE = (

@@ -57,7 +57,7 @@ def generate(library: Library) -> dict[str, str]:
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
-    filters = {"comment": comment, "noted": noted, "text": in_comment, "string": string}
+    filters = {"comment": comment, "comment_lines": comment_lines, "noted": noted, "code": code, "text": in_comment, "string": string}
     return render("c", template, values, filters=filters, own_templates=library.own_templates)
 
 
@@ -77,30 +77,20 @@ def in_comment(text: object) -> str:
     safe = ascii_text(text).replace("\\", "|")
     while "??" in safe:
         safe = safe.replace("??", "? ?")
-    return re.sub(r"\*(?=/)|/(?=\*)", lambda match: match[0] + " ", safe)
+    return _apart(safe)
+
+
+def _apart(text: str) -> str:
+    """``text`` with a space between every star and slash that meet."""
+    return re.sub(r"\*(?=/)|/(?=\*)", lambda match: match[0] + " ", text)
 
 
 def string(text: object) -> str:
     """``text`` as a string literal."""
-    return '"' + "".join(letter if letter in _PLAIN else f"\\{letter:03o}" for letter in _letters(text)) + '"'
+    return '"' + "".join(chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in str(text).encode("utf-8")) + '"'
 
 
 _PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
-
-
-def _letters(text: object) -> Iterable[str]:
-    return (_Byte(byte) for byte in str(text).encode("utf-8"))
-
-
-class _Byte(str):
-    """One byte of a text; it prints as the letter, or in octal."""
-
-    def __new__(cls, byte: int) -> _Byte:
-        made = super().__new__(cls, chr(byte))
-        return made
-
-    def __format__(self, spec: str) -> str:
-        return format(ord(self), spec)
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
@@ -113,28 +103,48 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
         lead = in_comment_lead(lead)
         width = COLUMNS - indent - 3 - len(lead)
         wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False) or [""]
-        lines += [(lead if index == 0 else " " * len(lead)) + line for index, line in enumerate(wrapped)]
+        lines += [_apart((lead if index == 0 else " " * len(lead)) + line) for index, line in enumerate(wrapped)]
     if len(lines) == 1 and len(lines[0]) + indent + 6 <= COLUMNS:
         return f"{margin}/* {lines[0]} */"
     body = "\n".join(f"{margin} * {line}".rstrip() for line in lines)
     return f"{margin}/*\n{body}\n{margin} */"
 
 
+def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
+    """The same as lines inside a comment that the template opens and closes."""
+    inner = comment(paragraphs).splitlines()
+    return f" * {inner[0][3:-3]}" if len(inner) == 1 else "\n".join(inner[1:-1])
+
+
+def code(line: str, indent: int = 0) -> str:
+    """A line of code, broken after an operator or a comma where it is too long."""
+    margin = " " * indent
+    if len(margin) + len(line) <= COLUMNS:
+        return margin + line
+    pieces = re.split(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<=,) (?=[a-z])", line)
+    lines, current = [], margin
+    for piece in pieces:
+        if current.strip() and len(current) + len(piece) + 1 > COLUMNS:
+            lines.append(current)
+            current = margin + "    "
+        current += piece if not current.strip() else f" {piece}"
+    return "\n".join([*lines, current])
+
+
 def in_comment_lead(text: str) -> str:
     """What stands before a paragraph, its spaces kept."""
-    inner = in_comment(text)
-    return " " * (len(text) - len(text.lstrip())) + inner + " " * (len(text) - len(text.rstrip()))
+    return "".join(part if part.isspace() else in_comment(part) for part in re.split("( +)", text))
 
 
 def noted(line: str, note: str, indent: int = 0) -> str:
     """A line of code with a comment behind it, or above it where it would be too long."""
-    code = " " * indent + line
+    written = code(line, indent)
     short = in_comment(note)
     if not short:
-        return code
-    if len(code) + len(short) + 8 <= COLUMNS:
-        return f"{code}  /* {short} */"
-    return f"{comment(note, indent)}\n{code}"
+        return written
+    if "\n" not in written and len(written) + len(short) + 7 <= COLUMNS:
+        return f"{written} /* {short} */"
+    return f"{comment(note, indent)}\n{written}"
 
 
 def c_name(name: str, taken: Iterable[str] = ()) -> str:
@@ -171,6 +181,11 @@ def sentence(text: str) -> str:
 def described(printed_name: str, meaning: str) -> str:
     """The manual's own name and what it means."""
     return f"{printed_name}: {meaning}" if printed_name and meaning else printed_name or meaning
+
+
+def words(name: str) -> str:
+    """A name as running text."""
+    return name.replace("_", " ").replace("data id", "data ID")
 
 
 def errata_text(erratum: Erratum) -> Paragraph:
@@ -274,17 +289,32 @@ class CodecView:
     encode_needs_variant: bool
     setters: tuple[Setter, ...]
     expected: tuple[Line, ...]
-    expected_checks: tuple[str, ...]
+    expected_checks: str
     fold: CrcView | None
 
 
 # ------------------------------------------------------------------------------------------------------------------ expressions
 
 
+def bracketed(text: str) -> str:
+    """An expression in parentheses, where it needs them to take a cast or a shift."""
+    return text if re.fullmatch(r"[\w>-]+(\[\d+\])?", text) or re.fullmatch(r"\w*\([^()]*\)", text) or (text[0] == "(" and _closes_at_end(text)) else f"({text})"
+
+
+def _closes_at_end(text: str) -> bool:
+    depth = 0
+    for index, letter in enumerate(text):
+        depth += (letter == "(") - (letter == ")")
+        if depth == 0:
+            return index == len(text) - 1
+    return False
+
+
 @dataclass(frozen=True)
 class Scope:
     """How parameters are written: set ones are members of the variant, others functions of it."""
 
+    maker: str
     prefix: str
     set_names: frozenset[str]
 
@@ -294,7 +324,7 @@ class Scope:
     def text(self, expression: Expression) -> str:
         """The expression in C, unsigned throughout and never below zero on the way where the result is not."""
         if len(expression.terms) == 1 and expression.terms[0].power and expression.terms[0].sign > 0 and expression.constant == -1:
-            return f"{self.prefix.split('_')[0]}_mask({self.atom(expression.terms[0].parameter)})"
+            return f"{self.maker}_mask({self.atom(expression.terms[0].parameter)})"
         plus = [self._term(term.parameter, term.power) for term in expression.terms if term.sign > 0]
         minus = [self._term(term.parameter, term.power) for term in expression.terms if term.sign < 0]
         if expression.constant > 0 or not plus:
@@ -310,13 +340,20 @@ class Scope:
         return f"((uint64_t)1U << {atom})" if power else atom
 
 
+def needs_variant(*code_of: object) -> bool:
+    """Whether any of this code looks at the variant."""
+    return re.search(r"\bvariant->|\(variant\)", str(code_of)) is not None
+
+
 def span_text(low: Expression, width: Expression) -> str:
     """Where a field lies, in words."""
     if low.is_constant and width.is_constant:
         if width.constant == 1:
             return f"bit {low.constant}"
         return f"bits {low.constant + width.constant - 1}:{low.constant}"
-    return f"{plain_expression(width)} bit{'s' if width != Expression(1) else ''} from bit {plain_expression(low)} up"
+    size = plain_expression(width)
+    unit = "" if size.endswith("bits") else " bit" if width == Expression(1) else " bits"
+    return f"{size}{unit} from bit {plain_expression(low)} up"
 
 
 def plain_expression(expression: Expression) -> str:
@@ -448,7 +485,7 @@ class CodecBuilder:
 
     def _widest(self, join: Join) -> int:
         placed = [self.layout.place(variant.parameters) for variant in self.view.variants_of(self.layout, self.register)]
-        return max((item.join_low_and_width(join)[1] if any(item.field(name) for name in join.fields) else 1 for item in placed), default=1)
+        return max((item.place_of(join.name)[1] for item in placed), default=1) or 1
 
     # -- reading
 
@@ -613,7 +650,7 @@ class CodecBuilder:
                 text = f"({kind}){part}"
                 continue
             width = number(field.width.constant) if field.width.is_constant else self.scope.text(field.width)
-            text = f"({text} << {width if width.replace('->', '').isidentifier() or field.width.is_constant else f'({width})'}) | {part}"
+            text = f"({text} << {bracketed(width)}) | {part}"
         return text if size_of(self._widest(join)) >= 32 or "|" not in text else f"({kind})({text})"
 
     # -- writing
@@ -677,10 +714,14 @@ class CodecBuilder:
             if field.low == Expression(0):
                 terms.append(value if value.startswith("(in->") or not value.startswith("in->") else f"(uint64_t){value}")
             else:
-                low = number(field.low.constant) if field.low.is_constant else f"({self.scope.text(field.low)})"
+                low = number(field.low.constant) if field.low.is_constant else bracketed(self.scope.text(field.low))
                 terms.append(f"((uint64_t){value} << {low})")
-        yield "const uint64_t word = " if self.layout.crc_field is None else "uint64_t word = "
-        yield from ([f"    {term}" + (" |" if index < len(terms) - 1 else ";") for index, term in enumerate(terms)] or ["    0U;"])
+        kind = "const uint64_t" if self.layout.crc_field is None else "uint64_t"
+        if len(terms) < 2:
+            yield f"{kind} word = {''.join(terms) or '0U'};"
+            return
+        yield f"{kind} word ="
+        yield from (f"    {term}" + (" |" if index < len(terms) - 1 else ";") for index, term in enumerate(terms))
 
     def _byte_puts(self) -> Iterable[str]:
         parts: dict[int, list[str]] = {}
@@ -700,18 +741,23 @@ class CodecBuilder:
                 if fixed is not None:
                     constants[piece.byte] = constants.get(piece.byte, 0) | (fixed >> piece.left & piece.mask) << piece.right
                     continue
-                parts[piece.byte].append(self._put(field, piece.left, piece.mask, piece.right, alone=len(field.pieces) == 1))
+                if piece.left < size_of(field.widest):
+                    parts[piece.byte].append(self._put(field, piece.left, piece.mask, piece.right, alone=len(field.pieces) == 1))
         for byte in range(self.length):
             if byte not in parts:
                 if not self._is_crc_byte(byte):
                     yield f"bytes[{byte}] = 0x00U;"
                 continue
             terms = [*([number(constants[byte], True)] if constants.get(byte) else []), *parts[byte]] or ["0x00U"]
-            if len(terms) == 1 and re.fullmatch(r"0x[0-9A-F]+U|in->\w+", terms[0]):
-                yield f"bytes[{byte}] = {terms[0]};"
+            inner = " | ".join(terms)
+            if len(terms) == 1 and (inner.startswith("0x") or inner in self._bytes_as_they_are()):
+                yield f"bytes[{byte}] = {inner};"
             else:
-                inner = " | ".join(terms)
-                yield f"bytes[{byte}] = (uint8_t)({inner});" if len(terms) > 1 or not inner.startswith("(") else f"bytes[{byte}] = (uint8_t){inner};"
+                cast = re.sub(r"^\(uint32_t\)(in->[^ ]+)$", r"\1", inner)
+                yield f"bytes[{byte}] = (uint8_t){bracketed(cast)};"
+
+    def _bytes_as_they_are(self) -> set[str]:
+        return {f"in->{c_name(field.name)}" for field in self.layout.fields if self.member_type(field) == "uint8_t"}
 
     def _is_crc_byte(self, byte: int) -> bool:
         field = self.layout.crc_field
@@ -763,7 +809,7 @@ class CodecBuilder:
                 offset += field.width
             about = f"Sets {join.name} and with it {' and '.join(join.fields)}."
             limit = f"{self.maker}_mask({self.scope.text(offset)})"
-            yield Setter(f"{self.name}_set_{join.name}", kind, c_name(join.name), limit, tuple(assignments), about, "variant" in limit + "".join(assignments))
+            yield Setter(f"{self.name}_set_{join.name}", kind, c_name(join.name), limit, tuple(assignments), about, needs_variant(limit, assignments))
         for field in self.layout.fields:
             if not field.digits:
                 continue
@@ -799,23 +845,28 @@ class CodecBuilder:
         for field in self.layout.fields:
             if field.padding_of and not self.by_word:
                 continue
-            holds = f"always {field.constant:#x}" if field.kind == "constant" else f"even parity of {field.parity_of}" if field.kind == "parity" else ""
-            if field.kind == "crc":
-                holds = f"CRC {field.crc} over everything before it"
-            if field.name == self.fixed_selector:
-                holds = f"{self.layout.selects[0]:#x}"
-            if field.kind == "flag":
-                holds = f"{'0' if field.active_low else '1'} = {field.when_active or 'active'}"
-            if field.padding_of:
-                holds = "always 0"
-            if field.container:
-                holds = f"{plain_expression(field.width)} bits, those above them always 0"
-            rows.append((self._where(field), field.name, "; ".join(part for part in (field.printed_name, holds, "" if field.kind in ("flag", "parity", "crc") or field.name.startswith("zero_") else field.meaning) if part)))
+            rows.append((self._where(field), "-" if field.name.startswith("zero_") else field.name, self._holds(field)))
         if not rows:
             return
         places, names = max(len(row[0]) for row in rows), max(len(row[1]) for row in rows)
         for place, name, holds in rows:
             yield (f"  {place:{places}}  {name:{names}}  ", holds or "-")
+
+    def _holds(self, field: Field) -> str:
+        """What a field holds: its printed name, its fixed value or rule, its meaning."""
+        fixed = {
+            "constant": f"always {field.constant:#x}" if field.constant else "always 0",
+            "parity": f"even parity of {field.parity_of}",
+            "crc": f"CRC {field.crc} over everything before it",
+            "flag": f"{'0' if field.active_low else '1'} = {field.when_active or 'active'}",
+            "digits": "decimal digits: " + ", ".join(run.name for run in field.digits),
+        }.get(field.kind, "")
+        if field.name == self.fixed_selector:
+            fixed = f"always {self.layout.selects[0]:#x}"
+        if field.container:
+            fixed = f"{plain_expression(field.width)}{'' if plain_expression(field.width).endswith('bits') else ' bits'}, those above always 0"
+        explained = field.kind in ("flag", "parity", "crc") or field.name == self.fixed_selector or field.name.startswith("zero_") or field.padding_of
+        return "; ".join(part for part in (field.printed_name, fixed, "" if explained else field.meaning) if part)
 
     def _where(self, field: Field) -> str:
         if self.by_word or not field.pieces:
@@ -861,11 +912,11 @@ class CodecBuilder:
             encode_checks=encode_checks,
             puts=puts,
             crc_line=crc_line,
-            decode_needs_variant="variant" in str((locals_, checks, fills)) or is_bits,
-            encode_needs_variant="variant" in str((encode_checks, puts, crc_line)),
+            decode_needs_variant=is_bits or needs_variant(locals_, checks, fills),
+            encode_needs_variant=needs_variant(encode_checks, puts, crc_line),
             setters=tuple(self.setters()),
             expected=tuple(expected),
-            expected_checks=tuple(expected_checks),
+            expected_checks=" && ".join(f"({item})" for item in expected_checks),
             fold=fold,
         )
 
@@ -900,7 +951,6 @@ class Mask:
 
 @dataclass(frozen=True)
 class RegisterView:
-    title: str
     about: tuple[Paragraph, ...]
     macros: tuple[Line, ...]
     masks: tuple[Mask, ...]
@@ -916,6 +966,7 @@ class Selector:
     function: str
     by_value: str
     field: str
+    words: str
     sender: str
     cases: tuple[tuple[tuple[str, ...], str], ...]
     needs: int
@@ -990,12 +1041,12 @@ class DeviceView:
         self.maker: Manufacturer = device.manufacturer
         self.prefix = f"{device.manufacturer.name}_{device.name}"
         self.PREFIX = self.prefix.upper()
-        self.scope = Scope(self.prefix, frozenset(item.name for item in device.set_parameters))
+        self.scope = Scope(self.maker.name, self.prefix, frozenset(item.name for item in device.set_parameters))
         self._taken: set[str] = set()
         self.parameters: Sequence[Parameter] = device.set_parameters
         self.members = [Line(f"{unsigned(item.largest.bit_length())} {c_name(item.name)};", self._meaning(item)) for item in device.set_parameters]
         self.members = self.members or [Line("uint8_t no_parameter;", "all order codes are alike")]
-        self.derived = [self._derived(item) for item in device.parameters if item.equals is not None]
+        self.derived = [self._derived(item) for item in self._in_order_of_use()]
         self.codes = [self._code(variant) for variant in device.variants]
         self.choices: dict[tuple[str, str], Choice] = {}
         self._shared_choices: dict[str, tuple[tuple[Value, ...], Choice]] = {}
@@ -1029,6 +1080,18 @@ class DeviceView:
         self._taken.add(name)
         return name
 
+    def _in_order_of_use(self) -> list[Parameter]:
+        """The parameters that follow from others, each after those that it needs."""
+        left = [item for item in self.device.parameters if item.equals is not None]
+        known = set(self.scope.set_names)
+        ordered: list[Parameter] = []
+        while left:
+            item = next((item for item in left if item.equals is not None and known.issuperset(item.equals.parameters)), left[0])
+            left.remove(item)
+            known.add(item.name)
+            ordered.append(item)
+        return ordered
+
     @staticmethod
     def _meaning(item: Parameter) -> str:
         return item.meaning + (f" [{item.unit}]" if item.unit else "")
@@ -1038,7 +1101,7 @@ class DeviceView:
         kind = unsigned(max(item.largest.bit_length(), 32))
         text = self.scope.text(item.equals)
         if kind == "uint32_t" and any(term.power for term in item.equals.terms):
-            text = f"({kind})({text})"
+            text = f"({kind}){bracketed(text)}"
         return DerivedParameter(self.unique(f"{self.prefix}_{item.name}"), kind, text, self._meaning(item))
 
     def _code(self, variant: Variant) -> tuple[str, str, str, str]:
@@ -1072,9 +1135,9 @@ class DeviceView:
             for field in register.layout.fields:
                 if field.kind == "choice":
                     known = self._register_choices.setdefault(register.name, [])
-                    self._add_choice(f"reg_{register.name}", field, known, register.name, sole=len(register.layout.fields) == 1)
+                    self._add_choice(f"reg_{register.name}", field, known, register.name, (register.printed_name or register.name) if len(register.layout.fields) == 1 else "")
 
-    def _add_choice(self, owner: str, field: Field, group: list[Choice], about: str, sole: bool = False) -> None:
+    def _add_choice(self, owner: str, field: Field, group: list[Choice], about: str, sole: str = "") -> None:
         known = self._shared_choices.get(field.name)
         if known is not None and known[0] == field.values and not sole:
             self.choices[owner, field.name] = known[1]
@@ -1090,7 +1153,7 @@ class DeviceView:
             entries.append(Line(f"{entry} = 0x{item.value:0{width}X}" if is_enum else f"#define {entry} {number(item.value, True)}", self._value_note(item)))
         if is_enum and entries:
             entries = [*(Line(item.code + ",", item.note) for item in entries[:-1]), entries[-1]]
-        choice = Choice(type_name, described(field.printed_name, field.meaning) or field.name.replace("_", " "), tuple(entries), names, is_enum)
+        choice = Choice(type_name, (f"Values of {sole}." if sole else "") or described(field.printed_name, field.meaning) or field.name.replace("_", " "), tuple(entries), names, is_enum)
         if known is None and not sole:
             self._shared_choices[field.name] = (field.values, choice)
         self.choices[owner, field.name] = choice
@@ -1125,6 +1188,8 @@ class DeviceView:
         groups = list(dict.fromkeys(field.group for layout in interface.layouts for field in layout.fields if field.group))
         path = f"interfaces.{interface.kind}"
         errata = errata_at(self.device, path, [f"{path}.{layout.name}" for layout in interface.layouts])
+        below = [item for layout in interface.layouts for item in errata_at(self.device, f"{path}.{layout.name}")]
+        errata = [item for item in errata if item not in below]
         errata += [item for group in groups for item in errata_at(self.device, f"field_groups.{group}") if item not in errata]
         macros = list(self._interface_macros(interface, upper))
         for timing in interface.timings:
@@ -1169,7 +1234,7 @@ class DeviceView:
             yield "Access to the memory, by the busy flag of the reply:"
             for row in interface.memory_access:
                 yield (f"  {row.access}, busy {row.busy}: ", f"{sentence(row.meaning)} Address: {row.address}; data: {row.data} [{cite(row.source)}].")
-        yield sentence(interface.control_data_note)
+        yield ("Control data: ", sentence(interface.control_data_note))
         yield from (errata_text(item) for item in errata)
 
     def _interface_macros(self, interface: Interface, upper: str) -> Iterable[Line]:
@@ -1228,7 +1293,7 @@ class DeviceView:
         known = choice.names if choice is not None else {}
         cases = tuple((tuple(known.get(value, number(value, True)) for value in layout.selects), names[layout.name]) for layout in layouts)
         needs = max(piece.byte for piece in field.pieces) + 1
-        return Selector(self.unique(f"{prefix}_{kind}_frame"), self.unique(f"{prefix}_{kind}_for"), field.name, sender, cases, needs, expression)
+        return Selector(self.unique(f"{prefix}_{kind}_frame"), self.unique(f"{prefix}_{kind}_for"), field.name, words(field.name), sender, cases, needs, expression)
 
     @staticmethod
     def _cable_about(interface: Interface) -> tuple[Paragraph, ...]:
@@ -1256,8 +1321,8 @@ class DeviceView:
         by = {"encoder": "sent by the encoder", "master": "sent by the master"}[layout.sender]
         size = f"{plain_expression(layout.bits)} bits" if layout.carried_as == "bits" else f"{layout.widest // 8} byte{'s' if layout.widest > 8 else ''}"
         if layout.selects:
-            size += f"; {layout.selector.replace('_', ' ').replace('data id', 'data ID')} " + ", ".join(f"{value:X}" for value in layout.selects)
-        about: list[Paragraph] = [f"{layout.name.replace('_', ' ')}, {by}: {size} [{cite(layout.source)}].", sentence(layout.printed_name), sentence(layout.note)]
+            size += f"; {words(layout.selector)} " + ", ".join(f"{value:X}" for value in layout.selects)
+        about: list[Paragraph] = [f"{layout.name.replace('_', ' ')}, {by}: {size} [{cite(layout.source)}].", ("In the manual: ", sentence(layout.printed_name)), sentence(layout.note)]
         about += builder.table()
         about += [errata_text(item) for item in errata_at(self.device, f"interfaces.{interface.kind}.{layout.name}")]
         return builder.build(about)
@@ -1284,7 +1349,6 @@ class DeviceView:
             about += builder.table()
         about += [errata_text(item) for item in errata_at(self.device, f"registers.{register.name}")]
         return RegisterView(
-            title=described(register.printed_name or register.name, f"{register.address:02X}h" + (f" to {register.last_address:02X}h" if register.length > 1 else "")),
             about=tuple(about),
             macros=tuple(macros),
             masks=() if trivial else tuple(self._masks(register, name)),
@@ -1294,13 +1358,14 @@ class DeviceView:
         )
 
     def _register_about(self, register: Register) -> Iterable[Paragraph]:
-        yield f"{register.printed_name or register.name.replace('_', ' ')}, {register.access.replace('_', ' ')}, over {self.device.interface(register.interface).title} [{cite(register.source)}]."
+        yield f"{register.printed_name or register.name.replace('_', ' ')}, {register.access.replace('_', ' ').replace('read write', 'read and write')}, over {self.device.interface(register.interface).title} [{cite(register.source)}]."
         yield sentence(register.meaning)
         if register.length > 1:
             yield "The lowest address holds the low byte." if register.byte_order == "low_byte_first" else "The lowest address holds the high byte."
         if register.opened_by:
             opener = self.device.register(register.opened_by)
-            yield f"Can be written only while {opener.printed_name or opener.name} holds {register.opened_by_value.replace('_', ' ')}."
+            value = next((f"{item.value:0{2 * opener.length}X}h" for item in opener.values if item.name == register.opened_by_value), "")
+            yield f"Can be written only while {opener.printed_name or opener.name} holds {value} ({register.opened_by_value.replace('_', ' ')})."
         if register.clears_itself:
             yield "Goes back to its default by itself after a write."
         if register.volatile:
@@ -1311,14 +1376,14 @@ class DeviceView:
         if register.length > 8:
             return
         for field in register.layout.fields:
-            if field.kind == "constant" or (len(register.layout.fields) == 1 and field.kind != "choice"):
+            if field.kind in ("constant", "text") or (len(register.layout.fields) == 1 and field.kind != "choice"):
                 continue
             variable = not (field.low.is_constant and field.width.is_constant)
             stem = f"{name}_{field.name}" if variable else f"{name}_{field.name}".upper()
             suffixes = ("_shift", "_mask") if variable else ("_SHIFT", "_MASK")
             if variable:
                 low = self.scope.text(field.low)
-                place = f"{self.maker.name}_mask({self.scope.text(field.width)}) << ({low})"
+                place = f"{self.maker.name}_mask({self.scope.text(field.width)}) << {bracketed(low)}"
                 yield Mask(self.unique(stem + suffixes[0]), self.unique(stem + suffixes[1]), low, place, "uint64_t", True, span_text(field.low, field.width))
             else:
                 bits = ((1 << field.width.constant) - 1) << field.low.constant
@@ -1341,7 +1406,7 @@ class DeviceView:
             placed = register.layout.place(parameters)
             join = next((item for item in register.layout.joins if item.name == register.limits_of), None)
             field = placed.field(self.limited_member(register)) if join is None else None
-            widths.append(placed.join_low_and_width(join)[1] if join is not None else field.width if field is not None else 8 * register.length)
+            widths.append(placed.place_of(join.name)[1] if join is not None else field.width if field is not None else 8 * register.length)
         macros, functions, texts = [], [], {"min": "", "max": ""}
         for side, expression in (("min", register.min), ("max", register.max)):
             if expression is None:
@@ -1354,7 +1419,7 @@ class DeviceView:
                 largest = max((expression.value(parameters) for parameters in variants), default=0)
                 kind = unsigned(max(largest.bit_length(), 32))
                 text = self.scope.text(expression)
-                body = text if kind == "uint64_t" or not any(term.power for term in expression.terms) else f"({kind}){text if text.endswith(')') and ' ' not in text else f'({text})'}"
+                body = text if kind == "uint64_t" or not any(term.power for term in expression.terms) else f"({kind}){bracketed(text)}"
                 about = f"{'Least' if side == 'min' else 'Greatest'} value of {register.limits_of}: {expression.render()}."
                 functions.append((f"{stem}_{side}", kind, body, about))
                 texts[side] = f"{stem}_{side}(variant)"

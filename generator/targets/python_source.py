@@ -80,10 +80,18 @@ class Call:
 Value = Union[None, bool, int, str, bytes, Code, Hex, Call, Sequence["Value"], Mapping[str, str]]
 
 
-def call(function: str, *positional: Value, **named: Value) -> Call:
-    """A call with its named arguments, without those that are empty and so equal to their default."""
-    kept = {name: value for name, value in named.items() if value is not None and not (value == "" or value == () or value == {} or value is False)}
-    return Call(function, (*(("", value) for value in positional), *kept.items()))
+def call(function: str, *positional: Value, **optional: Value) -> Call:
+    """A call with positional arguments, and with those optional ones that differ from their default of nothing."""
+    return Call(function, (*(("", value) for value in positional), *_given(optional)))
+
+
+def record(function: str, needed: Mapping[str, Value], **optional: Value) -> Call:
+    """A call with named arguments only."""
+    return Call(function, (*needed.items(), *_given(optional)))
+
+
+def _given(optional: Mapping[str, Value]) -> tuple[tuple[str, Value], ...]:
+    return tuple((name, value) for name, value in optional.items() if value is not None and not (value in ("", ()) or (isinstance(value, Mapping) and not value)))
 
 
 def literal(value: Value, indent: int = 0, before: int = 0, after: int = 0) -> str:
@@ -101,7 +109,7 @@ def literal(value: Value, indent: int = 0, before: int = 0, after: int = 0) -> s
     pad, inner = " " * indent, " " * (indent + 4)
     if isinstance(value, str):
         pieces = _pieces(value, WIDTH - indent - 6)
-        return "\n".join(["(", *(f"{inner}{quoted(piece)}" for piece in pieces), f"{pad})"]) if len(pieces) > 1 else flat
+        return "\n".join(["(", *(f"{inner}{quoted(piece)}" for piece in pieces), f"{pad})"]) if len(pieces) > 1 or indent + 4 + len(flat) <= WIDTH else flat
     if isinstance(value, Call):
         return "\n".join([f"{value.function}(", *(_item(item, name and f"{name}=", indent + 4) for name, item in value.arguments), f"{pad})"])
     if isinstance(value, Mapping):
@@ -175,20 +183,38 @@ def _in_docstring(text: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """``text`` with a capital at its beginning and a full stop at its end."""
+    """``text`` with a full stop at its end, where it has none."""
     text = plain(text)
-    if not text:
-        return ""
-    first = text[:1].upper() + text[1:] if text[:2].isalpha() and text[1:2].islower() else text
-    return first if first.endswith((".", "!", "?")) else f"{first}."
+    return text if not text or text.endswith((".", "!", "?")) else f"{text}."
 
 
 def expression(value: Expression, names: Mapping[str, str], owner: str) -> str:
     """The expression with each parameter as an attribute of ``owner``."""
     renamed = Expression(value.constant, tuple(replace(term, parameter=names.get(term.parameter, term.parameter)) for term in value.terms))
+    if value.constant > 0 and all(term.sign < 0 for term in value.terms):
+        parts = Expression(0, tuple(replace(term, sign=1) for term in renamed.terms)).render(prefix=f"{owner}.", power="(1 << {})")
+        return f"{value.constant} - {parts.replace(' + ', ' - ')}"
     return renamed.render(prefix=f"{owner}.", power="(1 << {})")
 
 
 def operand(text: str) -> str:
     """``text`` in parentheses where it is more than a name or number."""
     return text if text.replace(".", "_").replace("_", "a").isalnum() else f"({text})"
+
+
+def chain(start: str, terms: Sequence[str], indent: int) -> str:
+    """A statement that ORs the terms together: on one line where that stays readable, else a term a line."""
+    flat = f"{' ' * indent}{start}{' | '.join(terms) or '0'}"
+    if len(terms) < 2 or len(flat) <= 100:
+        return flat
+    pad = " " * (indent + 4)
+    return "\n".join([f"{' ' * indent}{start}(", *(f"{pad}{'| ' if index else ''}{term}" for index, term in enumerate(terms)), f"{' ' * indent})"])
+
+
+_NOT_CODE = re.compile(r'"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"|#[^\n]*', re.DOTALL)
+_WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def used_names(source: str) -> set[str]:
+    """The words of ``source`` outside of texts and comments."""
+    return set(_WORD.findall(_NOT_CODE.sub(" ", source)))

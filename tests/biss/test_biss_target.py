@@ -1,0 +1,106 @@
+"""The idbiss file: only what is publicly known of the format, and comments that cannot be left."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from importlib import resources
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from codewheel.biss_identity import device_bits
+from codewheel.description import read_xml
+from codewheel.load import load_library
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.biss import ascii_only, comment, generate
+
+NAME = "biss/idbiss4C69.xml"
+PROVEN = {"BiSS-Identifier": {"Version"}, "Profile": set(), "Device": set(), "Id": {"Range", "type"}, "Label": {"Pos"}, "SCDS": set(), "CrcPoly": set(), "Length": set()}
+
+
+def dtd() -> etree.DTD:
+    with (resources.files("codewheel.spec") / "idbiss.reconstructed.dtd").open("rb") as file:
+        return etree.DTD(file)
+
+
+def check_format(text: str) -> etree._Element:
+    """The root of a file that has nothing but proven elements, attributes and orders."""
+    text.encode("ascii")
+    assert text.startswith('<?xml version="1.0" encoding="ISO-8859-1"?>\n<!DOCTYPE BiSS-Identifier SYSTEM "idbiss.dtd">\n')
+    root = read_xml(text.encode("ascii"))
+    checker = dtd()
+    assert checker.validate(root), checker.error_log
+    for element in root.iter(etree.Element):
+        assert set(element.attrib) <= PROVEN[str(element.tag)]
+        if element.tag == "Id":
+            high, low = map(int, element.get("Range", "").split(":"))
+            assert re.fullmatch(f"0b[01]{{{high - low + 1}}}", element.text or "")
+    return root
+
+
+def test_the_files(library: Library) -> None:
+    files = generate(library)
+    assert NAME in files and "biss/lika-amm5.xml" in files and "biss/device-description.xsd" in files
+    assert "biss/idbiss.dtd" not in files
+
+
+def test_amm5_is_known_by_its_ids(library: Library) -> None:
+    root = check_format(generate(library)[NAME])
+    maker = root.find("Profile/Device")
+    assert maker is not None
+    assert [(item.get("Range"), int(item.text or "", 2)) for item in maker.findall("Id")] == [("15:0", 0x4C69)]
+    amm5 = next(item for item in maker.findall("Device") if "AMM5" in (item.findtext("Label") or ""))
+    assert [(item.get("Range"), int(item.text or "", 2)) for item in amm5.findall("Id")] == [("63:32", 0x414D4D35)]
+    assert amm5.findtext("SCDS/CrcPoly") == "0x43"
+    assert amm5.find(".//Length") is None
+    label = amm5.find("Label")
+    assert label is not None and label.get("Pos") == "1" and (label.text or "").startswith(", ")
+
+
+def test_the_comment_tells_what_the_format_cannot(library: Library) -> None:
+    text = " ".join(generate(library)[NAME].split())
+    assert "one device ID stands for 6 data lengths" in text
+    for code, length in (("AMM5A17/1SC1", 17), ("AMM5A21/65KSC1", 37), ("AMM5B23/65KSC1", 39)):
+        assert re.search(rf"{code}[^:]*: [a-z0-9 +]*= {length} bits", text), code
+    assert "not validated against idbiss.dtd" in text and "Inferred" in text
+
+
+def test_one_length_is_stated_below_the_identity(device: Device) -> None:
+    only = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    root = check_format(generate(Library((dataclasses.replace(device, variants=only),)))[NAME])
+    assert [item.text for item in root.iter("Length")] == ["23"]
+
+
+def test_a_device_without_a_device_id_is_named_as_left_out(device: Device) -> None:
+    bare = dataclasses.replace(device, registers=tuple(item for item in device.registers if item.name != "device_id"))
+    text = generate(Library((bare,)))[NAME]
+    check_format(text)
+    assert device_bits(bare) == () and "Not listed" in text
+
+
+def test_a_manufacturer_without_an_id_has_no_file() -> None:
+    devices, report = load_library([Path(__file__).parents[1] / "check" / "ok"])
+    if report.problems:
+        pytest.skip("the spec of the checks needs a manufacturer file of its own")
+    files = generate(Library(tuple(dataclasses.replace(item, manufacturer=dataclasses.replace(item.manufacturer, biss_id=None)) for item in devices)))
+    assert not [name for name in files if name.startswith("biss/idbiss")]
+
+
+def test_hostile_text_stays_text(hostile: Library) -> None:
+    text = generate(hostile)[NAME]
+    root = check_format(text)
+    assert {str(element.tag) for element in root.iter(etree.Element)} <= set(PROVEN)
+    for found in re.findall(r"<!--(.*?)-->", text, re.DOTALL):
+        assert "--" not in found and not found.endswith("-")
+
+
+def test_comments_are_ascii() -> None:
+    assert ascii_only("±5 % − 20 µs → 3 × 1 Ω é") == "+/-5 % - 20 us to 3 x 1 Ohm e"
+    assert str(comment("a----b-", "")) == "<!-- a- - - -b-  -->"
+
+
+def test_two_runs_are_the_same(devices: tuple[Device, ...]) -> None:
+    assert generate(Library(devices)) == generate(Library(load_library([Path(__file__).parents[2] / "specs"])[0]))

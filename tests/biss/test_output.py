@@ -1,0 +1,179 @@
+"""What ``show --json`` prints: its shape, and that it holds every fact of the spec."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from codewheel.build import parse_sources
+from codewheel.codec import decode_bytes
+from codewheel.decode import decoded_data
+from codewheel.expressions import Expression, ExpressionError
+from codewheel.model import Device
+from codewheel.order_codes import find
+from codewheel.output import device_dump, variant_dump
+from codewheel.problems import Report
+from codewheel.read import read_document
+
+SPECS = Path(__file__).parents[2] / "specs"
+
+
+def validator(name: str) -> Any:
+    schema = json.loads((resources.files("codewheel.spec") / name).read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def faults(checker: Any, data: object) -> list[str]:
+    return [f"{'.'.join(map(str, error.path))}: {error.message[:160]}" for error in checker.iter_errors(data)]
+
+
+def test_families_have_the_shape(devices: tuple[Device, ...]) -> None:
+    checker = validator("show.schema.json")
+    for device in devices:
+        assert faults(checker, device_dump(device)) == []
+
+
+def test_order_codes_have_the_shape_and_no_expressions(device: Device) -> None:
+    checker = validator("show.schema.json")
+    for variant in device.variants:
+        dump = variant_dump(device, find(device, variant.code))
+        assert faults(checker, dump) == []
+        places = [item[key] for layout in [*dump["layouts"], *dump["registers"]] for item in layout["fields"] for key in ("high", "low", "width")]
+        assert all(isinstance(place, int) for place in places)
+        assert dump["parameters"] == dict(variant.parameters)
+        assert set(dump["interfaces"]) == {variant.interface}
+
+
+def test_the_schema_refuses_another_shape(device: Device) -> None:
+    checker = validator("show.schema.json")
+    assert faults(checker, device_dump(device) | {"more": 1})
+    assert faults(checker, {key: value for key, value in device_dump(device).items() if key != "crcs"})
+
+
+def test_decode_has_the_shape(device: Device) -> None:
+    checker = validator("decode.schema.json")
+    for example in device.examples:
+        if example.kind == "frame" and example.bytes:
+            variant = find(device, example.order_code).variant
+            decoded = decode_bytes(device, variant, example.sender, example.bytes)
+            assert faults(checker, decoded_data(device, variant, example.sender, decoded)) == []
+
+
+def items(value: Any) -> Iterator[dict[str, Any]]:
+    if isinstance(value, dict):
+        if isinstance(value.get("name"), str):
+            yield value
+        for key, inner in value.items():
+            if not (key == "values" and isinstance(inner, dict)):  # the values of an example, whose keys are names of fields
+                yield from items(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from items(inner)
+
+
+def test_every_named_item_has_a_source(devices: tuple[Device, ...]) -> None:
+    for device in devices:
+        dump = device_dump(device)
+        del dump["manufacturer"]
+        without = [item["name"] for item in items(dump) if not item.get("source")]
+        assert without == []
+
+
+def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from leaves(inner, name)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from leaves(inner, key)
+    else:
+        yield key, value
+
+
+#: Keys whose value says how the spec is written; what they say is in positions, kinds and widths.
+WRITTEN = {"codewheel", "use", "at", "top_bit", "values_of", "text", "active"}
+
+
+def is_expression(text: str) -> bool:
+    try:
+        return bool(Expression.parse(text).terms)
+    except ExpressionError:
+        return False
+
+
+@pytest.mark.parametrize("path", sorted(SPECS.rglob("*.yaml")), ids=lambda path: path.stem)
+def test_every_fact_of_the_spec_is_there(path: Path, devices: tuple[Device, ...]) -> None:
+    document = read_document(path, Report())
+    assert document is not None
+    if "device" not in document.data:
+        pytest.skip("no device file")
+    dump = device_dump(next(device for device in devices if device.name == document.data["device"]))
+    held = [value for _, value in leaves(dump)]
+    texts = {value for value in held if isinstance(value, str)}
+    words = {word for text in texts for word in text.split()}
+    numbers = {value for value in held if isinstance(value, int)}
+    cited = {(item["document"], item["section"], item["page"]) for item in sources(dump)}
+    names = set(map(str, keys(dump)))
+    missing = []
+    for key, value in leaves(document.data):
+        if key in WRITTEN or isinstance(value, bool) or (isinstance(value, str) and is_expression(value)):
+            continue
+        if key == "source":
+            missing += [str(item) for item in parse_sources(value) if (item.document, item.section, item.page) not in cited]
+        elif isinstance(value, int):
+            scaled = {value, value * 1000}
+            missing += [] if scaled & numbers or str(value) in texts else [f"{key}: {value}"]
+        elif isinstance(value, str):
+            plain = value.strip()
+            found = plain in texts or plain in names or plain in words or plain.upper() in texts or key in ("manufacturer",)
+            missing += [] if found else [f"{key}: {plain}"]
+    assert missing == []
+
+
+def sources(value: Any) -> Iterator[dict[str, Any]]:
+    if isinstance(value, dict):
+        if set(value) == {"document", "section", "page"}:
+            yield value
+        for inner in value.values():
+            yield from sources(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from sources(inner)
+
+
+def keys(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        yield from value
+        for inner in value.values():
+            yield from keys(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from keys(inner)
+
+
+def test_an_order_code_as_worked_out_by_hand(device: Device) -> None:
+    dump = variant_dump(device, find(device, "AMM5A21/65KSC1-LABEL"))
+    assert (dump["order_code"], dump["interface"], dump["label"]["tail"]) == ("AMM5A21/65KSC1", "biss", "-LABEL")
+    (layout,) = dump["layouts"]
+    assert layout["bits"] == 45
+    places = {field["name"]: (field["high"], field["low"]) for field in layout["fields"]}
+    assert places == {"multiturn": (44, 29), "singleturn": (28, 8), "error": (7, 7), "warning": (6, 6), "crc": (5, 0)}
+    preset = next(item for item in dump["registers"] if item["name"] == "preset")
+    assert (preset["address"], preset["length"], preset["min"], preset["max"]) == (0x11, 7, 0, 2**37 - 1)
+    assert preset["source"] == {"document": "", "section": "6.4", "page": 35}
+
+
+def test_what_belongs_to_another_interface_is_left_out(device: Device) -> None:
+    dump = variant_dump(device, find(device, "AMM5A23/1JP1"))
+    assert dump["registers"] == []
+    assert {item["name"] for item in dump["crcs"]} == {"rs485_8"}
+    assert "scd_length" not in {item["name"] for item in dump["errata"]}
+    assert "mem_busy_position" in {item["name"] for item in dump["errata"]}
+    assert all(item["interface"] in ("", "rs485") for item in dump["timings"])

@@ -1,0 +1,240 @@
+"""A C program that calls everything in a header of the C target, told by lines on standard input.
+
+Each line begins with an order code. It answers each line with one line, beginning with the number of the result:
+
+    CODE decode LAYOUT HEX            the members, in the struct's order; texts as hex
+    CODE encode LAYOUT VALUE...       the word or the bytes as hex
+    CODE crc NAME HEX                 the CRC
+    CODE select SENDER HEX            the frame and its length
+    CODE steps PROCEDURE [ARGUMENT]   kind,address,value,times,microseconds of each step
+    LABEL find                        the text of the order code
+
+Registers are layouts called ``reg_NAME``. The struct is filled with a pattern before each call, so that a fault that changes it shows.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from codewheel.model import Device
+from codewheel.targets.c import CodecView, DeviceView
+
+_MEMBER = re.compile(r"(\w+) (\w+)(?:\[(\d+)\])?;")
+
+
+@dataclass(frozen=True)
+class Member:
+    type: str
+    name: str
+    characters: int
+
+
+def codecs(view: DeviceView) -> list[CodecView]:
+    found = [codec for interface in view.interfaces for codec in interface.codecs]
+    return found + [register.codec for register in view.registers if register.codec is not None]
+
+
+def members(codec: CodecView) -> list[Member]:
+    matches = (_MEMBER.fullmatch(line.code) for line in codec.members)
+    return [Member(match[1], match[2], int(match[3] or 0)) for match in matches if match is not None]
+
+
+def short(view: DeviceView, codec: CodecView) -> str:
+    return codec.name.removeprefix(view.prefix + "_")
+
+
+def source(device: Device) -> str:
+    view = DeviceView(device)
+    maker, prefix = device.manufacturer.name, view.prefix
+    text = _HEAD.replace("@maker@", maker).replace("@MAKER@", maker.upper()).replace("@device@", device.name).replace("@prefix@", prefix)
+    branches = []
+    for codec in codecs(view):
+        name = short(view, codec)
+        text += _decode(view, codec, name) + _encode(view, codec, name)
+        branches += [_branch("decode", name), _branch("encode", name)]
+    for crc in view.crcs:
+        call = f"{crc.name}(number(text))" if crc.style == "fold" else f"{crc.name}(number(text), 4U * (uint32_t)strlen(text))" if crc.style == "bits" else ""
+        body = f'printf("0 %llu\\n", (unsigned long long){call});' if call else f'uint8_t b[64]; const size_t n = bytes_of(text, b); printf("0 %llu\\n", (unsigned long long){crc.name}(b, n));'
+        text += f"static void crc_{crc.crc.name}(const {prefix}_variant *variant, char *text)\n{{\n    (void)variant;\n    {body}\n}}\n"
+        branches.append(_branch("crc", crc.crc.name))
+    for interface in view.interfaces:
+        for selector in interface.selectors:
+            kind = selector.function.rsplit("_", 2)[-2]
+            text += f"""static void select_{kind}(const {prefix}_variant *variant, char *text)
+{{
+    uint8_t b[64];
+    const size_t n = bytes_of(text, b);
+    {interface.frame_type} frame = ({interface.frame_type})0;
+    const {maker}_result result = {selector.function}(b, n, &frame);
+    (void)variant;
+    printf("%d %d %u\\n", (int)result, (int)frame, (unsigned)(result == {maker.upper()}_OK ? {interface.frame_type}_length(frame) : 0U));
+}}
+"""
+            branches.append(_branch("select", kind))
+    for procedure in view.procedures:
+        name = procedure.name.removeprefix(prefix + "_").removesuffix("_steps")
+        if procedure.argument:
+            fetch = f"""    {maker}_step steps[{procedure.count_macro}];
+    size_t count = 0U;
+    {maker}_result result = {procedure.name}(variant, ({procedure.argument_type})number(text), steps, {procedure.count_macro} - 1U, &count);
+    if (result != {maker.upper()}_FAULT_LENGTH || count != 0U) {{
+        abort();
+    }}
+    result = {procedure.name}(variant, ({procedure.argument_type})number(text), steps, {procedure.count_macro}, &count);
+    print_steps(result, steps, count);
+"""
+        else:
+            fetch = f"""    size_t count;
+    const {maker}_step *const steps = {procedure.name}(&count);
+    (void)variant;
+    (void)text;
+    print_steps({maker.upper()}_OK, steps, count);
+"""
+        text += f"static void steps_{name}(const {prefix}_variant *variant, char *text)\n{{\n{fetch}}}\n"
+        branches.append(_branch("steps", name))
+    return text + _MAIN.replace("@prefix@", prefix).replace("@branches@", "".join(branches))
+
+
+def _branch(verb: str, name: str) -> str:
+    return f'        if (strcmp(verb, "{verb}") == 0 && strcmp(name, "{name}") == 0) {{\n            {verb}_{name}(&code->variant, rest);\n            continue;\n        }}\n'
+
+
+def _decode(view: DeviceView, codec: CodecView, name: str) -> str:
+    prints = "".join(
+        "".join(f'    printf("{" " if index == 0 else ""}%02X", (unsigned)(unsigned char)out.{member.name}[{index}]);\n' for index in range(member.characters))
+        if member.characters
+        else f'    printf(" %llu", (unsigned long long)out.{member.name});\n'
+        for member in members(codec)
+    )
+    call = f"{codec.name}_decode(variant, number(text), &out)" if codec.carried_as == "bits" else f"{codec.name}_decode(variant, b, bytes_of(text, b), &out)"
+    return f"""static void decode_{name}(const {view.prefix}_variant *variant, char *text)
+{{
+    {"" if codec.carried_as == "bits" else "uint8_t b[64];"}
+    {codec.name} out;
+    {codec.name} before;
+    {view.maker.name}_result result;
+    memset(&out, 0x5A, sizeof out);
+    memset(&before, 0x5A, sizeof before);
+    result = {call};
+    printf("%d", (int)result);
+    if (result != {view.maker.name.upper()}_OK) {{
+        printf("%s\\n", memcmp(&out, &before, sizeof out) == 0 ? "" : " changed");
+        return;
+    }}
+{prints}    printf("\\n");
+{_expected(codec)}}}
+"""
+
+
+def _expected(codec: CodecView) -> str:
+    return f"    (void){codec.name}_is_expected(&out);\n" if codec.expected else ""
+
+
+def _encode(view: DeviceView, codec: CodecView, name: str) -> str:
+    reads = ""
+    for member in members(codec):
+        reads += "    item = strtok(NULL, \" \");\n" if reads else "    item = strtok(text, \" \");\n"
+        if member.characters:
+            reads += f"    bytes_of(item, c);\n    memcpy(in.{member.name}, c, sizeof in.{member.name});\n"
+        elif member.type == "bool":
+            reads += f"    in.{member.name} = *item == '1';\n"
+        else:
+            reads += f"    in.{member.name} = ({member.type})strtoull(item, NULL, 10);\n"
+    if codec.carried_as == "bits":
+        call = f"uint64_t word = 0U;\n    const {view.maker.name}_result result = {codec.name}_encode(variant, &in, &word);\n"
+        show = '    printf("%d %llX\\n", (int)result, (unsigned long long)word);\n'
+    else:
+        call = f"""uint8_t b[{codec.length_macro}];
+    size_t index;
+    {view.maker.name}_result result;
+    memset(b, 0, sizeof b);
+    if ({codec.name}_encode(variant, &in, b, {codec.length_macro} + 1U) != {view.maker.name.upper()}_FAULT_LENGTH) {{
+        abort();
+    }}
+    result = {codec.name}_encode(variant, &in, b, sizeof b);
+"""
+        show = '    printf("%d ", (int)result);\n    for (index = 0U; index < sizeof b; index++) {\n        printf("%02X", b[index]);\n    }\n    printf("\\n");\n'
+    setters = "".join(
+        f"    {{\n        const {codec.name} same = in;\n        if ({setter.name}(variant, in.{setter.member}, &in) == {view.maker.name.upper()}_OK && result == {view.maker.name.upper()}_OK"
+        f" && memcmp(&same, &in, sizeof in) != 0) {{\n            abort();\n        }}\n    }}\n"
+        for setter in codec.setters
+    )
+    return f"""static void encode_{name}(const {view.prefix}_variant *variant, char *text)
+{{
+    char *item;
+    {"uint8_t c[64];" if any(member.characters for member in members(codec)) else ""}
+    {codec.name} in;
+    memset(&in, 0, sizeof in);
+{reads}    {{
+    {call}{show}{setters}    }}
+}}
+"""
+
+
+_HEAD = r"""
+#include "@maker@/@device@.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static uint64_t number(const char *text)
+{
+    return strtoull(text, NULL, 16);
+}
+
+static size_t bytes_of(const char *text, uint8_t *bytes)
+{
+    size_t count = 0U;
+    while (text[0] != '\0' && text[1] != '\0' && count < 64U) {
+        const char pair[3] = { text[0], text[1], '\0' };
+        bytes[count++] = (uint8_t)strtoul(pair, NULL, 16);
+        text += 2;
+    }
+    return count;
+}
+
+static void print_steps(@maker@_result result, const @maker@_step *steps, size_t count)
+{
+    size_t index;
+    printf("%d", (int)result);
+    for (index = 0U; index < count; index++) {
+        printf(" %d,%u,%u,%u,%lu", (int)steps[index].kind, steps[index].address, steps[index].value, steps[index].times,
+               (unsigned long)steps[index].microseconds);
+    }
+    printf("\n");
+}
+
+"""
+
+_MAIN = r"""
+int main(void)
+{
+    static char line[4096];
+    while (fgets(line, (int)sizeof line, stdin) != NULL) {
+        char *label;
+        char *verb;
+        char *name;
+        char *rest;
+        const @prefix@_order_code *code;
+        line[strcspn(line, "\n")] = '\0';
+        label = strtok(line, " ");
+        verb = strtok(NULL, " ");
+        code = @prefix@_find_order_code(label);
+        if (strcmp(verb, "find") == 0) {
+            printf("%s\n", code == NULL ? "-" : code->text);
+            continue;
+        }
+        if (code == NULL) {
+            abort();
+        }
+        name = strtok(NULL, " ");
+        rest = strtok(NULL, "");
+        if (rest == NULL) {
+            rest = name + strlen(name);
+        }
+@branches@        printf("?\n");
+    }
+    return 0;
+}
+"""

@@ -1,0 +1,359 @@
+"""C and the model's own codec agree: on boundaries, on random values and on disturbed frames, for every order code and layout."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+
+import pytest
+from c_harness import codecs, members, short
+from codewheel import codec
+from codewheel.crc import compute_bits, compute_bytes
+from codewheel.examples import decode_example, example_variant
+from codewheel.model import Device, Example, Field, Layout, PlacedLayout, Variant
+from codewheel.procedures import register_writes
+from codewheel.targets.c import DeviceView, c_name
+from conftest import Run
+
+FAULTS = {"length": 1, "crc": 2, "constant": 3, "range": 4}
+RANDOM_FRAMES = 40
+
+
+class Table:
+    """The layouts and registers of a device by the names that the harness knows, with the members of their structs."""
+
+    def __init__(self, device: Device) -> None:
+        view = DeviceView(device)
+        self.device = device
+        self.members = {short(view, item): members(item) for item in codecs(view)}
+        self.layouts = {layout.name: (interface.kind, layout) for interface, layout in device.layouts()}
+        self.layouts |= {f"reg_{item.name}": (item.interface, item.layout) for item in device.registers}
+
+    def cases(self) -> Iterator[tuple[str, Variant, PlacedLayout]]:
+        for name in self.members:
+            kind, layout = self.layouts[name]
+            for variant in self.device.variants:
+                if variant.interface == kind:
+                    yield name, variant, layout.place(variant.parameters)
+
+    def row(self, name: str, placed: PlacedLayout, number: int) -> str:
+        """What the harness has to print for a number without faults."""
+        layout = placed.layout
+        found: dict[str, int | str] = {}
+        for field in layout.fields:
+            item = placed.field(field.name)
+            raw = number >> item.low & item.mask if item is not None else 0
+            if field.kind == "text" and item is not None:
+                found[field.name] = raw.to_bytes(item.width // 8, "big").hex().upper()
+            else:
+                found[field.name] = int(bool(raw) != field.active_low) if field.kind == "flag" else raw
+            for run in field.digits:
+                found[run.name] = raw // run.divisor % run.modulus
+        found |= {join.name: codec.join_value(placed, join, number) for join in layout.joins}
+        by_member = {c_name(key): value for key, value in found.items()}
+        return " ".join(str(by_member[member.name]) for member in self.members[name])
+
+    def expected(self, name: str, placed: PlacedLayout, number: int) -> str:
+        problems = codec.decode(self.device, placed, number).problems
+        return str(FAULTS[problems[0].kind]) if problems else f"0 {self.row(name, placed, number)}"
+
+
+def on_the_wire(placed: PlacedLayout, number: int) -> str:
+    if placed.layout.carried_as == "bits":
+        return f"{number:X}"
+    return codec.number_to_bytes(placed.layout, number, placed.bits).hex().upper()
+
+
+def samples(field: Field, width: int, layout: Layout, random_: random.Random) -> list[int]:
+    """Raw values of a field: 0, 1, all ones, the top bit alone, and random ones; of a choice, all."""
+    if field.name == layout.selector:
+        return list(layout.selects)
+    if field.kind == "choice":
+        return [item.value for item in field.values]
+    if field.digits:
+        limit = field.digits[0].divisor * field.digits[0].modulus
+        return [0, 1, limit - 1, 183003630 % limit, random_.randrange(limit)]
+    ones = (1 << width) - 1
+    if field.kind == "text":
+        return [int.from_bytes(b"AMM5 Li!"[: width // 8].ljust(width // 8), "big"), random_.getrandbits(width)]
+    return [0, 1, ones, 1 << (width - 1), *(random_.getrandbits(width) for _ in range(4))]
+
+
+def sound_numbers(device: Device, placed: PlacedLayout, random_: random.Random) -> Iterator[int]:
+    """Numbers that decode without a fault: each field through its samples with the others at random, then all at random."""
+    data = [item for item in placed.fields if item.field.carries_data]
+    choices = {item.name: samples(item.field, item.width, placed.layout, random_) for item in data}
+    for item in data:
+        for value in choices[item.name]:
+            yield made(device, placed, choices, {item.name: value}, random_)
+    for _ in range(RANDOM_FRAMES):
+        yield made(device, placed, choices, {}, random_)
+
+
+def made(device: Device, placed: PlacedLayout, choices: dict[str, list[int]], fixed: dict[str, int], random_: random.Random) -> int:
+    values: dict[str, int | str | bool] = {}
+    for name, possible in choices.items():
+        raw = fixed.get(name, random_.choice(possible))
+        item = placed.field(name)
+        assert item is not None
+        values[name] = bool(raw) != item.field.active_low if item.field.kind == "flag" else raw
+    return codec.encode(device, placed, values)
+
+
+def check(run: Run, pairs: Sequence[tuple[str, str]]) -> None:
+    answers = run(line for line, _ in pairs)
+    assert len(answers) == len(pairs)
+    wrong = [(line, expected, answer) for (line, expected), answer in zip(pairs, answers) if expected != answer]
+    assert not wrong, wrong[:5]
+
+
+def round_trips(table: Table) -> list[tuple[str, str]]:
+    random_ = random.Random("round trips")
+    pairs = []
+    for name, variant, placed in table.cases():
+        for number in sound_numbers(table.device, placed, random_):
+            row = table.row(name, placed, number)
+            wire = on_the_wire(placed, number)
+            pairs.append((f"{variant.code} decode {name} {wire}", f"0 {row}"))
+            pairs.append((f"{variant.code} encode {name} {row}", f"0 {wire.lstrip('0') or '0'}" if placed.layout.carried_as == "bits" else f"0 {wire}"))
+    return pairs
+
+
+def test_decode_and_encode_are_inverse_for_every_order_code(amm5: Device, run: Run) -> None:
+    pairs = round_trips(Table(amm5))
+    assert len({line.split()[0] for line, _ in pairs}) == len(amm5.variants) == 36
+    check(run, pairs)
+
+
+def test_disturbed_frames_have_the_same_fault_as_in_the_model(amm5: Device, run: Run) -> None:
+    random_ = random.Random("disturbed")
+    table = Table(amm5)
+    pairs, kinds = [], set()
+    for name, variant, placed in table.cases():
+        sound = list(sound_numbers(amm5, placed, random_))
+        disturbed = [random_.choice(sound) ^ 1 << bit for bit in range(placed.bits)]
+        disturbed += [random_.choice(sound) ^ random_.getrandbits(placed.bits) for _ in range(RANDOM_FRAMES)]
+        disturbed += [0, (1 << placed.bits) - 1]
+        # Faults behind a sound CRC: constants, parity, ranges.
+        disturbed += [with_crc(amm5, placed, number) for number in disturbed]
+        for number in disturbed:
+            expected = table.expected(name, placed, number)
+            kinds.add(expected[0])
+            pairs.append((f"{variant.code} decode {name} {on_the_wire(placed, number)}", expected))
+        if placed.layout.carried_as == "bits":
+            pairs += [(f"{variant.code} decode {name} {sound[0] | 1 << bit:X}", "1") for bit in range(placed.bits, 64)]
+        else:
+            data = on_the_wire(placed, sound[0])
+            pairs += [(f"{variant.code} decode {name} {text}", "1") for text in (data[:-2], data + "00", data[:-2] + "0000")]
+    check(run, pairs)
+    assert kinds == {"0", "2", "3", "4"}
+
+
+def with_crc(device: Device, placed: PlacedLayout, number: int) -> int:
+    for item in placed.fields:
+        if item.field.kind == "crc":
+            cleared = number & ~(item.mask << item.low)
+            return cleared | codec.compute(device.crc(item.field.crc), placed, cleared) << item.low
+    return number
+
+
+def test_encoders_refuse_what_does_not_fit(amm5: Device, run: Run) -> None:
+    random_ = random.Random("refused")
+    table = Table(amm5)
+    pairs = []
+    for name, variant, placed in table.cases():
+        number = next(sound_numbers(amm5, placed, random_))
+        row = table.row(name, placed, number).split(" ")
+        for index, member in enumerate(table.members[name]):
+            sizes = {"uint8_t": 8, "uint16_t": 16, "uint32_t": 32, "uint64_t": 64}
+            if member.type == "bool" or member.characters:
+                continue
+            # Every member is either too narrow in the layout for all ones of its type, or repeated by another that then disagrees.
+            largest = (1 << sizes.get(member.type, 31)) - 1
+            item = next((item for item in placed.fields if c_name(item.name) == member.name), None)
+            repeated = any(member.name in (c_name(join.name), *map(c_name, join.fields)) for join in placed.layout.joins) or any(field.digits for field in placed.layout.fields)
+            if item is not None and item.mask == largest and not repeated:
+                continue
+            changed = [*row[:index], str(largest if row[index] != str(largest) else largest - 1), *row[index + 1 :]]
+            pairs.append((f"{variant.code} encode {name} {' '.join(changed)}", "4"))
+    assert pairs
+    answers = run(line for line, _ in pairs)
+    assert [(line, answer) for (line, _), answer in zip(pairs, answers) if answer.split()[0] != "4" or answer.split()[1].strip("0")] == []
+
+
+def test_a_position_and_its_parts_have_to_agree(run: Run) -> None:
+    code = "AMM5A21/65KSC1"
+    position = 5 << 21 | 7
+    assert run([f"{code} encode single_cycle_data 5 7 0 0 {position}"])[0].startswith("0 ")
+    assert run([f"{code} encode single_cycle_data 5 7 0 0 {position + 1}", f"{code} encode single_cycle_data 0 0 0 0 1"]) == ["4 0", "4 0"]
+
+
+def test_absent_fields_are_zero_and_stay_so(run: Run) -> None:
+    assert run(["AMM5A17/1BG1 decode ssi_word 1FFFF", "AMM5A17/1BG1 encode ssi_word 1 0 131072"]) == ["0 0 131071 131071", "4 0"]
+
+
+def worked_examples(device: Device) -> list[tuple[Example, Variant]]:
+    return [(example, example_variant(device, example)) for example in device.examples]
+
+
+def test_every_worked_example(amm5: Device, run: Run) -> None:
+    table = Table(amm5)
+    pairs = []
+    for example, variant in worked_examples(amm5):
+        data = example.bytes.hex().upper()
+        if example.kind == "crc":
+            pairs.append((f"{variant.code} crc {example.crc} {data}", f"0 {example.check}"))
+        elif example.kind == "register":
+            placed = amm5.register(example.register).layout.place(variant.parameters)
+            number = codec.number_from_bytes(placed.layout, example.bytes)
+            row = table.row(f"reg_{example.register}", placed, number)
+            pairs.append((f"{variant.code} decode reg_{example.register} {data}", f"0 {row}"))
+            pairs.append((f"{variant.code} encode reg_{example.register} {row}", f"0 {data}"))
+        elif example.kind == "frame":
+            decoded = decode_example(amm5, example, variant)
+            name = decoded.layout.name if decoded.layout is not None else ""
+            wire = f"{int(example.bits, 2):X}" if example.bits else data
+            if example.refused:
+                pairs.append((f"{variant.code} decode {name} {wire}", str(FAULTS[example.refused])))
+            else:
+                assert decoded.layout is not None
+                pairs.append((f"{variant.code} decode {name} {wire}", f"0 {table.row(name, decoded.layout, decoded.number)}"))
+    check(run, pairs)
+    assert len(pairs) >= len([example for example in amm5.examples if example.kind != "procedure"])
+
+
+def test_procedures_write_what_the_model_says(amm5: Device, run: Run) -> None:
+    for procedure in amm5.procedures:
+        for variant in amm5.variants:
+            if variant.interface != procedure.interface:
+                continue
+            arguments = [0, 1, (1 << variant.parameters["position_bits"]) - 1, 1000003 % (1 << variant.parameters["position_bits"])] if procedure.argument else [0]
+            lines = [f"{variant.code} steps {procedure.name} {argument:X}" for argument in arguments]
+            for argument, answer in zip(arguments, run(lines)):
+                result, *steps = answer.split(" ")
+                given = {procedure.argument: argument} if procedure.argument else {}
+                writes = [(write.address, write.value) for write in register_writes(amm5, procedure, variant, given)]
+                rows = [tuple(map(int, step.split(","))) for step in steps]
+                assert result == "0"
+                assert [(row[1], row[2]) for row in rows if row[0] == 1] == writes
+                waits = [step.microseconds for step in procedure.steps if step.do == "wait"]
+                assert [row[4] for row in rows if row[0] == 2] == waits
+                sends = [(step.request[0], step.times, step.microseconds) for step in procedure.steps if step.do == "send"]
+                assert [row[2:] for row in rows if row[0] == 3] == sends
+
+
+def test_the_preset_procedure_of_the_manual(run: Run) -> None:
+    answer = run([f"AMM5A21/65KSC1 steps set_preset {1000003:X}"])[0].split(" ")
+    steps = [tuple(map(int, step.split(","))) for step in answer[1:]]
+    assert [(f"{row[1]:02X}", f"{row[2]:02X}") for row in steps if row[0] == 1] == [
+        ("40", "01"), ("11", "00"), ("12", "30"), ("13", "24"), ("14", "F4"), ("15", "00"), ("16", "00"), ("17", "00"), ("40", "00"), ("77", "01"), ("77", "02"),
+    ]  # fmt: skip
+    assert [row[4] for row in steps if row[0] == 2] == [30000, 30000]
+
+
+def test_a_preset_beyond_the_resolution_is_refused(run: Run) -> None:
+    assert run([f"AMM5A21/1SC1 steps set_preset {1 << 21:X}", f"AMM5A21/65KSC1 steps set_preset {1 << 37:X}"]) == ["4", "4"]
+
+
+def test_manual_examples_by_hand(run: Run) -> None:
+    lines = {
+        "AMM5A21/65KSC1 decode reg_preset 003024F4000000": "0 0 1000003 1000003",
+        "AMM5A21/65KSC1 encode reg_preset 0 1000003 1000003": "0 003024F4000000",
+        "AMM5A21/65KSC1 decode reg_serial_number 0AE869EE": "0 183003630 18 30 3630",
+        "AMM5A21/65KSC1 encode reg_serial_number 183003630 18 30 3630": "0 0AE869EE",
+        # The printed CRC example: right as a CRC, but of no reply's length.
+        "AMM5A23/65KJP1 crc rs485_8 32100128B008": f"0 {0xB3}",
+        "AMM5A23/65KJP1 decode eeprom_write_reply 32100128B008B3": "1",
+        "AMM5A23/65KJP1 decode singleturn_reply 32100128B008B3": "1",
+        # A reply from a public log: hpmicro and TI, see tests/specs and the spec's examples.
+        "AMM5A23/65KJP1 decode singleturn_reply 0220C7D16A5E": "0 0 0 1 7000519",
+        # EEPROM requests of public T-format sources have bit 0 set, which is MEM BUSY here.
+        "AMM5A23/65KJP1 decode eeprom_write_request 327F014C": "3",
+        "AMM5A23/65KJP1 decode eeprom_write_request 32015A69": "3",
+        "AMM5A23/65KJP1 decode eeprom_read_request EA01EB": "3",
+    }
+    check(run, list(lines.items()))
+
+
+#: Remainder rows of public sources: moteus fw/test/bissc_extract_test.cc; TI motor-control-sdk, BiSS register accesses.
+CRC_6 = {"1234": 7}
+CRC_4 = {"40": 8, "6": 5} | {f"{1 << 10 | address:X}": crc for address, crc in {
+    0x44: 13, 0x45: 14, 0x46: 11, 0x47: 8, 0x60: 11, 0x67: 2, 0x68: 0, 0x78: 5, 0x79: 6, 0x7A: 3, 0x7B: 0, 0x7C: 9, 0x7D: 10,
+}.items()}  # fmt: skip
+
+
+def test_public_crc_rows(amm5: Device, run: Run) -> None:
+    lines = {f"AMM5A17/1SC1 crc biss_6 {data}": f"0 {crc}" for data, crc in CRC_6.items()}
+    lines |= {f"AMM5A17/1SC1 crc biss_4 {data}": f"0 {crc}" for data, crc in CRC_4.items()}
+    check(run, list(lines.items()))
+
+
+@pytest.mark.parametrize("name", ["biss_6", "biss_4"])
+def test_crc_over_bits_of_any_length(amm5: Device, run: Run, name: str) -> None:
+    random_ = random.Random(name)
+    numbers = [random_.getrandbits(bits) for bits in range(1, 65) for _ in range(4)] + [0, 2**64 - 1]
+    check(run, [(f"AMM5A17/1SC1 crc {name} {number:X}", f"0 {compute_bits(amm5.crc(name), number, 64)}") for number in numbers])
+
+
+def test_crc_over_bytes(amm5: Device, run: Run) -> None:
+    random_ = random.Random("bytes")
+    texts = [random_.randbytes(length) for length in range(0, 20)]
+    check(run, [(f"AMM5A17/1JP1 crc rs485_8 {data.hex()}", f"0 {compute_bytes(amm5.crc('rs485_8'), data)}") for data in texts])
+
+
+def test_control_bytes_tell_the_frame(amm5: Device, run: Run) -> None:
+    """The control fields of the manual (7.3.1), which TI's T-format driver has as well; without their layout, none."""
+    interface = amm5.interface("rs485")
+    frames = [layout for layout in interface.layouts if layout.selector]
+    pairs = []
+    for item in interface.data_ids:
+        for sender, kind in (("master", "request"), ("encoder", "reply")):
+            index, layout = next((index, layout) for index, layout in enumerate(frames) if layout.sender == sender and item.id in layout.selects)
+            pairs.append((f"AMM5A17/1JP1 select {kind} {item.control:02X}", f"0 {index} {layout.widest // 8}"))
+    pairs += [("AMM5A17/1JP1 select reply 22", "4 0 0"), ("AMM5A17/1JP1 select reply", "1 0 0")]
+    check(run, pairs)
+    requests = [f"AMM5A17/1JP1 encode data_request {item.id}" for item in interface.data_ids if item.purpose in ("capture", "reset")]
+    expected = [f"0 {item.control:02X}" for item in interface.data_ids if item.purpose in ("capture", "reset")]
+    assert run(requests) == expected
+
+
+#: Public single cycles of 22 bits: timonburkard/BiSS_Bridge, 2_hdl/tb/tb_data_checker.vhd, in wire polarity. Position, error, warning, word.
+CYCLES = [
+    (0, 0, 0, "000000000000000000000011111010"),
+    (4194303, 0, 0, "111111111111111111111111101111"),
+    (1193046, 0, 0, "010010001101000101011011110101"),
+    (2870767, 0, 0, "101011110011011110111111010000"),
+    (1393441, 0, 0, "010101010000110010000111110110"),
+    (4119738, 0, 0, "111110110111001011101011011000"),
+    (192458, 0, 0, "000010111011111100101011011100"),
+    (74565, 1, 0, "000001001000110100010101001011"),
+    (74565, 0, 1, "000001001000110100010110001110"),
+]
+
+
+def test_public_single_cycles_of_22_bits(bits22: Device, run_bits22: Run) -> None:
+    for position, error, warning, bits in CYCLES:
+        word = int(bits, 2)
+        decode, encode, disturbed = run_bits22(
+            [f"B22SC decode single_cycle_data {word:X}", f"B22SC encode single_cycle_data {position} {error} {warning}", f"B22SC decode single_cycle_data {word ^ 64:X}"]
+        )
+        assert (decode, encode, disturbed) == (f"0 {position} {error} {warning}", f"0 {word:X}", "2")
+    check(run_bits22, round_trips(Table(bits22)))
+
+
+def test_order_codes_are_found_by_their_label(amm5: Device, run: Run) -> None:
+    found = {variant.code: variant.code for variant in amm5.variants}
+    found |= {
+        "AMM5A21/65KSC1-X1/S123": "AMM5A21/65KSC1",
+        "amm5a21/65ksc1": "AMM5A21/65KSC1",
+        "AMM5A21/65KSC1-": "AMM5A21/65KSC1",
+        "AMM5A21/65KSC1/S12b": "AMM5A21/65KSC1",
+        "AMM5A21/65KSC1/S": "-",
+        "AMM5A21/65KSC1/S1-2": "-",
+        "AMM5A21/65KSC1/T1": "-",
+        "AMM5A21/65KSC12": "-",
+        "AMM5A21/65KSC": "-",
+        "AMM5A22/65KSC1": "-",
+        "X": "-",
+    }
+    check(run, [(f"{label} find", code) for label, code in found.items()])

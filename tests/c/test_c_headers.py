@@ -1,0 +1,244 @@
+"""The headers as text and as code: clean under strict warnings, in C and C++, whatever a spec says, and the same every time."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
+
+import pytest
+from c_harness import source
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.c import RESERVED, DeviceView, c_name, comment, generate, in_comment, noted, string
+from conftest import compile_c, devices_of, write
+
+ROOT = Path(__file__).parents[2]
+
+COMPILERS = [
+    ["gcc", "-std=c99"], ["gcc", "-std=c11"], ["gcc", "-std=c17"], ["g++", "-x", "c++", "-std=c++11"], ["g++", "-x", "c++", "-std=c++17"],
+    ["clang", "-std=c99"], ["clang", "-x", "c++", "-std=c++11"], ["clang", "-x", "c++", "-std=c++17"],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("optimised", ["-O0", "-O2"])
+@pytest.mark.parametrize("command", COMPILERS, ids=" ".join)
+def test_no_warning(command: list[str], optimised: str, amm5: Device, include: Path, tmp_path: Path) -> None:
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"{command[0]} is not installed")
+    compile_c([*command, optimised], source(amm5), tmp_path, include, link=False)
+
+
+@pytest.mark.parametrize("command", COMPILERS, ids=" ".join)
+def test_a_header_alone_and_unused_has_no_warning(command: list[str], devices: tuple[Device, ...], include: Path, tmp_path: Path) -> None:
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"{command[0]} is not installed")
+    for device in devices:
+        header = f"{device.manufacturer.name}/{device.name}.h"
+        compile_c(command, f'#include "{header}"\n#include "{header}"\nint main(void) {{ return 0; }}\n', tmp_path, include)
+
+
+def test_only_the_three_headers_of_the_standard_are_used(include: Path) -> None:
+    used = {line for path in include.rglob("*.h") for line in path.read_text().splitlines() if line.startswith("#include")}
+    assert used == {"#include <stdbool.h>", "#include <stddef.h>", "#include <stdint.h>", '#include "encoder.h"'}
+
+
+def test_names_have_their_prefix(include: Path, amm5: Device) -> None:
+    text = without_comments((include / "lika" / "amm5.h").read_text())
+    macros = re.findall(r"^#define (\w+)", text, re.MULTILINE)
+    functions = re.findall(r"^static inline [\w \*]+?\b(\w+)\(", text, re.MULTILINE)
+    types = re.findall(r"^typedef (?:struct|enum) (\w+)", text, re.MULTILINE)
+    assert all(name.startswith("LIKA_AMM5_") for name in macros)
+    assert all(name.startswith("lika_amm5_") for name in functions + types)
+    names = macros + functions + types
+    assert len(names) == len(set(names)) and max(map(len, names)) <= 63
+
+
+def test_nothing_runs_over_the_page_or_ends_in_a_space(include: Path) -> None:
+    for path in include.rglob("*.h"):
+        lines = path.read_text(encoding="ascii").splitlines()
+        assert [line for line in lines if len(line) > 100 or line != line.rstrip() or "\t" in line] == []
+        assert "\n\n\n" not in path.read_text()
+
+
+def test_no_version_date_or_path(include: Path) -> None:
+    for path in include.parent.rglob("*"):
+        if path.is_file():
+            assert not re.search(r"/work|\.yaml|\.jinja|codewheel \d|20[23]\d-\d\d-\d\d(?<!2021-12-09)", path.read_text())
+
+
+def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
+    readme = (include.parent / "README.md").read_text()
+    code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
+    assert len(code) == 1
+    main = '#include <stdio.h>\nint main(void)\n{\n    uint64_t position = 0U;\n    printf("%d %lu\\n", (int)read_encoder(0xFBU, &position), (unsigned long)position);\n    return 0;\n}\n'
+    program = compile_c(["gcc", "-std=c99"], code[0] + main, tmp_path, include)
+    assert subprocess.run([str(program)], capture_output=True, text=True).stdout == "0 0\n"
+
+
+def test_a_constant_variant_costs_nothing(include: Path, tmp_path: Path) -> None:
+    """With an order code chosen at compile time no variant is left in the object, and no call."""
+    if shutil.which("objdump") is None:
+        pytest.skip("objdump is not installed")
+    code = """#include "lika/amm5.h"
+static const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
+uint64_t position(uint64_t word);
+uint64_t position(uint64_t word)
+{
+    lika_amm5_single_cycle_data frame;
+    return lika_amm5_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK ? frame.position : UINT64_MAX;
+}
+"""
+    compile_c(["gcc", "-std=c99", "-O2"], code, tmp_path, include, link=False)
+    listing = subprocess.run(["objdump", "-dr", str(tmp_path / "program.o")], capture_output=True, text=True, check=True).stdout
+    assert "encoder" not in listing and "call" not in listing
+
+
+def without_comments(text: str) -> str:
+    """Code with its comments taken out and its space made even. Comments are found as a compiler finds them: strings hold none here."""
+    code = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
+    return "\n".join(line for line in (" ".join(line.split()) for line in code.splitlines()) if line)
+
+
+HOSTILE = 'x */ int y; /* z " \' \\ ??/ \n # error // é µ \u202e %s {{ 1 }} */*/ /*/ \\'
+TEXTS = {
+    "title", "meaning", "note", "printed_name", "printed", "used", "why", "signals", "profile", "precondition", "result", "detected", "remedy", "when_active", "when_inactive",
+    "unit", "special", "rule_text", "control_data_note", "publisher", "symbol", "address_text", "data", "changes", "content", "url", "section", "argument_meaning", "revision", "date",
+    "trademarks",
+}  # fmt: skip
+
+
+def poisoned(item: object, owner: str = "") -> object:
+    """The model with a hostile text in place of every running text."""
+    if is_dataclass(item) and not isinstance(item, type):
+        changed = {}
+        for entry in fields(item):
+            value = getattr(item, entry.name)
+            changed[entry.name] = poison_text(value) if entry.name in TEXTS else poisoned(value, entry.name)
+        return replace(item, **changed)
+    if isinstance(item, tuple):
+        return tuple(poisoned(entry) for entry in item)
+    return item
+
+
+def poison_text(value: object) -> object:
+    if isinstance(value, str):
+        return HOSTILE if value else value
+    if isinstance(value, tuple) and all(isinstance(entry, str) for entry in value):
+        return tuple(HOSTILE for _ in value)
+    return poisoned(value)
+
+
+def test_text_of_a_spec_stays_text(amm5: Device, include: Path, tmp_path: Path) -> None:
+    hostile = poisoned(amm5)
+    assert isinstance(hostile, Device) and hostile.title == HOSTILE and hostile.registers[0].layout.source[0].section == HOSTILE
+    folder = write(tmp_path, (hostile,))
+    for name in ("amm5.h", "encoder.h"):
+        assert without_comments((folder / "lika" / name).read_text(encoding="ascii")) == without_comments((include / "lika" / name).read_text())
+    for standard in ("-std=c99", "-std=c17"):
+        compile_c(["gcc", standard, "-trigraphs"], '#include "lika/amm5.h"\nint main(void) { return 0; }\n', tmp_path, folder)
+
+
+@pytest.mark.parametrize("text", ["*/", "/*", "*/*", "/*/", "**//", "??/", "???/", "a\\", "\\*/", "*\\/", "a\nb */ c", "\u202e*/"])
+def test_no_text_ends_a_comment(text: str) -> None:
+    for made in (comment(text), comment([("lead */", text)]), noted("int x;", text), comment(text + " " + "word " * 40 + text)):
+        inner = made.replace("int x;", "").strip()
+        assert inner.startswith("/*") and inner.endswith("*/")
+        assert not re.search(r"\*/|/\*", inner[2:-2]) and "??" not in inner and "\\" not in inner
+    assert "\n" not in in_comment(text)
+
+
+def test_strings_are_escaped() -> None:
+    assert string('a"b\\c??/\n\x00é') == r'"a\042b\134c\077\077/\012\000\303\251"'
+
+
+def test_reserved_words_get_an_underscore() -> None:
+    assert {"register", "class", "interface", "constexpr", "typeof", "near"} <= RESERVED
+    assert c_name("class") == "class_" and c_name("position") == "position" and c_name("word", {"word"}) == "word_"
+
+
+def test_a_spec_whose_names_are_reserved_compiles(tmp_path: Path) -> None:
+    text = (ROOT / "tests" / "specs" / "bits22.yaml").read_text()
+    for old, new in (("position_bits", "int"), ("{name: position,", "{name: register,"), ("{name: error,", "{name: word,"), ("{name: warning,", "{name: near,")):
+        text = text.replace(old, new)
+    (tmp_path / "bits22.yaml").write_text(text)
+    shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
+    (device,) = devices_of(tmp_path / "bits22.yaml")
+    folder = write(tmp_path, (device,))
+    header = (folder / "acme" / "bits22.h").read_text()
+    assert "uint8_t int_;" in header and "uint32_t register_;" in header and "bool near_;" in header
+    for command in (["gcc", "-std=c99"], ["g++", "-x", "c++", "-std=c++17"]):
+        compile_c(command, source(device), tmp_path, folder, link=False)
+
+
+def test_every_run_gives_the_same_bytes() -> None:
+    script = (
+        "import hashlib, sys\nfrom codewheel.load import load_library\nfrom codewheel.targets import Library\nfrom codewheel.targets.c import generate\n"
+        "files = generate(Library(load_library()[0]))\nprint(hashlib.sha256(repr(sorted(files.items())).encode()).hexdigest())"
+    )
+    runs = [subprocess.run([sys.executable, "-c", script], env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True, check=True) for seed in ("1", "22")]
+    assert runs[0].stdout == runs[1].stdout and len(runs[0].stdout) == 65
+
+
+def test_files_and_their_places(devices: tuple[Device, ...]) -> None:
+    files = generate(Library(devices))
+    assert {"c/README.md", "c/include/lika/encoder.h", "c/include/lika/amm5.h"} <= set(files)
+    assert hashlib.sha256(files["c/include/lika/encoder.h"].encode()).digest()
+
+
+def test_every_register_alarm_and_limit_is_there(amm5: Device, include: Path) -> None:
+    text = (include / "lika" / "amm5.h").read_text()
+    for register in amm5.registers:
+        stem = f"LIKA_AMM5_REG_{register.name.upper()}"
+        assert f"#define {stem}_ADDRESS 0x{register.address:02X}U" in text
+        assert f"#define {stem}_LENGTH {register.length}U" in text
+        assert f"#define {stem}_ACCESS LIKA_ACCESS_{register.access.upper()}" in text
+    for alarm in amm5.alarms:
+        assert f"LIKA_AMM5_ALARM_{alarm.name.upper()}_MASK" in text
+    for interface in amm5.interfaces:
+        if interface.clock_max_hz is not None:
+            assert f"LIKA_AMM5_{interface.kind.upper()}_CLOCK_MAX_HZ {interface.clock_max_hz}U" in text
+    assert len(DeviceView(amm5).codes) == 36
+
+
+def test_constants_and_small_functions(include: Path, tmp_path: Path) -> None:
+    """What only a compiled program can show: time-outs, cable lengths, masks that move with the order code, expected texts."""
+    code = """#include "lika/amm5.h"
+#include <stdio.h>
+int main(void)
+{
+    static const lika_amm5_variant variants[3] = { LIKA_AMM5_A17_65KSC1, LIKA_AMM5_A21_65KSC1, LIKA_AMM5_B23_1SC1 };
+    static const uint8_t id[6] = { 0x41, 0x4D, 0x4D, 0x35, 0x01, 0x02 };
+    static const uint8_t other[6] = { 0x41, 0x4D, 0x4D, 0x36, 0x01, 0x02 };
+    lika_amm5_reg_device_id device;
+    unsigned index;
+    printf("%lu %lu %lu %lu", (unsigned long)lika_amm5_biss_timeout_ns(50000U), (unsigned long)lika_amm5_biss_timeout_ns(200000U),
+           (unsigned long)lika_amm5_biss_timeout_ns(10000000U), (unsigned long)lika_amm5_biss_timeout_ns(0U));
+    printf(" %lu %lu %lu", (unsigned long)lika_amm5_ssi_clock_limit_hz(49U), (unsigned long)lika_amm5_ssi_clock_limit_hz(50U),
+           (unsigned long)lika_amm5_ssi_clock_limit_hz(400U));
+    for (index = 0U; index < 3U; index++) {
+        printf(" %u %llx %llx", (unsigned)lika_amm5_reg_preset_singleturn_shift(&variants[index]),
+               (unsigned long long)lika_amm5_reg_preset_singleturn_mask(&variants[index]),
+               (unsigned long long)lika_amm5_reg_preset_max(&variants[index]));
+    }
+    if (lika_amm5_reg_device_id_decode(&variants[0], id, sizeof id, &device) == LIKA_OK) {
+        printf(" %d %x", (int)lika_amm5_reg_device_id_is_expected(&device), device.release);
+    }
+    if (lika_amm5_reg_device_id_decode(&variants[0], other, sizeof other, &device) == LIKA_OK) {
+        printf(" %d", (int)lika_amm5_reg_device_id_is_expected(&device));
+    }
+    printf(" %x %x\\n", LIKA_AMM5_ALARM_BATTERY_ALARM_MASK, LIKA_AMM5_RS485_CONTROL_ALL_DATA);
+    return 0;
+}
+"""
+    program = compile_c(["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"], code, tmp_path, include)
+    printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
+    assert printed == [
+        "30000", "7500", "150", "0", "400000", "300000", "0",
+        "16", "1ffff0000", "1ffffffff", "12", "1fffff000", "1fffffffff", "10", "1fffffc00", "7fffff", "1", "102", "0", "80", "1a",
+    ]  # fmt: skip

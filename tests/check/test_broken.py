@@ -1,0 +1,73 @@
+"""Each spec in ``broken`` says in its first lines what is wrong with it, in the exact words expected."""
+
+from __future__ import annotations
+
+import pathlib
+
+import pytest
+
+from codewheel.check import check_document
+from codewheel.problems import Report
+from codewheel.read import read_document
+
+HERE = pathlib.Path(__file__).parent
+BROKEN = sorted((HERE / "broken").glob("*.yaml"))
+EXPECT = "# expect: "
+
+#: Every rule of reading, of the schema and beyond. One without a broken spec fails here, and so does a spec for a rule that is not listed.
+#: Missing are those for which no file can be kept: of unreadable, empty and binary files, and of folders.
+RULES_WITH_BROKEN_SPECS = """
+    alias bad-expression bad-key bad-pattern bad-source byte-order-missing clock-range crc-impossible device-name duplicate-address
+    duplicate-key duplicate-name example-shape layout-keys measurement-shape merge-key missing-key not-a-map not-allowed not-text
+    number-too-long order-code-ambiguous order-code-pattern out-of-range parameter-cycle several-documents step-shape table-shape tag
+    timeout-mismatch timing-order timing-without-bound too-deep too-large too-long too-short undefined-reference unknown-key value-clash
+    value-too-wide wrong-type yaml-syntax
+""".split()
+
+
+def problems_of(path: pathlib.Path) -> tuple[list[str], Report]:
+    """Every problem as ``line:column: rule: message``, and the report."""
+    report = Report()
+    document = read_document(path, report, path.name)
+    if document is not None:
+        check_document(document, report)
+    return [problem.format().splitlines()[0].removeprefix(f"{path.name}:") for problem in report.problems], report
+
+
+def expected_of(path: pathlib.Path) -> list[str]:
+    return [line.removeprefix(EXPECT) for line in path.read_text(encoding="utf-8").splitlines() if line.startswith(EXPECT)]
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_broken_spec_is_refused_in_the_words_expected(path: pathlib.Path) -> None:
+    expected = expected_of(path)
+    found, report = problems_of(path)
+    assert expected, "say in the first lines what is expected: # expect: line:column: rule: message"
+    assert found == expected
+    for problem in report.problems:
+        for line in problem.format().splitlines()[1:]:
+            assert len(line) <= 80
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_caret_stands_under_the_fault(path: pathlib.Path) -> None:
+    for problem in problems_of(path)[1].problems:
+        *_, shown, caret = problem.format().splitlines()
+        assert caret.strip() == "^"
+        fault = problem.text[problem.column - 1 : problem.column]
+        if fault.isprintable() and fault:
+            assert shown[caret.index("^")] == fault
+
+
+def test_every_rule_has_a_broken_spec() -> None:
+    rules = {line.split(": ")[1] for path in BROKEN for line in expected_of(path)}
+    assert sorted(rules) == sorted(RULES_WITH_BROKEN_SPECS)
+
+
+@pytest.mark.parametrize("path", sorted((HERE / "ok").glob("*.yaml")), ids=lambda path: path.stem)
+def test_sound_spec_is_clean(path: pathlib.Path) -> None:
+    report = Report()
+    document = read_document(path, report)
+    assert document is not None
+    assert check_document(document, report) == document.data
+    assert report.problems == ()

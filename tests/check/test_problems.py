@@ -1,0 +1,65 @@
+"""How problems look."""
+
+from __future__ import annotations
+
+import json
+
+from codewheel.problems import Problem, Report, listed, quoted, suggestion
+
+
+def problem(text: str, column: int, *, file: str = "a.yaml", message: str = "wrong", path: str = "") -> Problem:
+    return Problem(file, 3, column, "rule", path, message, text)
+
+
+def test_place_path_line_and_caret() -> None:
+    assert problem("  key: value", 8, path="registers.bank.key").format() == "\n".join(
+        ["a.yaml:3:8: rule: wrong", "  in registers.bank.key", "    key: value", "         ^"]
+    )
+
+
+def test_without_a_line_to_show() -> None:
+    assert problem("", 1).format() == "a.yaml:3:1: rule: wrong"
+
+
+def test_long_lines_are_scrolled_to_the_caret() -> None:
+    text = "start " + "x" * 200 + "HERE" + "y" * 200
+    _, shown, caret = problem(text, 207).format(60).splitlines()
+    assert len(shown) <= 60
+    assert shown.strip().startswith("...") and shown.endswith("...")
+    assert shown[caret.index("^") :].startswith("HERE")
+
+
+def test_column_beyond_the_line() -> None:
+    assert problem("abc", 50).format().splitlines()[-1] == "       ^"
+
+
+def test_control_characters_are_visible() -> None:
+    found = problem("a\x1b[2Jb\tc", 8, file="x\ny.yaml", message="no \x07 bell").format()
+    assert found == "\n".join(["x\\x0ay.yaml:3:8: rule: no \\x07 bell", "    a\\x1b[2Jb\\tc", "               ^"])
+
+
+def test_wide_characters_take_two_columns() -> None:
+    assert problem("幅: x", 4).format().splitlines()[-1] == "        ^"
+
+
+def test_report_sorts_and_drops_repetitions() -> None:
+    report = Report()
+    assert not report
+    for line in (2, 1, 2):
+        report.add_at("a.yaml", line, 1, "rule", "wrong")
+    assert [item.line for item in report.problems] == [1, 2]
+    assert len(report) == 2
+
+
+def test_json_has_every_attribute() -> None:
+    data = problem("text", 2).to_json()
+    assert json.loads(json.dumps(data)) == {"file": "a.yaml", "line": 3, "column": 2, "rule": "rule", "path": "", "message": "wrong", "text": "text"}
+
+
+def test_words() -> None:
+    assert [listed(items) for items in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+    assert quoted("x" * 100) == "'" + "x" * 57 + "...'"
+    assert [quoted(value) for value in (True, None, 3, {}, [])] == ["true", "nothing", "3", "a map", "a list"]
+    assert suggestion("adress", ["address", "access"]) == "; did you mean 'address'?"
+    assert suggestion("zzz", ["a", "b"], "it is one of") == "; it is one of: a, b"
+    assert suggestion("zzz", [f"name_{index}" for index in range(9)]) == ""

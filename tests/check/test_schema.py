@@ -1,0 +1,130 @@
+"""The schemas, the words for them, and what is left of a spec when its faults are cut out."""
+
+from __future__ import annotations
+
+import copy
+import pathlib
+import random
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+
+from codewheel.check import check_document
+from codewheel.problems import Report
+from codewheel.read import Document, read_document
+from codewheel.schema import MAX_PROBLEMS, check_schema, load_schema
+from codewheel.schema_messages import KEYWORDS, PATTERNS
+
+MINIMAL = pathlib.Path(__file__).parent / "ok" / "minimal.yaml"
+SPECS = sorted((pathlib.Path(__file__).parents[2] / "specs").glob("*/*.yaml"))
+KINDS = ("device", "manufacturer")
+SILENT = {"$schema", "$id", "$ref", "$defs", "title", "description", "properties", "items"}
+
+
+def subschemas(schema: Any) -> Iterator[dict[str, Any]]:
+    if isinstance(schema, dict):
+        yield schema
+        for key, value in schema.items():
+            for item in value.values() if key in ("properties", "$defs") else (value,):
+                yield from subschemas(item)
+
+
+def document(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
+    path = folder / "minimal.yaml"
+    path.write_text(text, encoding="utf-8")
+    report = Report()
+    found = read_document(path, report, path.name)
+    assert found is not None
+    return found, report
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_schema_is_one_and_each_keyword_has_words(kind: str) -> None:
+    schema = load_schema(kind)
+    Draft202012Validator.check_schema(schema)
+    for item in subschemas(schema):
+        assert set(item) <= KEYWORDS | SILENT
+        pattern = item.get("pattern", "^$")
+        # Patterns are matched as a whole, which is what their anchors say.
+        assert pattern.startswith("^") and pattern.endswith("$")
+        assert pattern == "^$" or pattern in PATTERNS
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_property_has_a_description(kind: str) -> None:
+    for item in subschemas(load_schema(kind)):
+        for name, content in item.get("properties", {}).items():
+            target = load_schema(kind)["$defs"][content["$ref"].split("/")[-1]] if "$ref" in content else {}
+            assert "description" in content or "description" in target, name
+
+
+def test_faults_are_cut_out_and_the_rest_keeps_its_lines(tmp_path: pathlib.Path) -> None:
+    good = '  - {name: %s, address: %d, length: 1, access: read_write, source: "6.3"}\n'
+    bad = "  - {name: bad, address: 65, length: 1}\n"
+    text = MINIMAL.read_text() + bad + good % ("one", 80) + bad + good % ("two", 80)
+    found, report = document(tmp_path, text)
+    checked = check_schema(found, report)
+    assert checked is not None
+    assert [item["name"] for item in checked.data["registers"]] == ["bank", "one", "two"]
+    last = text.splitlines().index((good % ("two", 80)).rstrip()) + 1
+    assert found.position(("registers", 2, "name"))[0] == last
+    assert check_document(found, Report()) is not None
+
+
+def test_misspelt_key_is_one_problem(tmp_path: pathlib.Path) -> None:
+    found, report = document(tmp_path, MINIMAL.read_text().replace("alias", "").replace("poly:", "polly:"))
+    check_document(found, report)
+    assert [problem.message for problem in report.problems] == ["unknown key 'polly'; did you mean 'poly'?"]
+
+
+def test_endless_problems_end(tmp_path: pathlib.Path) -> None:
+    found, report = document(tmp_path, MINIMAL.read_text() + "".join(f"key_{index}: 1\n" for index in range(1000)))
+    check_document(found, report)
+    assert len(report) == MAX_PROBLEMS + 1
+    assert "too-many-problems" in {problem.rule for problem in report.problems}
+
+
+def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ():
+        yield (*path, key)
+        yield from places(value, (*path, key))
+
+
+@pytest.mark.parametrize("path", [MINIMAL, *SPECS], ids=lambda path: path.stem)
+def test_no_damage_makes_it_raise(path: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """Takes out, or replaces, places of a sound spec at random: what comes out are problems or a clean spec, never an exception."""
+    report = Report()
+    sound = read_document(path, report)
+    assert sound is not None
+    choose = random.Random(path.stem)
+    spots = list(places(sound.data))
+    junk: list[Any] = [None, -1, 2**70, 1.5, True, "", "x", "a.b", "é\n", [], ["x"], {}, {"name": "x"}, [{}], [[1]]]
+    for _ in range(60):
+        data = copy.deepcopy(sound.data)
+        for spot in choose.sample(spots, choose.randint(1, 3)):
+            node: Any = data
+            try:
+                for step in spot[:-1]:
+                    node = node[step]
+                if choose.random() < 0.3:
+                    del node[spot[-1]]
+                else:
+                    node[spot[-1]] = choose.choice(junk)
+            except (KeyError, IndexError, TypeError):
+                continue  # An earlier damage took the place away.
+        # Checked as data; the marks are those of the sound spec, as places are all that they are for.
+        damaged = Document(path.name, sound.lines, data, sound.marks)
+        check_document(damaged, report)
+        for problem in report.problems[:50]:
+            assert problem.format()
+
+
+def test_spec_written_by_a_machine(tmp_path: pathlib.Path) -> None:
+    """Block style instead of the flow style of the specs: the same data, checked the same."""
+    found, _ = document(tmp_path, MINIMAL.read_text())
+    again, report = document(tmp_path, yaml.safe_dump(found.data, sort_keys=False))
+    check_document(again, report)
+    assert report.problems == ()

@@ -1,0 +1,135 @@
+"""The pages: everything of the model is named with its source, links lead somewhere, and text from specs stays text."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+from codewheel.description import read_xml
+from codewheel.load import load_library
+from codewheel.markdown import cited, code, text
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.docs import generate
+
+LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
+CODE = re.compile(r"(?<!`)(`+)(?!`)(.*?)(?<!`)\1(?!`)")
+
+
+def broken_links(files: dict[str, str]) -> list[str]:
+    """Links and pictures that lead nowhere, as ``page: link``."""
+    anchors = {name: set(re.findall(r'<a id="([^"]+)"></a>', made)) for name, made in files.items()}
+    found = []
+    for name, made in files.items():
+        for target in LINK.findall(CODE.sub("", made)) if name.endswith(".md") else ():
+            path, _, fragment = target.partition("#")
+            full = str(PurePosixPath(name).parent / path) if path else name
+            if full not in files or (fragment and fragment not in anchors[full]):
+                found.append(f"{name}: {target}")
+    return found
+
+
+def test_the_files(library: Library) -> None:
+    files = generate(library)
+    assert {"docs/README.md", "docs/amm5.md", "docs/amm5/ssi_word.svg", "docs/amm5/single_cycle_data.svg", "docs/amm5/register-preset.svg"} <= set(files)
+    assert broken_links(files) == []
+    pictures = {name for name in files if name.endswith(".svg")}
+    shown = {f"docs/{target}" for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", "".join(made for name, made in files.items() if name.endswith(".md")))}
+    assert pictures == shown
+
+
+def test_anchors_are_unique(library: Library) -> None:
+    for name, made in generate(library).items():
+        anchors = re.findall(r'<a id="([^"]+)"></a>', made)
+        assert len(anchors) == len(set(anchors)), name
+
+
+def test_everything_is_named(library: Library) -> None:
+    files = generate(library)
+    for device in library.devices:
+        page = files[f"docs/{device.name}.md"]
+        missing = [name for name in names(device) if f"`{name}`" not in page]
+        assert missing == []
+        missing_sources = [source for source in sources(device) if source not in page]
+        assert missing_sources == []
+        missing_texts = [value for value in texts(device) if " ".join(text(value).split()) not in " ".join(page.split())]
+        assert missing_texts == []
+
+
+def names(device: Device) -> list[str]:
+    layouts = [layout for _, layout in device.layouts()] + [item.layout for item in device.registers]
+    fields = [field for layout in layouts for field in layout.fields if not field.padding_of]
+    found = [field.name for field in fields if not (len(field.name) and field.name in {item.name for item in device.registers})]
+    found += [value.name for field in fields for value in field.values] + [run.name for field in fields for run in field.digits]
+    found += [layout.name for _, layout in device.layouts()] + [join.name for layout in layouts for join in layout.joins]
+    for group in (device.registers, device.crcs, device.procedures, device.examples, device.errata, device.characteristics, device.timings, device.parameters, device.field_groups):
+        found += [item.name for item in group]  # type: ignore[attr-defined]
+    for interface in device.interfaces:
+        found += [item.name for item in (*interface.timings, *interface.data_ids, *interface.control_data)]
+    return found + [variant.code for variant in device.variants] + [item.key for item in device.documents]
+
+
+def sources(device: Device) -> list[str]:
+    groups = (device.registers, device.crcs, device.procedures, device.examples, device.errata, device.characteristics, device.alarms, device.connectors, device.leds, device.lost_figures)
+    return [cited(item.source) for group in groups for item in group]  # type: ignore[attr-defined]
+
+
+def texts(device: Device) -> list[str]:
+    found = [part for item in device.errata for part in (item.printed, item.used, item.why)]
+    found += [item.content for item in device.lost_figures] + [item.value for item in device.characteristics]
+    found += [item.note for group in (device.registers, device.crcs, device.procedures, device.examples, device.interfaces) for item in group]  # type: ignore[attr-defined]
+    found += [contact.signal for item in device.connectors for contact in item.contacts] + [state.meaning for item in device.leds for state in item.states]
+    return found + [item.changes for item in device.manual.history]
+
+
+def test_tables_are_whole(library: Library, hostile: Library) -> None:
+    """Every row of a table has as many cells as its head."""
+    for made in [*generate(library).values(), *generate(hostile).values()]:
+        head = 0
+        for line in made.splitlines():
+            cells = len(re.findall(r"(?<!\\)\|", line)) if line.startswith("| ") else 0
+            assert head in (0, cells) or cells == 0, line
+            head = cells
+
+
+def test_hostile_text_stays_text(hostile: Library) -> None:
+    files = generate(hostile)
+    assert broken_links(files) == []
+    for name, made in files.items():
+        if name.endswith(".svg"):
+            root = read_xml(made.encode())
+            assert {str(item.tag).rpartition("}")[2] for item in root.iter()} <= {"svg", "title", "rect", "text", "path"}
+            continue
+        outside_code = CODE.sub("", made)
+        assert "<script" not in outside_code
+        tags = set(re.findall(r"<(/?[a-zA-Z!][^\s>]*)", outside_code))
+        assert {tag for tag in tags if not tag.startswith("http")} <= {"a", "/a", "br", "sub", "/sub", "details", "/details", "summary", "/summary", "!--"}
+
+
+def test_pictures_are_well_formed_and_nothing_leaves_the_card(library: Library) -> None:
+    for name, made in generate(library).items():
+        if not name.endswith(".svg"):
+            continue
+        root = ElementTree.fromstring(made)
+        width, height = float(root.attrib["width"]), float(root.attrib["height"])
+        for box in root.iter("{http://www.w3.org/2000/svg}rect"):
+            left, top, across, down = (float(box.attrib[key]) for key in ("x", "y", "width", "height"))
+            assert 0 <= left and left + across <= width and 0 <= top and top + down <= height, name
+        for words in root.iter("{http://www.w3.org/2000/svg}text"):
+            assert 0 < float(words.attrib["x"]) < width and 0 < float(words.attrib["y"]) < height, name
+
+
+def test_places_as_worked_out_by_hand(library: Library) -> None:
+    page = generate(library)["docs/amm5.md"]
+    assert "| `AMM5A21/65KSC1`, `AMM5B21/65KSC1` | 45 | 44:29 | 28:8 |" in page
+    assert "| `AMM5A17/1SC1`, `AMM5B17/1SC1` | – | 48:33 | 32:16 | 15:0 |" in page
+    assert f"| with its top bit | {code('0x43')} = 67 = {code('1000011b')} |" in page
+    assert "| without its last 1 | `0x21` |" in page
+    assert "byte 1, bits 7:1" in page
+
+
+def test_two_runs_are_the_same(library: Library) -> None:
+    again, _ = load_library([Path(__file__).parents[2] / "specs"])
+    assert generate(library) == generate(Library(again))
+    assert all(made.endswith("\n") and "\n\n\n" not in made for made in generate(library).values())

@@ -1,0 +1,47 @@
+"""Markdown in which text stays text."""
+
+from __future__ import annotations
+
+import pytest
+
+from codewheel.build import parse_sources
+from codewheel.markdown import cited, code, paragraph, table, text
+
+
+@pytest.mark.parametrize(
+    ("given", "made"),
+    [
+        ("a | b", "a \\| b"),
+        ("<script>&amp;", "&lt;script&gt;&amp;amp;"),
+        ("`x` *y* [z](w)", "\\`x\\` \\*y\\* \\[z\\](w)"),
+        ("position_bits and _this_", "position_bits and \\_this\\_"),
+        ("line\nend\u2028and \u202emore", "line end and  more"),
+        ("5 $ and 6 $", "5 \\$ and 6 \\$"),
+        ("back\\slash", "back\\\\slash"),
+    ],
+)
+def test_text(given: str, made: str) -> None:
+    assert text(given) == made
+
+
+@pytest.mark.parametrize(("given", "made"), [("x", "`x`"), ("a`b", "``a`b``"), ("`", "`` ` ``"), ("a|b", "`a\\|b`"), ("", "")])
+def test_code(given: str, made: str) -> None:
+    assert code(given) == made
+
+
+@pytest.mark.parametrize(("given", "made"), [("1. Stop", "1\\. Stop"), ("+Vb", "\\+Vb"), ("- x", "\\- x"), ("# x", "\\# x"), ("2021", "2021")])
+def test_a_paragraph_begins_no_list(given: str, made: str) -> None:
+    assert paragraph(given) == made
+
+
+def test_a_wrapped_line_begins_no_list_either() -> None:
+    words = "word " * 40
+    assert all(not line.startswith(("1. ", "- ", "# ")) for line in paragraph(words + "1. " * 40 + "- " * 40 + "# " * 40).split("\n"))
+
+
+def test_sources() -> None:
+    assert cited(parse_sources("6.4 p.35; it: 6.4 p.36; Cover; prot: p.7-8")) == "§6.4 p.35; it: §6.4 p.36; Cover; prot: p.7-8"
+
+
+def test_empty_columns_of_a_table_are_left_out() -> None:
+    assert table(["A", "B", "C"], [["1", "", "2"], ["3", "", ""]]) == "| A | C |\n| --- | --- |\n| 1 | 2 |\n| 3 |  |"

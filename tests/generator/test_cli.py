@@ -1,0 +1,141 @@
+"""The command line as a user runs it: text, JSON and exit codes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from codewheel.cli import main
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    try:
+        code = main(arguments)
+    except SystemExit as stop:
+        code = int(stop.code or 0)
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def data(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
+    code, out, _ = run(capsys, *arguments)
+    return code, json.loads(out)
+
+
+def test_list(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "list")
+    assert code == 0
+    assert "amm5" in out and "36, AMM5{mount}{singleturn}/{turns}{interface}" in out and "SSI, BiSS C-mode, RS-485" in out and "revision 1.9 of 2021-12-09" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("what", ["amm5", "AMM5", "AMM5A21/65KSC1", "AMM5B23/1JP1-X", "AMM5A17/1BG1"])
+def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], what: str) -> None:
+    code, out, err = run(capsys, "show", what)
+    assert (code, err) == (0, "")
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+
+
+def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:
+    _, out, _ = run(capsys, "show", "AMM5A21/65KSC1")
+    assert "| multiturn | singleturn | error | warning | crc |" in out
+    assert "44:29" in out and "28:8" in out
+    assert "0 to 137438953471" in " ".join(out.split())
+    assert "rs485" not in out
+
+
+def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (("show", "nonsense"), ("decode", "AMM5A22/1SC1", "0x1"), ("decode", "AMM5A21/1SC1", "zz"), ("decode", "AMM5A23/1JP1", "0"), ("generate", "--target", "cobol")):
+        code, out, err = run(capsys, *arguments)
+        assert code == 2 and not out and err.count("\n") == 1 and err.startswith("codewheel: "), arguments
+
+
+# Public vector: TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
+def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
+    code, found = data(capsys, "decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E", "--json")
+    assert code == 0
+    fields = {item["name"]: item["value"] for item in found["fields"]}
+    assert (found["layout"], found["direction"], found["problems"]) == ("singleturn_reply", "encoder", [])
+    assert fields["singleturn"] == 7000519 and fields["status_other_error"] is True and fields["status_st_error"] is False
+    assert found["crc"] == {"received": 0x5E, "computed": 0x5E, "ok": True}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kind"),
+    [
+        (("AMM5A23/65KJP1", "32 10 01 28 B0 08 B3"), "length"),  # the manual's CRC example, 7.6: fits no reply
+        (("AMM5A23/65KJP1", "--from", "master", "32 7f 01 4c"), "constant"),  # hpm_sdk: address in bits 6:0
+        (("AMM5A23/65KJP1", "--from", "master", "32 01 5a 69"), "constant"),
+        (("AMM5A23/65KJP1", "--from", "master", "ea", "01", "eb"), "constant"),
+        (("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F"), "crc"),
+        (("AMM5A23/65KJP1", "A2 00 10 32 54 00 D4"), "range"),  # data ID 4 is not one of this family
+        (("AMM5A17/1SC1", "0x2000000"), "length"),
+        (("AMM5A17/1SC1", "0b1"), "length"),
+        (("AMM5A17/1SC1", "0x0"), "crc"),
+    ],
+)
+def test_faults_exit_1(capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], kind: str) -> None:
+    code, found = data(capsys, "decode", *arguments, "--json")
+    assert code == 1
+    assert kind in [item["kind"] for item in found["problems"]]
+    code, out, _ = run(capsys, "decode", *arguments)
+    assert code == 1 and f"{kind} fault: " in out
+
+
+def test_a_sound_frame_with_error_bits_exits_0(capsys: pytest.CaptureFixture[str]) -> None:
+    # 17 bits: position 0, nE 0, nW 0: the CRC of zeros is 0, inverted 3Fh.
+    code, found = data(capsys, "decode", "AMM5A17/1SC1", "0x3F", "--json")
+    fields = {item["name"]: item["value"] for item in found["fields"]}
+    assert code == 0 and fields["error"] is True and fields["warning"] is True
+
+
+def test_decode_a_register(capsys: pytest.CaptureFixture[str]) -> None:
+    # AMM5 manual 6.4: 18 30 03630.
+    code, found = data(capsys, "decode", "AMM5A21/65KSC1", "--as", "serial_number", "0AE869EE", "--json")
+    fields = {item["name"]: item["value"] for item in found["fields"]}
+    assert code == 0 and (fields["year"], fields["week"], fields["number"]) == (18, 30, 3630)
+    code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "--as", "nothing", "00")
+    assert code == 2 and "it has: preset" in err
+
+
+def test_frames_from_standard_input() -> None:
+    frames = "02 20 C7 D1 6A 5E\n\n02 20 C7 D1 6A 5F\n"
+    command = [sys.executable, "-m", "codewheel", "decode", "AMM5A23/65KJP1", "-", "--json"]
+    done = subprocess.run(command, input=frames, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert [json.loads(line)["crc"]["ok"] for line in done.stdout.splitlines()] == [True, False]
+
+
+def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, out, _ = run(capsys, "generate", "-o", str(tmp_path))
+    assert code == 0 and "unchanged" not in out.splitlines()[0]
+    code, out, _ = run(capsys, "generate", "-o", str(tmp_path))
+    assert code == 0 and {line.split()[0] for line in out.splitlines()} == {"unchanged", "all"}
+    assert run(capsys, "generate", "-o", str(tmp_path), "--check")[0] == 0
+    victim = next(tmp_path.rglob("amm5.h"))
+    victim.write_text("changed")
+    code, out, err = run(capsys, "generate", "-o", str(tmp_path), "--check")
+    assert code == 1 and f"differs    {victim}" in out and f"run: codewheel generate -o {tmp_path}" in err
+    assert victim.read_text() == "changed"
+    code, out, _ = run(capsys, "generate", "-o", str(tmp_path), "--target", "python")
+    assert code == 0 and victim.read_text() == "changed"
+
+
+def test_problems_go_to_standard_error_and_exit_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "x.yaml").write_text("device: x\n")
+    for arguments in (("generate", "-o", str(tmp_path / "out")), ("list", "--specs")):
+        code, out, err = run(capsys, *arguments[:1], *arguments[1:], str(tmp_path / "x.yaml"))
+        assert code == 1 and not out and "x.yaml:1:1: missing-key: " in err and "Traceback" not in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_help_fits_a_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    for command in ((), ("generate",), ("check",), ("list",), ("show",), ("decode",)):
+        code, out, _ = run(capsys, *command, "--help")
+        assert code == 0 and max(map(len, out.splitlines())) <= 80

@@ -1,0 +1,81 @@
+"""CRCs against the published check values (over the ASCII digits 1 to 9) and against long division."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from codewheel.crc import compute_bits, compute_bytes, fold_plan, form, polynomial_text
+from codewheel.model import Crc
+
+
+def crc(width: int, poly: int, init: int = 0, refin: bool = False, refout: bool = False, xorout: int = 0) -> Crc:
+    return Crc("crc", width, poly, init, refin, refout, xorout, form(width, poly, init, refin, refout), polynomial_text(width, poly), "", ())
+
+
+# Greg Cook, Catalogue of parametrised CRC algorithms, reveng.sourceforge.io/crc-catalogue: check values.
+CATALOGUE = [
+    (crc(5, 0x05, 0x1F, True, True, 0x1F), 0x19, "CRC-5/USB"),
+    (crc(6, 0x03, 0, True, True, 0), 0x06, "CRC-6/G-704"),
+    (crc(8, 0x07), 0xF4, "CRC-8/SMBUS"),
+    (crc(8, 0x2F, 0xFF, False, False, 0xFF), 0xDF, "CRC-8/AUTOSAR"),
+    (crc(16, 0x1021), 0x31C3, "CRC-16/XMODEM"),
+    (crc(16, 0x1021, 0xFFFF), 0x29B1, "CRC-16/IBM-3740"),
+    (crc(16, 0x8005, 0xFFFF, True, True), 0x4B37, "CRC-16/MODBUS"),
+    (crc(32, 0x04C11DB7, 0xFFFFFFFF, True, True, 0xFFFFFFFF), 0xCBF43926, "CRC-32/ISO-HDLC"),
+]
+
+
+@pytest.mark.parametrize(("parameters", "check", "name"), CATALOGUE, ids=[row[2] for row in CATALOGUE])
+def test_catalogue(parameters: Crc, check: int, name: str) -> None:
+    assert compute_bytes(parameters, b"123456789") == check
+
+
+def test_xor_form_is_the_xor_of_the_bytes() -> None:
+    xor = crc(8, 0x01, refin=True, refout=True)
+    assert xor.form == "xor"
+    # Lika AMM5 manual 7.6, SMA21 manual 7.3.4.
+    assert compute_bytes(xor, bytes.fromhex("32100128B008")) == 0xB3
+    assert compute_bytes(xor, bytes.fromhex("A20010325400")) == 0xD4
+    assert compute_bytes(xor, bytes.fromhex("2A02DA0400432500")) == 0x90
+
+
+@pytest.mark.parametrize(("width", "poly"), [(6, 0x03), (4, 0x03), (3, 0x03), (5, 0x05), (7, 0x09), (9, 0x11), (8, 0x01), (1, 0x01), (16, 0x0001)])
+@pytest.mark.parametrize("bits", [1, 7, 16, 46, 47, 63, 64])
+def test_fold_plan_is_long_division(width: int, poly: int, bits: int) -> None:
+    assert form(width, poly, 0, False, False) in ("fold", "xor")
+    plan = fold_plan(width, poly, bits)
+    chooser = random.Random(bits * 1000 + width)
+    for number in [0, 1, (1 << bits) - 1, 1 << (bits - 1), *(chooser.getrandbits(bits) for _ in range(200))]:
+        remainder = number
+        for bit in range(bits - 1, width - 1, -1):
+            if remainder >> bit & 1:
+                remainder ^= (poly | 1 << width) << (bit - width)
+        value = number
+        for step in plan:
+            high = value >> step.shift
+            value = value & step.mask ^ high ^ (high << step.back if step.back else 0)
+        assert value == remainder
+
+
+def test_the_plan_for_46_bits_has_six_steps() -> None:
+    assert [(step.shift, step.back) for step in fold_plan(6, 0x03, 46)] == [(24, 4), (24, 4), (12, 2), (12, 2), (6, 1), (6, 1)]
+
+
+def test_form_follows_from_the_parameters() -> None:
+    assert form(6, 0x03, 0, False, False) == "fold"
+    assert form(6, 0x03, 1, False, False) == "bitwise"
+    assert form(16, 0x90D9, 0, False, False) == "bitwise"
+    assert form(8, 0x01, 0, True, True) == "xor"
+    assert form(8, 0x01, 0, True, False) == "bitwise"
+
+
+def test_leading_zeros_do_not_change_a_crc_with_start_0() -> None:
+    biss = crc(6, 0x03, xorout=0x3F)
+    assert compute_bits(biss, 0x1234, 16) == compute_bits(biss, 0x1234, 40) == 7
+
+
+def test_polynomial_text() -> None:
+    assert polynomial_text(6, 0x03) == "x^6 + x + 1"
+    assert polynomial_text(8, 0x01) == "x^8 + 1"

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import pytest
+
+from codewheel.expressions import Expression, ExpressionError
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "shown"),
+    [
+        (24, 24, "24"),
+        ("24", 24, "24"),
+        ("0x10", 16, "16"),
+        ("singleturn_bits + 8", 29, "singleturn_bits + 8"),
+        ("24 - singleturn_bits", 3, "-singleturn_bits + 24"),
+        ("2^singleturn_bits - 1", 2097151, "2^singleturn_bits - 1"),
+        ("2^4 + multiturn_bits", 32, "multiturn_bits + 16"),
+        ("singleturn_bits + multiturn_bits", 37, "singleturn_bits + multiturn_bits"),
+        ("-1 + singleturn_bits", 20, "singleturn_bits - 1"),
+    ],
+)
+def test_values(text: int | str, value: int, shown: str) -> None:
+    expression = Expression.parse(text)
+    assert expression.value({"singleturn_bits": 21, "multiturn_bits": 16}) == value
+    assert (expression + Expression(0)).render() == shown
+
+
+@pytest.mark.parametrize("text", ["", "+", "a +", "a b", "a * 2", "3^a", "a^2", "__import__('os')", "1 +", "A", "a\n; b", "2^", "(a)"])
+def test_what_is_no_expression(text: str) -> None:
+    with pytest.raises(ExpressionError, match="is not a sum of numbers, parameters and powers of two"):
+        Expression.parse(text)
+
+
+@pytest.mark.parametrize("text", ["2^1000000000", "2^129"])
+def test_huge_powers_are_refused(text: str) -> None:
+    with pytest.raises(ExpressionError, match="more than any field can hold"):
+        Expression.parse(text)
+
+
+def test_huge_exponents_by_parameter_are_refused() -> None:
+    with pytest.raises(ExpressionError, match="out of reach"):
+        Expression.parse("2^a").value({"a": 10**9})
+
+
+def test_unknown_parameters_are_named() -> None:
+    with pytest.raises(ExpressionError, match="there is no parameter 'b'"):
+        Expression.parse("a + b").value({"a": 1})
+
+
+def test_sums_cancel() -> None:
+    low = Expression.parse(33) - Expression.parse("bits")
+    assert low + Expression.parse("bits") == Expression(33)

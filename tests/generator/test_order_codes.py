@@ -1,0 +1,67 @@
+"""Order codes as they stand on labels. The codes are those of the AMM5 manual, cover and section 2."""
+
+from __future__ import annotations
+
+import pytest
+
+from codewheel.model import Device
+from codewheel.order_codes import UnknownOrderCode, find
+
+
+@pytest.fixture(scope="module")
+def amm5(library: tuple[Device, ...]) -> Device:
+    return next(device for device in library if device.name == "amm5")
+
+
+def test_36_codes(amm5: Device) -> None:
+    codes = [variant.code for variant in amm5.variants]
+    assert len(codes) == len(set(codes)) == 36
+    assert {"AMM5A17/1BG1", "AMM5B23/65KJP1", "AMM5A21/65KSC1"} <= set(codes)
+
+
+@pytest.mark.parametrize(
+    ("label", "code", "tail", "special"),
+    [
+        ("AMM5A21/65KSC1", "AMM5A21/65KSC1", "", False),
+        ("amm5a21/65ksc1", "AMM5A21/65KSC1", "", False),
+        (" AMM5A21/65KSC1-L2-10 ", "AMM5A21/65KSC1", "-L2-10", False),
+        ("AMM5B17/1JP1/S123", "AMM5B17/1JP1", "", True),
+        ("AMM5B17/1JP1-X/S001", "AMM5B17/1JP1", "-X", True),
+    ],
+)
+def test_labels(amm5: Device, label: str, code: str, tail: str, special: bool) -> None:
+    match = find(amm5, label)
+    assert (match.variant.code, match.tail, match.special, match.unlisted) == (code, tail, special, ())
+
+
+def test_what_a_code_decides(amm5: Device) -> None:
+    variant = find(amm5, "AMM5A23/65KSC1").variant
+    assert variant.interface == "biss"
+    assert dict(variant.parameters) == {
+        "singleturn_bits": 23,
+        "multiturn_bits": 16,
+        "position_bits": 39,
+        "counts_per_turn": 8388608,
+        "revolutions": 65536,
+        "positions": 549755813888,
+    }
+
+
+@pytest.mark.parametrize(
+    ("label", "message"),
+    [
+        ("AMM5A22/65KSC1", "has singleturn '22'; valid are 17, 21, 23"),
+        ("AMM5C21/65KSC1", "has mount 'C'; valid are A, B"),
+        ("AMM5A21/65SC1", "has turns '65'; valid are 1, 65K"),
+        ("AMM5A21/65K", "has no interface; valid are BG1, SC1, JP1"),
+        ("AMM5A21/65KSC2", "has interface 'SC2'; valid are BG1, SC1, JP1"),
+        ("AMM5", "is no order code of AMM5; the nearest are"),
+        ("AMM5A21/65KSC1x", "has interface 'SC1X'"),
+        ("", "is no order code"),
+    ],
+)
+def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, message: str) -> None:
+    with pytest.raises(UnknownOrderCode) as caught:
+        find(amm5, label)
+    assert message in str(caught.value)
+    assert "nearest" in str(caught.value)
