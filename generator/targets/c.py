@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 import textwrap
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from .. import codec
@@ -57,7 +57,7 @@ def generate(library: Library) -> dict[str, str]:
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
-    filters = {"comment": comment, "comment_lines": comment_lines, "noted": noted, "code": code, "text": in_comment, "string": string}
+    filters: dict[str, Callable[..., str]] = {"comment": comment, "comment_lines": comment_lines, "noted": noted, "code": code, "text": in_comment, "string": string}
     return render("c", template, values, filters=filters, own_templates=library.own_templates)
 
 
@@ -238,15 +238,6 @@ class Setter:
 
 
 @dataclass(frozen=True)
-class FoldLine:
-    """One step of a table-free CRC. ``narrows`` is set where the value fits into 32 bits from here on."""
-
-    before: str
-    code: str
-    narrows: bool = False
-
-
-@dataclass(frozen=True)
 class CrcView:
     name: str
     type: str
@@ -260,8 +251,7 @@ class CrcView:
     mask: str
     top_shift: str
     width: str
-    folds: tuple[FoldLine, ...] = ()
-    refolds: tuple[FoldLine, ...] = ()
+    folds: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -366,29 +356,38 @@ def plain_expression(expression: Expression) -> str:
 # ------------------------------------------------------------------------------------------------------------------ CRCs
 
 
-def fold_lines(steps: Sequence[FoldStep], bits: int) -> tuple[FoldLine, ...]:
-    """The steps as code over ``wide``, and over ``v`` of 32 bits as soon as the value fits."""
-    lines, name = [], "v" if bits <= 32 else "wide"
+def fold_lines(steps: Sequence[FoldStep], bits: int, start: str) -> list[str]:
+    """The steps as code that ends with the remainder in ``v``, a number of 32 bits: as soon as the value fits, so that small machines save work."""
+    lines = [f"uint32_t v = (uint32_t){bracketed(start)};"] if bits <= 32 else [f"uint64_t wide = {start};", "uint32_t v;"]
+    name = "v" if bits <= 32 else "wide"
     for step in steps:
-        narrows = False
         if name == "wide" and bits <= 32:
-            name, narrows = "v", True
-        shifted = f"({name} >> {step.shift}U)"
-        back = f" ^ ({shifted} << {step.back}U)" if step.back else ""
-        lines.append(FoldLine(name, f"{name} = ({name} & {mask(step.shift)}) ^ {shifted}{back};", narrows))
+            name = "v"
+            lines.append("v = (uint32_t)wide;")
+        lines.append(fold_line(name, step))
         bits = max(step.shift, bits - step.shift + step.back)
-    if name == "wide":
-        lines.append(FoldLine(name, "", True))
-    return tuple(lines)
+    return lines if name == "v" else [*lines, "v = (uint32_t)wide;"]
+
+
+def fold_line(name: str, step: FoldStep) -> str:
+    shifted = f"({name} >> {step.shift}U)"
+    back = f" ^ ({shifted} << {step.back}U)" if step.back else ""
+    return f"{name} = ({name} & {mask(step.shift)}) ^ {shifted}{back};"
+
+
+def crc_body(crc: Crc) -> tuple[str, ...]:
+    """A CRC of two or three terms over 64 bits: their remainder, moved up by the CRC's width, and the remainder of that."""
+    lines = fold_lines(fold_plan(crc.width, crc.poly, 64), 64, "data")
+    again = fold_plan(crc.width, crc.poly, 2 * crc.width)
+    if 2 * crc.width <= 32:
+        lines += [f"v <<= {crc.width}U;", *(fold_line("v", step) for step in again)]
+    else:
+        lines += [f"wide = (uint64_t)v << {crc.width}U;", *(fold_line("wide", step) for step in again), "v = (uint32_t)wide;"]
+    return (*lines, f"return ({unsigned(crc.width)})(v ^ {number(crc.xorout, True)});")
 
 
 def crc_view(device: Device, crc: Crc, style: str, name: str) -> CrcView:
     """The function of a CRC over a string of bits (``fold``, ``bits``) or over bytes (``xor``, ``bytes``)."""
-    folds: tuple[FoldLine, ...] = ()
-    refolds: tuple[FoldLine, ...] = ()
-    if style == "fold":
-        folds = fold_lines(fold_plan(crc.width, crc.poly, 64), 64)
-        refolds = fold_lines(fold_plan(crc.width, crc.poly, 2 * crc.width), 2 * crc.width if 2 * crc.width > 32 else 32)
     parameters = f"width {crc.width}, polynomial {crc.poly:#x}, start {crc.init:#x}, final XOR {crc.xorout:#x}"
     reflected = ", input and output reflected" if crc.refin and crc.refout else ", input reflected" if crc.refin else ", output reflected" if crc.refout else ""
     about: list[Paragraph] = [f"CRC {crc.name}, {crc.polynomial} [{cite(crc.source)}]: {parameters}{reflected}.", sentence(crc.note)]
@@ -402,7 +401,7 @@ def crc_view(device: Device, crc: Crc, style: str, name: str) -> CrcView:
     return CrcView(
         name=name, type=unsigned(crc.width), style=style, about=tuple(about), crc=crc, wide=unsigned(max(crc.width, 8)), poly=number(crc.poly, True),
         init=number(crc.init, True), xorout=number(crc.xorout, True), mask=mask(crc.width), top_shift=number(crc.width - 1), width=number(crc.width),
-        folds=folds, refolds=refolds,
+        folds=crc_body(crc) if style == "fold" else (),
     )
 
 
@@ -440,6 +439,7 @@ class CodecBuilder:
         self.length = layout.widest // 8
         if self.by_word and layout.widest > 64:
             raise ValueError(f"{self.device.name}: '{layout.name}' has {layout.widest} bits and fields that move; the C target can place them in 64 bits only")
+        self.folds = bool(layout.fold) and layout.carried_as == "bits" and layout.crc_field is not None and layout.crc_field.widest <= 32
         self.fixed_selector = layout.selector if len(layout.selects) == 1 else ""
 
     # -- what is in the struct
@@ -548,7 +548,7 @@ class CodecBuilder:
     def _crc_condition(self, field: Field) -> str:
         crc = self.device.crc(field.crc)
         if self.layout.carried_as == "bits":
-            if self.layout.fold:
+            if self.folds:
                 return f"{self.name}_crc(word) != 0U"
             covered = f"word >> {crc.width}U, {self.scope.text(self.layout.bits - Expression(crc.width))}"
             return f"{self.view.crc_name(crc, 'bits')}({covered}) != (word & {mask(crc.width)})"
@@ -784,7 +784,7 @@ class CodecBuilder:
             return
         crc = self.device.crc(field.crc)
         if self.layout.carried_as == "bits":
-            if self.layout.fold:
+            if self.folds:
                 yield f"word |= {self.name}_crc(word);"
             else:
                 yield f"word |= {self.view.crc_name(crc, 'bits')}(word >> {crc.width}U, {self.scope.text(self.layout.bits - Expression(crc.width))});"
@@ -878,6 +878,11 @@ class CodecBuilder:
         numbers = [piece.byte for piece in pieces]
         return f"byte {numbers[0]}" if len(numbers) == 1 else f"bytes {min(numbers)} to {max(numbers)}"
 
+    def _fold_body(self, crc: Crc) -> tuple[str, ...]:
+        """The remainder of a whole word; the final XOR is taken out of the CRC bits first, so that it is 0 for a sound one."""
+        start = f"word ^ {number(crc.xorout, True)}" if crc.xorout else "word"
+        return (*fold_lines(self.layout.fold, self.layout.widest, start), f"return ({unsigned(crc.width)})v;")
+
     def build(self, about: Sequence[Paragraph]) -> CodecView:
         locals_, checks, fills = tuple(self.locals_()), tuple(self.decode_checks()), tuple(self.fills())
         encode_checks, puts, crc_line = tuple(self.encode_checks()), tuple(self.puts()), tuple(self.crc_line())
@@ -888,12 +893,12 @@ class CodecBuilder:
         is_bits = self.layout.carried_as == "bits"
         crc_field = self.layout.crc_field
         fold = None
-        if self.layout.fold and crc_field is not None and is_bits:
+        if self.folds and crc_field is not None:
             crc = self.device.crc(crc_field.crc)
             about_crc = (
                 f"CRC {crc.name} of a whole word, without a table: 0 when the word is sound. For a word with 0 in place of its CRC, the CRC to send.",
             )
-            fold = replace(crc_view(self.device, crc, "fold", f"{self.name}_crc"), about=about_crc, folds=fold_lines(self.layout.fold, self.layout.widest))
+            fold = replace(crc_view(self.device, crc, "fold", f"{self.name}_crc"), about=about_crc, folds=self._fold_body(crc))
         return CodecView(
             name=self.name,
             about=tuple(about),
@@ -1173,7 +1178,7 @@ class DeviceView:
             # No whole frame says how it is carried. Reflected input means something for bytes only.
             uses = {"bytes" if crc.refin else "bits"}
         for use in sorted(uses, reverse=True):
-            style = ("fold" if crc.form == "fold" else "bits") if use == "bits" else ("xor" if crc.form == "xor" else "bytes")
+            style = ("fold" if crc.form == "fold" and crc.width <= 32 else "bits") if use == "bits" else ("xor" if crc.form == "xor" else "bytes")
             name = self.unique(f"{self.prefix}_crc_{crc.name}" + ("_bits" if use == "bits" and len(uses) > 1 else ""))
             self._crc_names[crc.name, use] = name
             yield crc_view(self.device, crc, style, name)

@@ -211,6 +211,9 @@ _MAIN = r"""
 int main(void)
 {
     static char line[4096];
+    (void)number;
+    (void)bytes_of;
+    (void)print_steps;
     while (fgets(line, (int)sizeof line, stdin) != NULL) {
         char *label;
         char *verb;

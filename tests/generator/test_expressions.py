@@ -12,7 +12,7 @@ from codewheel.expressions import Expression, ExpressionError
         ("24", 24, "24"),
         ("0x10", 16, "16"),
         ("singleturn_bits + 8", 29, "singleturn_bits + 8"),
-        ("24 - singleturn_bits", 3, "-singleturn_bits + 24"),
+        ("24 - singleturn_bits", 3, "24 - singleturn_bits"),
         ("2^singleturn_bits - 1", 2097151, "2^singleturn_bits - 1"),
         ("2^4 + multiturn_bits", 32, "multiturn_bits + 16"),
         ("singleturn_bits + multiturn_bits", 37, "singleturn_bits + multiturn_bits"),
