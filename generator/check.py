@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from .problems import Report
 from .rules import FOUNDATIONS, RULES
+from .rules.order_code import is_whole
 from .schema import check_schema
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
         return None
     sound = checked.complete
     if checked.kind == "device":
+        sound = sound and is_whole(checked.data, document.data)
         rules_report = report.for_document(document)
         for rule in RULES:
             before = len(report)

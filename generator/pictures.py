@@ -112,7 +112,7 @@ def draw(title: str, strips: Sequence[Strip], scale: float) -> str:
         if outside and not _repeated(outside, strips[index + 1 : index + 2]):
             for row, box in enumerate(reversed(outside)):
                 middle, bottom = _MARGIN + (box.start + box.size / 2) * scale, top + 6 + _ROW * (row + 0.5)
-                label = f"{box.name} ({box.place})" if box.place else box.name
+                label = f"{box.name} (bit{'s' * (':' in box.place)} {box.place})" if box.place else box.name
                 body.append(f'<path d="M{_n(middle)} {_n(top)}V{_n(bottom)}h6" fill="none" stroke="{_EDGE}"/>')
                 body.append(_text(middle + 9, bottom + 4, label, 11, "start", _INK))
                 right = max(right, middle + 9 + _width(label, 11))

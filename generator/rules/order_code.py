@@ -65,7 +65,7 @@ def parameter_cycle(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """The pattern and the parts agree, and every code sets every parameter once and selects one interface."""
-    if not _is_whole(spec, raw):
+    if not is_whole(spec, raw):
         return
     before = len(report)
     _check_pattern(spec, report)
@@ -86,7 +86,7 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     parts = [part for _, part in items(spec, *_PARTS)]
     pattern = str(mapping(spec, "order_code").get("pattern", ""))
     by_part = {part["name"]: part for part in parts}
-    if not _is_whole(spec, raw) or len(by_part) < len(parts) or any(_wrong_expression(part.get("open", "")) for part in parts):
+    if not is_whole(spec, raw) or len(by_part) < len(parts) or any(_wrong_expression(part.get("open", "")) for part in parts):
         return
     if sorted(_BRACES.findall(pattern)) != sorted(by_part):
         return
@@ -107,8 +107,8 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             return
 
 
-def _is_whole(spec: Spec, raw: Spec) -> bool:
-    """Whether nothing was cut out of what these rules reason about; what is missing would look like a fault."""
+def is_whole(spec: Spec, raw: Spec) -> bool:
+    """Whether nothing was cut out of order codes and parameters; what is missing there would look like a fault of what is left."""
     return all(key in spec and spec[key] == raw[key] for key in ("order_code", "parameters"))
 
 

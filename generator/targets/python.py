@@ -18,7 +18,7 @@ from ..model import (
 from ..render import plain, render
 from . import Library
 from .python_source import (
-    WIDTH, Block, Call, Code, Hex, Names, attribute, call, camel, chain, docstring, expression, grouped, literal, operand, quoted, record, sentence,
+    WIDTH, Block, Call, Code, Hex, Literal, Names, attribute, call, camel, chain, docstring, expression, grouped, literal, operand, quoted, record, sentence,
     used_names,
 )
 
@@ -562,7 +562,8 @@ class _Module:
     def _variant(self, variant: Variant) -> str:
         parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         named = {self.parameter_names[item.name]: variant.parameters[item.name] for item in self.device.set_parameters}
-        arguments = (("", variant.code), ("", Code(f"Interface.{variant.interface.upper()}")), ("", parts), *named.items())
+        positional: tuple[tuple[str, Literal], ...] = (("", variant.code), ("", Code(f"Interface.{variant.interface.upper()}")), ("", parts))
+        arguments = (*positional, *named.items())
         return literal(Call("Variant", arguments), 12, 12, 1)
 
     @property
@@ -597,7 +598,7 @@ class _Module:
 
     @staticmethod
     def _crc_record(item: Crc) -> Call:
-        needed = {
+        needed: dict[str, Literal] = {
             "name": item.name, "width": item.width, "poly": Hex(item.poly), "init": Hex(item.init), "refin": item.refin, "refout": item.refout,
             "xorout": Hex(item.xorout), "polynomial": item.polynomial,
         }
@@ -697,7 +698,9 @@ class _Module:
             yield self._dispatch(f"decode_{prefix}{word}", camel(f"{prefix}{word}"), members)
 
     def _dispatch(self, name: str, union: str, members: Sequence[_Codec]) -> _Dispatch:
-        branches, allowed, fallback = [], [], ""
+        branches: list[_Branch] = []
+        allowed: list[int] = []
+        fallback = ""
         selector = members[0].layout.field(members[0].layout.selector)
         least = max((piece.byte + 1 for piece in selector.pieces), default=1)
         local = attribute(selector.name, _LOCAL)
@@ -745,10 +748,10 @@ class _Module:
 
     def _biss(self, interface: Interface) -> Call:
         network, timeout = interface.network, interface.timeout
-        made_network = network and record(
+        made_network = None if network is None else record(
             "Network", {"topology": network.topology, "multiple_slaves": network.multiple_slaves}, source=cite(network.source)
         )
-        made_timeout = timeout and record(
+        made_timeout = None if timeout is None else record(
             "Timeout", {"rule": timeout.rule}, half_clock_periods=timeout.half_clock_periods, at_most_ns=timeout.at_most_ns,
             typical_ns=timeout.typical_ns, source=cite(timeout.source),
         )
@@ -1030,7 +1033,7 @@ class _CodecBuilder:
         """The attributes, and on the way every check of ``decode``: constants and parity first, as the model orders faults."""
         ranges: list[_Check] = []
         late: list[str] = []
-        found = []
+        found: list[_Attribute] = []
         for item in self.layout.fields:
             if item.kind == "constant" and not (item.padding_of in self.containers and self.by_piece):
                 raw = self._raw(item)

@@ -74,27 +74,27 @@ class Call:
     """A call; an argument without a name is positional, one without a value is left out."""
 
     function: str
-    arguments: tuple[tuple[str, Value], ...]
+    arguments: tuple[tuple[str, Literal], ...]
 
 
-Value = Union[None, bool, int, str, bytes, Code, Hex, Call, Sequence["Value"], Mapping[str, str]]
+Literal = Union[None, bool, int, str, bytes, Code, Hex, Call, Sequence["Literal"], Mapping[str, str]]
 
 
-def call(function: str, *positional: Value, **optional: Value) -> Call:
+def call(function: str, *positional: Literal, **optional: Literal) -> Call:
     """A call with positional arguments, and with those optional ones that differ from their default of nothing."""
     return Call(function, (*(("", value) for value in positional), *_given(optional)))
 
 
-def record(function: str, needed: Mapping[str, Value], **optional: Value) -> Call:
+def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
     """A call with named arguments only."""
     return Call(function, (*needed.items(), *_given(optional)))
 
 
-def _given(optional: Mapping[str, Value]) -> tuple[tuple[str, Value], ...]:
+def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
     return tuple((name, value) for name, value in optional.items() if value is not None and not (value in ("", ()) or (isinstance(value, Mapping) and not value)))
 
 
-def literal(value: Value, indent: int = 0, before: int = 0, after: int = 0) -> str:
+def literal(value: Literal, indent: int = 0, before: int = 0, after: int = 0) -> str:
     """``value`` as source: on one line where it fits, else broken as Black would.
 
     Args:
@@ -119,11 +119,11 @@ def literal(value: Value, indent: int = 0, before: int = 0, after: int = 0) -> s
     return flat
 
 
-def _item(value: Value, label: str, indent: int) -> str:
+def _item(value: Literal, label: str, indent: int) -> str:
     return f"{' ' * indent}{label}{literal(value, indent, indent + len(label), 1)},"
 
 
-def _flat(value: Value) -> str:
+def _flat(value: Literal) -> str:
     if isinstance(value, (str, bytes)):
         return quoted(value)
     if isinstance(value, Code):

@@ -57,9 +57,10 @@ def test_json_has_every_attribute() -> None:
 
 
 def test_words() -> None:
-    assert [listed(items) for items in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+    assert [listed("abc"[:count]) for count in range(4)] == ["", "a", "a and b", "a, b and c"]
     assert quoted("x" * 100) == "'" + "x" * 57 + "...'"
-    assert [quoted(value) for value in (True, None, 3, {}, [])] == ["true", "nothing", "3", "a map", "a list"]
+    values: list[object] = [True, None, 3, {}, []]
+    assert [quoted(value) for value in values] == ["true", "nothing", "3", "a map", "a list"]
     assert suggestion("adress", ["address", "access"]) == "; did you mean 'address'?"
     assert suggestion("zzz", ["a", "b"], "it is one of") == "; it is one of: a, b"
     assert suggestion("zzz", [f"name_{index}" for index in range(9)]) == ""

@@ -1,0 +1,237 @@
+"""Facts that outputs show but compute nothing with: sources, the manual, times, connections, lights, errata."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a fact is stated: ``document`` is empty for the manual itself, a language code for another edition, else a key of ``documents``."""
+
+    document: str
+    section: str
+    page: int | None
+
+    def __str__(self) -> str:
+        parts = (f"{self.document}:" if self.document else "", self.section, "" if self.page is None else f"p.{self.page}")
+        return " ".join(part for part in parts if part)
+
+
+Sources = tuple[Source, ...]
+
+
+def cite(sources: Sources) -> str:
+    """The sources as one short text, ``6.4 p.35; it: 6.4 p.36``."""
+    return "; ".join(str(source) for source in sources)
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    key: str
+    title: str
+    url: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Edition:
+    language: str
+    title: str
+    revision: str
+    date: str
+
+
+@dataclass(frozen=True, slots=True)
+class Revision:
+    revision: str
+    date: str
+    changes: str
+    hardware: str
+    software: str
+
+
+@dataclass(frozen=True, slots=True)
+class Manual:
+    title: str
+    revision: str
+    date: str
+    language: str
+    publisher: str
+    editions: tuple[Edition, ...]
+    history: tuple[Revision, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LostFigure:
+    content: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    name: str
+    symbol: str
+    meaning: str
+    at_least_us: int | None
+    typical_us: int | None
+    at_most_us: int | None
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryAccess:
+    access: str
+    busy: int
+    address: str
+    data: str
+    meaning: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class CableLength:
+    shorter_than_m: int
+    below_hz: int
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    baud: int
+    data_bits: int
+    parity: str
+    stop_bits: int
+    flow_control: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    topology: str
+    multiple_slaves: bool
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedTimeout:
+    clock_hz: int
+    timeout_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Timeout:
+    rule: str
+    half_clock_periods: int | None
+    at_most_ns: int | None
+    typical_ns: int | None
+    printed: tuple[PrintedTimeout, ...]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Alarm:
+    name: str
+    printed_name: str
+    names: Mapping[str, str]
+    group: str
+    field: str
+    meaning: str
+    detected: str
+    below_mv: int | None
+    latch: bool | None
+    implemented: bool
+    remedy: str
+    cleared_by: tuple[str, ...]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    contact: str
+    signal: str
+    only: str
+
+
+@dataclass(frozen=True, slots=True)
+class Connector:
+    name: str
+    kind: str
+    title: str
+    interfaces: tuple[str, ...]
+    mating: str
+    contacts: tuple[Contact, ...]
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class LedState:
+    state: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Led:
+    name: str
+    title: str
+    states: tuple[LedState, ...]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Characteristic:
+    name: str
+    value: str
+    only: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A hardware input; ``inverts`` and ``needs`` name register bits as ``register.field``."""
+
+    name: str
+    printed_name: str
+    names: Mapping[str, str]
+    meaning: str
+    low: str
+    high: str
+    pulse_at_least_us: int | None
+    inverts: str
+    needs: str
+    when_unused: str
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    name: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Erratum:
+    name: str
+    printed: str
+    used: str
+    why: str
+    status: str
+    severity: str
+    affects: tuple[str, ...]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Manufacturer:
+    name: str
+    title: str
+    biss_id: int | None
+    python_package: str
+    version: str
+    trademarks: tuple[str, ...]

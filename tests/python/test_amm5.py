@@ -1,0 +1,327 @@
+"""The generated package against the manual's worked examples and against what others have published."""
+
+from __future__ import annotations
+
+import doctest
+import pickle
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from codewheel.load import load_library
+from codewheel.model import Device, Example
+from codewheel.targets import Library
+
+Generated = tuple[Path, ModuleType]
+
+ERRORS = {"length": "LengthError", "crc": "CrcError", "constant": "ConstantError", "range": "RangeError"}
+
+
+@pytest.fixture(scope="session")
+def lika(generated_python: Generated) -> Any:
+    return generated_python[1]
+
+
+@pytest.fixture(scope="session")
+def amm5(lika: Any) -> Any:
+    return lika.amm5
+
+
+def camel(name: str) -> str:
+    return "".join(part.capitalize() for part in name.split("_"))
+
+
+def examples(devices: Mapping[str, Device], kind: str) -> list[Example]:
+    found = [example for example in devices["amm5"].examples if example.kind == kind]
+    assert found
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------ the manual's examples
+
+
+def test_register_examples(amm5: Any, lika: Any, devices: Mapping[str, Device]) -> None:
+    for example in examples(devices, "register"):
+        register = getattr(amm5, camel(example.register))
+        takes_variant = "variant" in register._fields
+        found = register.decode(example.bytes, lika.lookup(example.order_code)) if takes_variant else register.decode(example.bytes)
+        assert {name: getattr(found, name) for name in example.values} == example.values, example.name
+        assert found.encode() == example.bytes, example.name
+
+
+def test_procedure_examples(amm5: Any, lika: Any, devices: Mapping[str, Device]) -> None:
+    for example in examples(devices, "procedure"):
+        steps = getattr(amm5, example.procedure)(lika.lookup(example.order_code), *example.arguments.values())
+        writes = [(step.address, step.value) for step in steps if isinstance(step, lika.Write)]
+        assert writes == [(write.address, write.value) for write in example.writes]
+
+
+def test_frame_examples(amm5: Any, lika: Any, devices: Mapping[str, Device]) -> None:
+    for example in examples(devices, "frame"):
+        decode = amm5.decode_reply if example.sender == "encoder" else amm5.decode_request
+        variant = lika.lookup(example.order_code)
+        if example.refused:
+            with pytest.raises(getattr(lika, ERRORS[example.refused])):
+                decode(example.bytes, variant)
+            continue
+        found = decode(example.bytes, variant)
+        assert type(found).__name__ == camel(example.layout)
+        for name, value in example.values.items():
+            made = getattr(found, name)
+            assert (made.name.lower() if isinstance(value, str) and not isinstance(made, str) else made) == value
+        assert found.encode() == example.bytes
+
+
+def test_crc_examples(amm5: Any, devices: Mapping[str, Device]) -> None:
+    for example in examples(devices, "crc"):
+        function = getattr(amm5, f"crc_{example.crc}")
+        width = next(crc.width for crc in devices["amm5"].crcs if crc.name == example.crc)
+        made = function(example.bytes) if width % 8 == 0 else function(int.from_bytes(example.bytes, "big"), 8 * len(example.bytes))
+        assert made == example.check, example.name
+
+
+def test_preset_of_the_manual(amm5: Any, lika: Any) -> None:
+    variant = amm5.lookup("AMM5A21/65KSC1")
+    assert amm5.Preset.from_position(variant, 1000003).encode() == bytes.fromhex("00 30 24 F4 00 00 00")
+    assert amm5.Preset.decode(bytes.fromhex("00 30 24 F4 00 00 00"), variant).position == 1000003
+    steps = amm5.set_preset(variant, 1000003)
+    kinds = [type(step).__name__ for step in steps]
+    assert kinds == ["Write"] * 10 + ["Wait", "Write", "Wait"]
+    assert [step.microseconds for step in steps if isinstance(step, lika.Wait)] == [30_000, 30_000]
+    assert {step.register for step in steps[1:8]} == {"preset"}
+
+
+def test_serial_number_of_the_manual(amm5: Any) -> None:
+    found = amm5.SerialNumber.decode(bytes.fromhex("0A E8 69 EE"))
+    assert (found.year, found.week, found.number) == (18, 30, 3630)
+    assert found.serial == 183003630
+    with pytest.raises(ValueError):
+        amm5.SerialNumber.decode(b"\xff\xff\xff\xff")
+
+
+def test_the_crc_example_is_a_crc_and_no_frame(amm5: Any, lika: Any) -> None:
+    data = bytes.fromhex("32 10 01 28 B0 08 B3")
+    assert amm5.crc_rs485_8(data[:-1]) == data[-1]
+    for variant in amm5.VARIANTS.values():
+        if variant.interface is lika.Interface.RS485:
+            with pytest.raises(lika.LengthError):
+                variant.decode(data)
+
+
+def test_printed_timeouts(amm5: Any) -> None:
+    timeout = amm5.BISS.timeout
+    assert [timeout.nanoseconds(hertz) for hertz in (50_000, 200_000, 10_000_000)] == [30_000, 7_500, 150]
+
+
+def test_cable_table(amm5: Any) -> None:
+    assert [amm5.SSI.clock_below_hz(metres) for metres in (10, 50, 199.9, 399, 400)] == [400_000, 300_000, 200_000, 100_000, None]
+
+
+def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
+    for name, byte in (("reset_errors", 0xBA), ("reset_singleturn_and_multiturn", 0xC2), ("reset_multiturn_and_errors", 0x62)):
+        send = getattr(amm5, name)()[0]
+        assert send == lika.Send(bytes([byte]), times=10, every_us=40)
+
+
+def test_registers_hold_what_the_spec_says(amm5: Any, devices: Mapping[str, Device]) -> None:
+    for register in devices["amm5"].registers:
+        made = amm5.REGISTERS[register.name]
+        assert amm5.Address[register.name.upper()] == made.address == register.address
+        assert (made.length, made.access, made.byte_order) == (register.length, register.access, register.byte_order)
+        assert made.default == register.default_bytes()
+    assert {item.name for item in amm5.ERRATA} == {item.name for item in devices["amm5"].errata}
+    assert {item.name for item in amm5.ALARMS} == {item.name for item in devices["amm5"].alarms}
+
+
+def test_bit_fields_are_those_of_the_model(amm5: Any, devices: Mapping[str, Device]) -> None:
+    device = devices["amm5"]
+    for variant in device.variants:
+        made = amm5.VARIANTS[variant.code]
+        layouts = [*device.interface(variant.interface).layouts]
+        layouts += [item.layout for item in device.registers if item.interface == variant.interface]
+        for layout in layouts:
+            view = getattr(amm5, camel(layout.name))
+            if not hasattr(view, "bit_fields"):
+                continue
+            takes_variant = "variant" in view._fields
+            fields = {item.name: item for item in (view.bit_fields(made) if takes_variant else view.bit_fields()) if item.width}
+            assert {name: (item.low, item.width) for name, item in fields.items()} == {
+                item.name: (item.low, item.width) for item in layout.place(variant.parameters).fields
+            }
+
+
+# ---------------------------------------------------------------------------------------------------------- published vectors
+
+
+def test_published_crc_6(amm5: Any, vectors: list[dict[str, Any]]) -> None:
+    rows = [row for row in vectors if row["protocol"] == "BiSS-C CRC6 raw"]
+    assert rows
+    for row in rows:
+        assert amm5.crc_biss_6(row["fields"]["data"], row["fields"]["data_bits"]) == row["fields"]["CRC6_inverted"]
+
+
+def test_published_crc_4(amm5: Any, vectors: list[dict[str, Any]]) -> None:
+    rows = [row for row in vectors if row["protocol"].startswith(("BiSS-C register read", "BiSS-C register write"))]
+    assert len(rows) == 14
+    for row in rows:
+        fields = row["fields"]
+        computed = amm5.crc_biss_4(fields["CTS"] << 10 | fields["ID"] << 7 | fields["ADR"], 11)
+        if row["verified"]:
+            assert computed == fields["CRC4_inverted"]
+        else:
+            assert computed == fields["CRC4_expected"] != fields["CRC4_printed"]
+            assert amm5.crc_biss_4(fields["DATA"], 8) == fields["DATA_CRC4"]
+    data = [row for row in vectors if row["protocol"] == "BiSS-C register data byte"]
+    assert data and all(amm5.crc_biss_4(row["fields"]["DATA"], 8) == row["fields"]["CRC4_inverted"] for row in data)
+
+
+def test_published_control_fields(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
+    rows = [row for row in vectors if row["protocol"] == "Tamagawa control field"]
+    assert len(rows) == 9
+    variant = amm5.lookup("AMM5A23/65KJP1")
+    for row in rows:
+        number, control = row["fields"]["data_id"], row["fields"]["CF"]
+        facts = next(item for item in amm5.RS485.data_ids if item.id == number)
+        assert facts.control == control
+        if number in (6, 13):
+            request = amm5.EepromWriteRequest(0, 0) if number == 6 else amm5.EepromReadRequest(0)
+        else:
+            request = amm5.DataRequest(amm5.DataId(number))
+        assert request.encode()[0] == control
+        assert amm5.decode_request(request.encode(), variant) == request
+    # Data IDs that this encoder does not have, from another device of the same protocol.
+    for row in vectors:
+        if row["protocol"] == "Panasonic control field" and row["fields"]["data_id"] not in (6, 13):
+            with pytest.raises(lika.RangeError):
+                amm5.decode_request(bytes([row["fields"]["CF"]]), variant)
+
+
+def test_published_reply(amm5: Any, vectors: list[dict[str, Any]]) -> None:
+    row = next(row for row in vectors if row["protocol"].startswith("Tamagawa T-format response"))
+    found = amm5.lookup("AMM5A23/65KJP1").decode(bytes.fromhex(row["frame_hex_or_bits"]))
+    assert isinstance(found, amm5.SingleturnReply)
+    assert found.singleturn == row["fields"]["ABS"]
+    assert (found.status_st_error, found.status_other_error) == (False, True)
+
+
+def test_published_requests_prove_the_crc_only(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
+    rows = [row for row in vectors if row["protocol"] == "Tamagawa T-format request"]
+    assert len(rows) == 3
+    for row in rows:
+        data = bytes.fromhex(row["frame_hex_or_bits"])
+        assert amm5.crc_rs485_8(data[:-1]) == data[-1]
+        with pytest.raises(lika.ConstantError) as caught:
+            amm5.decode_request(data, amm5.lookup("AMM5A23/65KJP1"))
+        assert caught.value.field == "mem_busy"
+
+
+def test_published_single_cycles(
+    vectors: list[dict[str, Any]], import_generated: Callable[[Library, str], Generated]
+) -> None:
+    found, report = load_library([Path(__file__).parent.parent / "specs"])
+    assert not report, "\n".join(problem.format() for problem in report.problems)
+    package: Any = import_generated(Library(tuple(item for item in found if item.name == "bits22")), "test_encoders")[1]
+    rows = [row for row in vectors if row["protocol"] == "BiSS-C SCD"]
+    assert len(rows) == 9
+    variant = package.lookup("T22SC")
+    for row in rows:
+        fields, word = row["fields"], int(row["frame_hex_or_bits"], 2)
+        frame = variant.decode(word)
+        assert frame == (variant, fields["position"], not fields["nE"], not fields["nW"])
+        assert word & 0x3F == fields["CRC6_inverted"]
+        assert frame.encode() == word
+        with pytest.raises(package.CrcError):
+            variant.decode(word ^ 0x100)
+
+
+# --------------------------------------------------------------------------------------------------------------- order codes
+
+
+def test_every_order_code_is_there(amm5: Any, lika: Any, devices: Mapping[str, Device]) -> None:
+    assert len(amm5.VARIANTS) == 36
+    for variant in devices["amm5"].variants:
+        for label in (variant.code, variant.code.lower(), f" {variant.code}-ABC/S123 "):
+            made = lika.lookup(label)
+            assert made == amm5.VARIANTS[variant.code]
+            assert made.interface.value == variant.interface
+            assert {name: getattr(made, name) for name in variant.parameters} == variant.parameters
+    assert (made.tail, made.special) == ("-ABC", True)
+
+
+@pytest.mark.parametrize(
+    ("label", "part", "words"),
+    [
+        ("AMM5A19/65KSC1", "singleturn", "has singleturn '19'; valid are 17, 21, 23"),
+        ("AMM5C21/65KSC1", "mount", "has mount 'C'; valid are A, B"),
+        ("AMM5A21/65KSC2", "interface", "has interface 'SC2'; valid are BG1, SC1, JP1"),
+        ("AMM5A/65KSC1", "singleturn", "has no singleturn"),
+        ("nonsense", "", "is no order code of"),
+    ],
+)
+def test_unknown_order_codes(lika: Any, label: str, part: str, words: str) -> None:
+    with pytest.raises(lika.OrderCodeError) as caught:
+        lika.lookup(label)
+    assert words in str(caught.value)
+    assert caught.value.part == part
+    assert len(caught.value.nearest) == 3
+    assert caught.value.nearest[0] in str(caught.value)
+
+
+# ------------------------------------------------------------------------------------------------------------ small things
+
+
+def test_errors_can_be_pickled(lika: Any) -> None:
+    for error in (
+        lika.LengthError(3, 4), lika.CrcError(1, 2), lika.ConstantError("sync", 1, 2), lika.RangeError("data_id", 5, "1 to 3"),
+        lika.OrderCodeError("X", "", "is none", ("Y",)),
+    ):
+        copy = pickle.loads(pickle.dumps(error))
+        assert str(copy) == str(error) and vars(copy) == vars(error)
+
+
+def test_frames_of_the_wrong_kind(amm5: Any) -> None:
+    with pytest.raises(TypeError):
+        amm5.lookup("AMM5A21/65KSC1").decode(b"\x02")
+    with pytest.raises(TypeError):
+        amm5.lookup("AMM5A21/65KJP1").decode(2)
+
+
+def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
+    biss, rs485 = amm5.lookup("AMM5A17/1SC1"), amm5.lookup("AMM5A17/1JP1")
+    wrong = [
+        lambda: amm5.SingleCycleData(biss, 0, 1 << 17).encode(),
+        lambda: amm5.SingleCycleData(biss, 1, 0).encode(),
+        lambda: amm5.SingleCycleData(biss, 0, -1).encode(),
+        lambda: amm5.SingleCycleData.from_position(biss, 1 << 17),
+        lambda: amm5.Preset.from_position(biss, -1),
+        lambda: amm5.set_preset(biss, 1 << 17),
+        lambda: amm5.EepromReadRequest(128).encode(),
+        lambda: amm5.DataRequest(amm5.DataId.EEPROM_READ).encode(),
+        lambda: amm5.SingleturnReply(rs485, amm5.DataId.MULTITURN, False, False, 0).encode(),
+        lambda: amm5.SerialNumber(100, 1, 1).encode(),
+        lambda: amm5.ManufacturerId("Lika").encode(),
+        lambda: amm5.ManufacturerId("ü1").encode(),
+    ]
+    for call in wrong:
+        with pytest.raises(lika.RangeError):
+            call()
+    with pytest.raises(ValueError, match="BISS is needed"):
+        amm5.set_preset(rs485, 1)
+
+
+def test_readme_examples(generated_python: Generated) -> None:
+    folder, package = generated_python
+    blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    assert blocks
+    test = doctest.DocTestParser().get_doctest("\n".join(blocks), {}, "README.md", None, 0)
+    import sys
+
+    sys.path.insert(0, str(folder))
+    try:
+        assert doctest.DocTestRunner().run(test).failed == 0
+    finally:
+        sys.path.remove(str(folder))
