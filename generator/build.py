@@ -130,15 +130,19 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
 
 def _order_code(raw: Raw) -> OrderCode:
     parts = tuple(
-        CodePart(part["name"], part["meaning"], part.get("open", ""), tuple(_code_value(text, value or {}) for text, value in part["values"].items()), sources(part))
+        CodePart(part["name"], part["meaning"], part.get("open", ""), tuple(_code_value(text, value or {}) for text, value in part["values"].items()), sources(part), _only(part, "open_only_with"))
         for part in raw["parts"]
     )
     return OrderCode(raw["pattern"], parts, raw.get("special", ""), raw.get("note", ""), sources(raw))
 
 
 def _code_value(text: str, raw: Raw) -> CodeValue:
-    only = MappingProxyType({name: tuple(values) for name, values in raw.get("only_with", {}).items()})
-    return CodeValue(text, raw.get("meaning", ""), raw.get("interface", ""), MappingProxyType(dict(raw.get("sets", {}))), only, sources(raw))
+    sets = MappingProxyType(dict(raw.get("sets", {})))
+    return CodeValue(text, raw.get("meaning", ""), raw.get("interface", ""), sets, _only(raw, "only_with"), sources(raw))
+
+
+def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
+    return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
 
 
 def _held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
@@ -158,7 +162,7 @@ def _held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             found[name] = item.get("max", 0)
             continue
         high, low = bounds
-        value = register["default"] >> low & ((1 << (high - low + 1)) - 1)
+        value = register["default"] >> low & ((1 << (high - low + 1)) - 1) or field.get("zero_means", 0)
         found[name] = value
         if not item.get("min", 0) <= value <= item.get("max", value):
             wrong = f"the default of '{item['read_from']}' is {value}, which is not between 'min' and 'max'"
@@ -191,7 +195,7 @@ def _parameter_sets(
 
 def _parameter(name: str, raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]) -> Parameter:
     largest = max((variant.parameters.get(name, 0) for variant in variants), default=0)
-    bounds = (raw.get("read_from", ""), raw.get("min"), raw.get("max"))
+    bounds = (raw.get("read_from", ""), raw.get("min"), raw.get("max"), raw.get("interface", ""))
     return Parameter(name, raw["meaning"], raw.get("unit", ""), definitions.get(name), largest, sources(raw), *bounds)
 
 
@@ -314,6 +318,7 @@ def _register(raw: Raw, path: Path, context: Context) -> Register | None:
         meanings=tuple(_register_meaning(item, context) for item in raw.get("meanings", ())),
         reserved=raw.get("reserved", ""),
         bank=raw.get("bank"),
+        opened_by_field=opened.get("field", ""),
     )
     _check_limits(register, path, context)
     return register
@@ -333,8 +338,11 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
         names = join.fields if join is not None else (register.limits_of,)
         parts = [item for item in (placed.field(name) for name in names) if item is not None]
         width = sum(item.width for item in parts) or 8 * register.length
+        zero_means = parts[0].field.zero_means if len(parts) == 1 else 0
         low = register.min.value(parameters) if register.min is not None else 0
         high = register.max.value(parameters) if register.max is not None else (1 << width) - 1
+        if high == zero_means:
+            high -= 1
         if high >> width or low < 0 or low > high:
             key = "max" if high >> width else "min"
             wrong = f"the maximum {high} does not fit into the {width} bits of '{register.limits_of}'" if high >> width else f"the minimum {low} is above the maximum {high}"
@@ -347,7 +355,7 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
             return
         value = codec.join_value(placed, join, register.default) if join is not None else register.default
         if join is not None or register.limits_of == register.name:
-            if not low <= value <= high:
+            if not low <= (value or zero_means) <= max(high, zero_means):
                 report.add("default-does-not-fit", (*path, "default"), f"the default {value} is outside the limits {low} to {high}")
                 return
         if register.values and register.default not in [item.value for item in register.values] and not register.clears_itself:
@@ -379,7 +387,7 @@ def _table(raw: Raw) -> Table:
 def _alarm(raw: Raw) -> Alarm:
     return Alarm(
         name=raw["name"], printed_name=raw.get("printed_name", ""), names=raw.get("names", {}), group=raw.get("group", ""),
-        field=raw.get("field", ""), meaning=raw["meaning"], detected=raw.get("detected", ""), below_mv=raw.get("below_mv"),
+        register=raw.get("register", ""), field=raw.get("field", ""), meaning=raw["meaning"], detected=raw.get("detected", ""), below_mv=raw.get("below_mv"),
         latch=raw.get("latch"), implemented=raw.get("implemented", True), remedy=raw.get("remedy", ""),
         cleared_by=tuple(raw.get("cleared_by", ())), source=sources(raw),
     )
@@ -411,7 +419,7 @@ def _procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
         found.append(
             Procedure(
                 name=item["name"], title=item["title"], interface=item["interface"], 
-                arguments=tuple(Argument(entry["name"], entry["of"], entry.get("meaning", "")) for entry in item.get("arguments", ())), precondition=item.get("precondition", ""), steps=steps,
+                arguments=tuple(Argument(entry["name"], entry["of"], entry.get("meaning", ""), entry.get("as", "")) for entry in item.get("arguments", ())), precondition=item.get("precondition", ""), steps=steps,
                 result=item.get("result", ""), note=item.get("note", ""), source=sources(item),
             )
         )

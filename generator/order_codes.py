@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -52,33 +52,40 @@ def find(device: Device, text: str) -> Match:
         UnknownOrderCode: A part is missing or wrong.
     """
     code = text.strip().upper()
-    special = _SPECIAL.search(code)
-    if special:
-        code = code[: special.start()]
     full = re.compile(_regex(device.order_code, {}) + r"(?P<tail_>-.*)?", re.IGNORECASE)
     match = full.fullmatch(code)
+    special = None if match is not None else _SPECIAL.search(code)
+    if special is not None:
+        code = code[: special.start()]
+        match = full.fullmatch(code)
     if match is None:
         raise UnknownOrderCode(_explain(device, code))
     return _resolve(device, {part.name: match[part.name] for part in device.order_code.parts}, match["tail_"] or "", special is not None, code)
 
 
 def _resolve(device: Device, parts: Mapping[str, str], tail: str, special: bool, code: str) -> Match:
-    unlisted = []
-    listed = {}
-    for part in device.order_code.parts:
-        known = next((value.text for value in part.values if value.text.upper() == parts[part.name].upper()), None)
-        if known is None:
-            unlisted.append(part.name)
-            known = part.values[0].text
-        listed[part.name] = known
-    variant = next((item for item in device.variants if item.parts == listed), None)
+    listed = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
+    unlisted = [name for name, known in listed.items() if known is None]
+    # What is not listed is taken as the first listed value that goes with the rest.
+    fits = (item for item in device.variants if all(known in (None, item.parts[name]) for name, known in listed.items()))
+    variant = next((item for item in fits if _open_here(device, unlisted, item)), None)
     if variant is None:
         raise UnknownOrderCode(f"'{code}' combines parts that do not go together; the nearest are {_nearest(device, code)}")
     if unlisted:
-        shown = {name: parts[name] if name in unlisted else listed[name] for name in listed}
+        shown = {name: known or parts[name] for name, known in listed.items()}
         printed = _BRACES.sub(lambda brace: shown[brace[1]], device.order_code.pattern)
         variant = Variant(printed, MappingProxyType(shown), variant.interface, variant.parameters)
     return Match(variant, tuple(unlisted), tail, special)
+
+
+def _listed(part: CodePart, text: str) -> str | None:
+    return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
+
+
+def _open_here(device: Device, unlisted: Sequence[str], variant: Variant) -> bool:
+    """Whether every unlisted part may be open together with the listed ones."""
+    parts = [part for part in device.order_code.parts if part.name in unlisted]
+    return all(other in unlisted or variant.parts[other] in allowed for part in parts for other, allowed in part.open_only_with.items())
 
 
 def _regex(order_code: OrderCode, instead: Mapping[str, str]) -> str:

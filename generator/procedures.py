@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from . import codec
+from .expressions import Expression
 from .model import Device, Procedure, Register, Step, Variant, Write
+
+
+Limits = tuple["Expression | None", "Expression | None"]
 
 
 def register_writes(device: Device, procedure: Procedure, variant: Variant, arguments: Mapping[str, int]) -> tuple[Write, ...]:
@@ -15,23 +19,36 @@ def register_writes(device: Device, procedure: Procedure, variant: Variant, argu
         EncodeError: An argument is missing or does not fit its register.
     """
     writes: list[Write] = []
+    # What a register holds before: its default, then what the procedure has written.
+    held: dict[str, int] = {}
     for step in procedure.steps:
         if step.do == "write":
-            writes += _step_writes(device.register(step.register), step, variant, arguments, device)
+            register = device.register(step.register)
+            argument = next((item for item in procedure.arguments if item.name == step.value_name), None)
+            limits = device.limits(register, argument.meant_as if argument is not None else "")
+            held[step.register] = _number(register, step, variant, arguments, device, limits, held.get(step.register, register.default or 0))
+            data = codec.number_to_bytes(register.layout, held[step.register], 8 * register.length)
+            writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
     return tuple(writes)
 
 
-def _step_writes(register: Register, step: Step, variant: Variant, arguments: Mapping[str, int], device: Device) -> list[Write]:
-    number = step.value
-    if number is None:
-        if step.value_name not in arguments:
-            raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
-        argument = arguments[step.value_name]
-        placed = register.layout.place(variant.parameters)
-        low = register.min.value(variant.parameters) if register.min is not None else 0
-        high = register.max.value(variant.parameters) if register.max is not None else argument
-        if not low <= argument <= high:
-            raise codec.EncodeError(f"{argument} is outside {low} to {high}")
-        number = codec.encode(device, placed, {register.limits_of: argument})
-    data = codec.number_to_bytes(register.layout, number, 8 * register.length)
-    return [Write(register.address + index, byte) for index, byte in enumerate(data)]
+def _number(register: Register, step: Step, variant: Variant, arguments: Mapping[str, int], device: Device, limits: Limits, before: int) -> int:
+    """What the step writes into the register, which held ``before``."""
+    placed = register.layout.place(variant.parameters)
+    if step.value is None and step.value_name not in arguments:
+        raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
+    value = step.value if step.value is not None else arguments[step.value_name]
+    if step.field:
+        item = placed.field(step.field)
+        if item is None or value & ~item.mask:
+            raise codec.EncodeError(f"{value} does not fit '{step.field}'")
+        return before & ~(item.mask << item.low) | value << item.low
+    if step.value is not None:
+        return value
+    low = limits[0].value(variant.parameters) if limits[0] is not None else 0
+    high = limits[1].value(variant.parameters) if limits[1] is not None else (1 << 8 * register.length) - 1
+    if not low <= value <= high:
+        raise codec.EncodeError(f"{value} is outside {low} to {high}")
+    names = {field.name for field in register.layout.data_fields} | {join.name for join in register.layout.joins}
+    # A register of several fields without limits on one of them is given as its whole number.
+    return codec.encode(device, placed, {register.limits_of: value}) if register.limits_of in names else value

@@ -64,7 +64,7 @@ def _value(register: Register, parameter: Parameter, held: Mapping[int, int]) ->
     default = register.default_bytes() or bytes(register.length)
     data = bytes(held.get(register.address + index, byte) for index, byte in enumerate(default))
     field = register.layout.field(parameter.field)
-    value = codec.number_from_bytes(register.layout, data) >> field.low.constant & ((1 << field.widest) - 1)
+    value = codec.number_from_bytes(register.layout, data) >> field.low.constant & ((1 << field.widest) - 1) or field.zero_means
     low, high = parameter.min or 0, parameter.max if parameter.max is not None else value
     if not low <= value <= high:
         raise RegisterError(f"{parameter.name} is {value}; it can be {low} to {high}")

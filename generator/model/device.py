@@ -12,7 +12,7 @@ from .facts import (
     Alarm, CableLength, Characteristic, Connector, Document, Erratum, Input, Led, LostFigure, Manual, Manufacturer, MemoryAccess, Network, Port,
     Sources, Table, Timeout, Timing,
 )
-from .layout import Crc, DataId, Layout, Value
+from .layout import Crc, DataId, Field, Layout, Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +28,7 @@ class Parameter:
     read_from: str = ""
     min: int | None = None
     max: int | None = None
+    interface: str = ""
 
     @property
     def register(self) -> str:
@@ -56,6 +57,7 @@ class CodePart:
     open: str
     values: tuple[CodeValue, ...]
     source: Sources
+    open_only_with: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +173,7 @@ class Register:
     meanings: tuple[RegisterMeaning, ...] = ()
     reserved: str = ""
     bank: int | None = None
+    opened_by_field: str = ""
 
     @property
     def last_address(self) -> int:
@@ -220,11 +223,12 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A value that the caller of a procedure gives, written to the register ``of``."""
+    """A value that the caller of a procedure gives, written to the register ``of``; ``meant_as`` names the register's meaning, if it has several."""
 
     name: str
     of: str
     meaning: str
+    meant_as: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -360,6 +364,16 @@ class Device:
 
     def layout(self, name: str) -> Layout:
         return next(layout for _, layout in self.layouts() if layout.name == name)
+
+    def limits(self, register: Register, meant_as: str = "") -> tuple[Expression | None, Expression | None]:
+        """Lowest and highest value of a register, or of one of its meanings."""
+        meaning = next((item for item in register.meanings if item.name == meant_as), None)
+        return (meaning.min, meaning.max) if meaning is not None else (register.min, register.max)
+
+    @cached_property
+    def identity(self) -> tuple[tuple[Register, Field], ...]:
+        """The register fields by which a device of this family is known: those whose value the spec states."""
+        return tuple((register, item) for register in self.registers for item in register.layout.fields if item.equals is not None)
 
     def measurement_of(self, interface: str) -> Measurement | None:
         """What the position counts over this interface."""

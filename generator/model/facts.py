@@ -135,6 +135,7 @@ class Alarm:
     printed_name: str
     names: Mapping[str, str]
     group: str
+    register: str
     field: str
     meaning: str
     detected: str

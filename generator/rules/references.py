@@ -114,8 +114,14 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, alarm in items(spec, "alarms"):
         if "group" in alarm:
             _refer(report, (*path, "group"), "field group", alarm["group"], groups)
-        if "field" in alarm and "group" not in alarm:
-            report.add("undefined-reference", (*path, "field"), "'field' names a flag of a field group; say which with 'group'")
+        if "register" in alarm:
+            registers = by_name(raw, "registers")
+            _refer(report, (*path, "register"), "register", alarm["register"], registers)
+            if "field" in alarm and alarm["register"] in registers:
+                known = by_name(registers[alarm["register"]], "fields")
+                _refer(report, (*path, "field"), f"field of {quoted(alarm['register'])} called", alarm["field"], known)
+        elif "field" in alarm and "group" not in alarm:
+            report.add("undefined-reference", (*path, "field"), "'field' names a flag; say where with 'group' or 'register'")
         elif "field" in alarm and alarm["group"] in groups:
             known = by_name(groups[alarm["group"]], "fields")
             _refer(report, (*path, "field"), f"field of {quoted(alarm['group'])} called", alarm["field"], known)

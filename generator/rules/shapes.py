@@ -31,6 +31,7 @@ _EXAMPLES: dict[str, tuple[Collection[str], Collection[str]]] = {
     "register": (("register", "bytes", "values"), ("order_code",)),
     "crc": (("crc", "bytes", "check"), ()),
     "procedure": (("procedure", "writes"), ("order_code", "arguments")),
+    "measure": (("order_code", "counts", "micrometres"), ()),
 }
 _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 

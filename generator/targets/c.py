@@ -116,8 +116,8 @@ def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
     return f" * {inner[0][3:-3]}" if len(inner) == 1 else "\n".join(inner[1:-1])
 
 
-def code(line: str, indent: int = 0) -> str:
-    """A line of code, broken after an operator or a comma where it is too long."""
+def code(line: str, indent: int = 0, hang: int = 4) -> str:
+    """A line of code, broken after an operator or a comma where it is too long; further lines stand ``hang`` deeper."""
     margin = " " * indent
     if len(margin) + len(line) <= COLUMNS:
         return margin + line
@@ -126,7 +126,7 @@ def code(line: str, indent: int = 0) -> str:
     for piece in pieces:
         if current.strip() and len(current) + len(piece) + 1 > COLUMNS:
             lines.append(current)
-            current = margin + "    "
+            current = margin + " " * hang
         current += piece if not current.strip() else f" {piece}"
     return "\n".join([*lines, current])
 
@@ -332,7 +332,7 @@ class Scope:
 
 def needs_variant(*code_of: object) -> bool:
     """Whether any of this code looks at the variant."""
-    return re.search(r"\bvariant->|\(variant\)", str(code_of)) is not None
+    return re.search(r"\bvariant->|\(variant\)|\(variant,", str(code_of)) is not None
 
 
 def span_text(low: Expression, width: Expression) -> str:
@@ -424,7 +424,7 @@ def errata_at(device: Device, path: str, without: Sequence[str] = ()) -> list[Er
 class CodecBuilder:
     """Makes the codec of one layout. Locals of a decoder are called like the fields they hold."""
 
-    LOCALS = frozenset(("variant", "word", "bytes", "length", "out", "in", "crc", "index", "v", "wide", "value"))
+    LOCALS = frozenset(("variant", "word", "plain", "bytes", "length", "out", "in", "crc", "index", "v", "wide", "value"))
 
     def __init__(self, view: DeviceView, layout: Layout, name: str, length_macro: str, register: Register | None = None) -> None:
         self.view = view
@@ -435,8 +435,9 @@ class CodecBuilder:
         self.name = name
         self.length_macro = length_macro
         self.register = register
-        self.by_word = layout.carried_as == "bits" or not all(item.pieces or item.padding_of for item in layout.fields)
+        self.by_word = layout.carried_as == "bits" or bool(layout.gray_of) or not all(item.pieces or item.padding_of for item in layout.fields)
         self.length = layout.widest // 8
+        self.word = "plain" if layout.gray_of else "word"
         if self.by_word and layout.widest > 64:
             raise ValueError(f"{self.device.name}: '{layout.name}' has {layout.widest} bits and fields that move; the C target can place them in 64 bits only")
         self.folds = bool(layout.fold) and layout.carried_as == "bits" and layout.crc_field is not None and layout.crc_field.widest <= 32
@@ -459,7 +460,9 @@ class CodecBuilder:
         choice = self.choice(field)
         if choice is not None and choice.is_enum:
             return choice.type
-        return unsigned(field.widest)
+        if field.signed:
+            return unsigned(field.widest).removeprefix("u")
+        return unsigned(max(field.widest, field.zero_means.bit_length()))
 
     def members(self) -> Iterable[Line]:
         for field in self.layout.fields:
@@ -484,8 +487,7 @@ class CodecBuilder:
         return described(field.printed_name, meaning) + unit
 
     def _widest(self, join: Join) -> int:
-        placed = [self.layout.place(variant.parameters) for variant in self.view.variants_of(self.layout, self.register)]
-        return max((item.place_of(join.name)[1] for item in placed), default=1) or 1
+        return min(sum(self.layout.field(name).widest for name in join.fields) or 1, 64)
 
     # -- reading
 
@@ -493,14 +495,17 @@ class CodecBuilder:
         """A mask as wide as the field."""
         return mask(field.width.constant) if field.width.is_constant else f"{self.maker}_mask({self.scope.text(field.width)})"
 
+    def bits_text(self, field: Field) -> str:
+        return self.scope.text(field.width)
+
     def raw(self, field: Field) -> tuple[str, str]:
         """Type and expression of the bits of a field; with padding where it is read along."""
         if self.by_word:
             kind = unsigned(field.widest)
             if field.low.is_constant and field.width.is_constant:
-                shifted = f"(word >> {field.low.constant}U)" if field.low.constant else "word"
-                return kind, f"({kind})({shifted} & {mask(field.width.constant)})" if field.width.constant < 64 else "word"
-            inner = f"{self.maker}_field(word, {self.scope.text(field.low)}, {self.scope.text(field.width)})"
+                shifted = f"({self.word} >> {field.low.constant}U)" if field.low.constant else self.word
+                return kind, f"({kind})({shifted} & {mask(field.width.constant)})" if field.width.constant < 64 else self.word
+            inner = f"{self.maker}_field({self.word}, {self.scope.text(field.low)}, {self.scope.text(field.width)})"
             return kind, inner if kind == "uint64_t" else f"({kind}){inner}"
         bits = field.container or field.widest
         kind = unsigned(bits)
@@ -522,7 +527,19 @@ class CodecBuilder:
         joined = " | ".join(terms)
         return kind, joined if kind == work else f"({kind})({joined})"
 
+    def gray(self, change: str, word: str) -> str:
+        """``word`` with its Gray coded part turned into binary (``from``) or back (``to``), where the variant says that there is one."""
+        names = next((join.fields for join in self.layout.joins if join.name == self.layout.gray_of), (self.layout.gray_of,))
+        parts = [self.layout.field(name) for name in names]
+        bits = parts[0].width
+        for part in parts[1:]:
+            bits += part.width
+        call = f"{self.maker}_{change}_gray({word}, {self.scope.text(parts[-1].low)}, {self.scope.text(bits)})"
+        return f"({self.scope.atom(self.layout.gray_when)} != 0U) ? {call} : {word}"
+
     def locals_(self) -> Iterable[str]:
+        if self.layout.gray_of:
+            yield f"const uint64_t plain = {self.gray('from', 'word')};"
         for field in self.layout.fields:
             if field.kind in ("constant", "crc", "text"):
                 continue
@@ -569,10 +586,10 @@ class CodecBuilder:
                 yield Check(f"{self.local(padded)} > {self.width(padded)}", "CONSTANT", f"bits above {padded.name} are always 0")
             elif self.by_word:
                 if field.low.is_constant and field.width.is_constant:
-                    shifted = f"(word >> {field.low.constant}U)" if field.low.constant else "word"
+                    shifted = f"({self.word} >> {field.low.constant}U)" if field.low.constant else self.word
                     value = f"({shifted} & {mask(field.width.constant)})"
                 else:
-                    value = f"{self.maker}_field(word, {self.scope.text(field.low)}, {self.scope.text(field.width)})"
+                    value = f"{self.maker}_field({self.word}, {self.scope.text(field.low)}, {self.scope.text(field.width)})"
                 guard = ""
                 if field.constant and not field.width.is_constant:
                     guard = f"({self.scope.text(field.width)}) != 0U && "
@@ -588,7 +605,7 @@ class CodecBuilder:
 
     def _parity(self, field: Field, value: object) -> str:
         of = self.layout.field(field.parity_of)
-        name = self.local(of) if value == self.local else f"in->{c_name(of.name)}"
+        name = self.local(of) if value == self.local else self.value(of)
         if value != self.local and of.name == self.fixed_selector:
             return f"{self.layout.selects[0].bit_count() & 1}U"
         if of.widest > 32:
@@ -605,7 +622,8 @@ class CodecBuilder:
             return ""
         choice = self.choice(field)
         names = choice.names if choice is not None else {}
-        return " && ".join(f"{name} != {names.get(value, number(value, True))}" for value in dict.fromkeys(allowed))
+        differences = [f"{name} != {names.get(value, number(value, True))}" for value in dict.fromkeys(allowed)]
+        return differences[0] if len(differences) == 1 else " && ".join(f"({item})" for item in differences)
 
     def fills(self) -> Iterable[str]:
         any_member = False
@@ -618,7 +636,11 @@ class CodecBuilder:
             if field.kind == "text":
                 yield from (f"{target}[{index}] = (char){expression};" for index, expression in self._characters(field))
             elif field.kind == "flag":
-                yield f"{target} = {name} {'==' if field.active_low else '!='} 0U;"
+                yield f"{target} = ({name} {'==' if field.active_low else '!='} 0U);"
+            elif field.signed:
+                yield f"{target} = ({self.member_type(field)}){self.maker}_signed({name}, {self.bits_text(field)});"
+            elif field.zero_means:
+                yield f"{target} = ({self.member_type(field)})(({name} == 0U) ? {number(field.zero_means)} : {name});"
             else:
                 kind, held = self.member_type(field), self.raw(field)[0]
                 yield f"{target} = {name};" if kind == held else f"{target} = ({kind}){name};"
@@ -663,6 +685,10 @@ class CodecBuilder:
             condition = self._choice_condition(field, name)
             if condition:
                 yield Check(condition, "RANGE")
+            elif field.signed:
+                yield Check(f"!{self.maker}_fits_signed({name}, {self.bits_text(field)})", "RANGE")
+            elif field.zero_means:
+                yield Check(f"({name} == 0U) || (({name} > {self.width(field)}) && ({name} != {number(field.zero_means)}))", "RANGE")
             elif field.kind in ("number", "choice") and not (field.width.is_constant and size_of(field.widest) == field.widest):
                 yield Check(f"{name} > {self.width(field)}", "RANGE")
             if field.digits:
@@ -700,6 +726,10 @@ class CodecBuilder:
             return self._parity(field, None)
         if field.kind == "flag":
             return f"({name} ? 0U : 1U)" if field.active_low else f"({name} ? 1U : 0U)"
+        if field.signed:
+            return f"((uint64_t){name} & {self.width(field)})"
+        if field.zero_means:
+            return f"(({name} == {number(field.zero_means)}) ? 0U : {name})"
         return name
 
     def puts(self) -> Iterable[str]:
@@ -716,12 +746,14 @@ class CodecBuilder:
             else:
                 low = number(field.low.constant) if field.low.is_constant else bracketed(self.scope.text(field.low))
                 terms.append(f"((uint64_t){value} << {low})")
-        kind = "const uint64_t" if self.layout.crc_field is None else "uint64_t"
+        kind = "const uint64_t" if self.layout.crc_field is None and not self.layout.gray_of else "uint64_t"
         if len(terms) < 2:
             yield f"{kind} word = {''.join(terms) or '0U'};"
-            return
-        yield f"{kind} word ="
-        yield from (f"    {term}" + (" |" if index < len(terms) - 1 else ";") for index, term in enumerate(terms))
+        else:
+            yield f"{kind} word ="
+            yield from (f"    {term}" + (" |" if index < len(terms) - 1 else ";") for index, term in enumerate(terms))
+        if self.layout.gray_of:
+            yield f"word = {self.gray('to', 'word')};"
 
     def _byte_puts(self) -> Iterable[str]:
         parts: dict[int, list[str]] = {}
@@ -741,7 +773,7 @@ class CodecBuilder:
                 if fixed is not None:
                     constants[piece.byte] = constants.get(piece.byte, 0) | (fixed >> piece.left & piece.mask) << piece.right
                     continue
-                if piece.left < size_of(field.widest):
+                if field.signed or piece.left < size_of(max(field.widest, field.zero_means.bit_length())):
                     parts[piece.byte].append(self._put(field, piece.left, piece.mask, piece.right, alone=len(field.pieces) == 1))
         for byte in range(self.length):
             if byte not in parts:
@@ -757,7 +789,7 @@ class CodecBuilder:
                 yield f"bytes[{byte}] = (uint8_t){bracketed(cast)};"
 
     def _bytes_as_they_are(self) -> set[str]:
-        return {f"in->{c_name(field.name)}" for field in self.layout.fields if self.member_type(field) == "uint8_t"}
+        return {f"in->{c_name(field.name)}" for field in self.layout.fields if self.is_member(field) and field.kind != "text" and self.member_type(field) == "uint8_t"}
 
     def _is_crc_byte(self, byte: int) -> bool:
         field = self.layout.crc_field
@@ -772,7 +804,7 @@ class CodecBuilder:
             return f"({name} ? 0x00U : {bit})" if field.active_low else f"({name} ? {bit} : 0x00U)"
         if left:
             value = f"({value} >> {left}U)"
-        if not alone and bits != 0xFF:
+        if (not alone or field.signed) and bits != 0xFF:
             value = f"({value} & {number(bits, True)})"
         if right:
             return f"((uint32_t){value} << {right}U)" if field.kind != "parity" else f"({value} << {right}U)"
@@ -825,18 +857,23 @@ class CodecBuilder:
 
     def expected(self) -> tuple[list[Line], list[str]]:
         """Macros for what fields are always read as, and the conditions that compare them."""
-        macros, checks = [], []
+        macros: list[Line] = []
+        checks: list[str] = []
         for field in self.layout.fields:
             if field.equals is None or not self.is_member(field):
                 continue
+            name = f"in->{c_name(field.name)}"
+            equals = field.equals.constant if isinstance(field.equals, Expression) and field.equals.is_constant else field.equals
+            if isinstance(equals, Expression):
+                checks.append(f"{name} == {bracketed(self.scope.text(equals))}")
+                continue
             macro = self.view.unique(f"{self.name.upper()}_{field.name.upper()}_EXPECTED")
-            if isinstance(field.equals, str):
-                macros.append(Line(f"#define {macro} {string(field.equals)}", f"what {field.name} always reads"))
-                letters = field.equals.encode("ascii", "replace")
-                checks += [f"in->{c_name(field.name)}[{index}] == {macro}[{index}]" for index in range(len(letters))]
+            if isinstance(equals, str):
+                macros.append(Line(f"#define {macro} {string(equals)}", f"what {field.name} always reads"))
+                checks += [f"{name}[{index}] == {macro}[{index}]" for index in range(len(equals.encode("ascii", "replace")))]
             else:
-                macros.append(Line(f"#define {macro} {number(field.equals, True)}", f"what {field.name} always reads"))
-                checks.append(f"in->{c_name(field.name)} == {macro}")
+                macros.append(Line(f"#define {macro} {number(equals, True)}", f"what {field.name} always reads"))
+                checks.append(f"{name} == {macro}")
         return macros, checks
 
     def table(self) -> Iterable[Paragraph]:
@@ -1001,12 +1038,22 @@ class InterfaceView:
 
 @dataclass(frozen=True)
 class StepGroup:
-    """Steps of a procedure with an argument: fixed ones, or the bytes of the argument."""
+    """Steps of a procedure with arguments: a fixed one, or the bytes of the register that holds an argument."""
 
     code: str
-    is_argument: bool = False
     address: str = ""
     at: int = 0
+    bytes: str = ""
+
+
+@dataclass(frozen=True)
+class ArgumentView:
+    """An argument that fills a register: the struct and bytes of that register, and the function that sets them."""
+
+    codec: CodecView
+    value: str
+    bytes: str
+    set: str
 
 
 @dataclass(frozen=True)
@@ -1016,12 +1063,12 @@ class ProcedureView:
     count_macro: str
     count: int
     rows: tuple[Line, ...]
-    argument: str
-    argument_type: str
+    parameters: tuple[tuple[str, str], ...]
+    filled: tuple[ArgumentView, ...]
+    checks: tuple[Check, ...]
     groups: tuple[StepGroup, ...]
-    codec: CodecView | None
-    member: str
-    setter: str
+    has_loop: bool
+    needs_variant: bool
 
 
 @dataclass(frozen=True)
@@ -1049,7 +1096,7 @@ class DeviceView:
         self.scope = Scope(self.maker.name, self.prefix, frozenset(item.name for item in device.set_parameters))
         self._taken: set[str] = set()
         self.parameters: Sequence[Parameter] = device.set_parameters
-        self.members = [Line(f"{unsigned(item.largest.bit_length())} {c_name(item.name)};", self._meaning(item)) for item in device.set_parameters]
+        self.members = [Line(f"{unsigned(max(item.largest, item.max or 0).bit_length())} {c_name(item.name)};", self._meaning(item)) for item in device.set_parameters]
         self.members = self.members or [Line("uint8_t no_parameter;", "all order codes are alike")]
         self.derived = [self._derived(item) for item in self._in_order_of_use()]
         self.codes = [self._code(variant) for variant in device.variants]
@@ -1205,7 +1252,7 @@ class DeviceView:
         frame_names = {layout.name: self.unique(f"{upper}_FRAME_{layout.name.upper()}") for layout in frames}
         return InterfaceView(
             title=interface.title,
-            about=tuple(self._interface_about(interface, errata)),
+            about=tuple(item for item in self._interface_about(interface, errata) if (item if isinstance(item, str) else item[1])),
             macros=tuple(macros),
             choices=tuple(self._interface_choices.get(interface.kind, ())),
             controls=tuple(self._controls(interface, upper)),
@@ -1437,58 +1484,106 @@ class DeviceView:
 
     def _procedure(self, procedure: Procedure) -> ProcedureView:
         name = f"{self.prefix}_{procedure.name}_steps"
+        taken = {"variant", "steps", "capacity", "count", "index", "result", "address"}
+        names = {item.name: c_name(item.name, taken) for item in procedure.arguments}
+        types: dict[str, str] = {}
         rows: list[Line] = []
         groups: list[StepGroup] = []
-        codec_view, member, setter = None, "", ""
+        filled: dict[str, ArgumentView] = {}
+        checks: list[Check] = []
         for step in procedure.steps:
-            if step.do == "write" and step.value is None:
-                register = self.device.register(step.register)
-                member = self.limited_member(register)
-                codec_view = next((view.codec for view, item in zip(self.registers, self.device.registers) if item is register), None)
-                is_join = any(join.name == member for join in register.layout.joins)
-                setter = f"{self.prefix}_reg_{register.name}_set_{member}" if is_join else ""
-                groups.append(StepGroup("", True, f"{self.PREFIX}_REG_{register.name.upper()}_ADDRESS", len(rows)))
-                rows += [Line("")] * register.length
+            if step.do != "write" or step.value is not None:
+                for call, initialiser, note in self._step_rows(step):
+                    groups.append(StepGroup(f"steps[{len(rows)}] = {self.maker.name}_step_{call};"))
+                    rows.append(Line(f"{{ {initialiser} }}", note))
                 continue
-            for row in self._step_rows(step):
-                groups.append(StepGroup(f"steps[{len(rows)}] = {self.maker.name}_step_{row[0]};", at=len(rows)))
-                rows.append(Line(f"{{ {row[1]} }}", row[2]))
-        argument_type = next((item.split(" ")[0] for item in self._member_types(procedure)), "uint64_t") if procedure.argument else ""
+            register, argument = self.device.register(step.register), step.value_name
+            codec_view = next(view.codec for view, item in zip(self.registers, self.device.registers) if item is register)
+            if step.field or codec_view is None:
+                field = register.layout.field(step.field) if step.field else register.layout.fields[0]
+                types.setdefault(argument, unsigned(field.widest))
+                checks += self._argument_checks(register, field, names[argument])
+                for piece in field.pieces:
+                    value = f"({names[argument]} >> {piece.left}U)" if piece.left else names[argument]
+                    value = f"(({value} & {number(piece.mask, True)}) << {piece.right}U)" if piece.right or piece.mask != 0xFF else value
+                    bits = number(piece.mask << piece.right, True)
+                    cast = f"(uint8_t){value}"
+                    groups.append(StepGroup(f"steps[{len(rows)}] = {self.maker.name}_step_write({number(register.address + piece.byte, True)}, {bits}, {cast});"))
+                    rows.append(Line(""))
+                continue
+            member = self.limited_member(register)
+            types.setdefault(argument, self._member_type(register, member))
+            if argument not in filled:
+                value, data = f"{names[argument]}_register", f"{names[argument]}_bytes"
+                known = [setter.name for setter in codec_view.setters if setter.member == c_name(member)]
+                setting = f"result = {known[0]}(variant, {names[argument]}, &{value});" if known else f"{value}.{c_name(member)} = {names[argument]};"
+                filled[argument] = ArgumentView(codec_view, value, data, setting)
+            groups.append(StepGroup("", f"{self.PREFIX}_REG_{register.name.upper()}_ADDRESS", len(rows), filled[argument].bytes))
+            rows += [Line("")] * register.length
         about: list[Paragraph] = [f"{procedure.title} [{cite(procedure.source)}]."]
-        about += [("Before: ", procedure.precondition), ("Argument: ", described(procedure.argument, procedure.argument_meaning)), ("Result: ", procedure.result), sentence(procedure.note)]
+        about += [("Before: ", sentence(procedure.precondition))]
+        about += [(f"{names[item.name]}: ", sentence(item.meaning)) for item in procedure.arguments]
+        about += [("Result: ", sentence(procedure.result)), sentence(procedure.note)]
         about += [errata_text(item) for item in errata_at(self.device, f"procedures.{procedure.name}")]
         return ProcedureView(
             name=self.unique(name), about=tuple(about), count_macro=self.unique(f"{name}_count".upper()), count=len(rows), rows=tuple(rows),
-            argument=c_name(procedure.argument, {"variant", "steps", "capacity", "count", "bytes", "value", "index", "result"}), argument_type=argument_type,
-            groups=tuple(groups), codec=codec_view, member=c_name(member), setter=setter,
+            parameters=tuple((types.get(item.name, "uint64_t"), names[item.name]) for item in procedure.arguments), filled=tuple(filled.values()),
+            checks=tuple(checks), groups=tuple(groups), has_loop=bool(filled), needs_variant=bool(filled) or needs_variant(checks),
         )
 
-    def _member_types(self, procedure: Procedure) -> Iterable[str]:
-        """The type of the member that the argument becomes."""
-        for step in procedure.steps:
-            if step.do == "write" and step.value is None:
-                register = self.device.register(step.register)
-                builder = CodecBuilder(self, register.layout, "", "", register)
-                wanted = c_name(self.limited_member(register))
-                yield from (line.code for line in builder.members() if line.code.endswith(f" {wanted};"))
-                yield unsigned(min(64, 8 * register.length))
+    def _argument_checks(self, register: Register, field: Field, name: str) -> Iterable[Check]:
+        """Bounds of an argument that becomes one field."""
+        if not field.pieces:
+            raise ValueError(f"{self.device.name}: '{register.name}.{field.name}' moves with the order code; the C target cannot write it alone")
+        limits = self.limits(register) if register.limits_of in (field.name, register.name) and len(register.layout.fields) == 1 else Limits()
+        if size_of(field.widest) != field.widest:
+            yield Check(f"{name} > {mask(field.widest)}", "RANGE")
+        if limits.binding_min:
+            yield Check(f"{name} < {limits.min}", "RANGE")
+        if limits.binding_max:
+            yield Check(f"{name} > {limits.max}", "RANGE")
+        if field.kind == "choice":
+            known = self.choices["reg_" + register.name, field.name].names
+            yield Check(" && ".join(f"({name} != {entry})" for entry in known.values()), "RANGE")
+
+    def _member_type(self, register: Register, member: str) -> str:
+        """The type of a member of a register's struct."""
+        codes = (line.code for line in CodecBuilder(self, register.layout, "", "", register).members())
+        return next(code.split(" ")[0] for code in codes if code.endswith(f" {c_name(member)};"))
 
     def _step_rows(self, step: Step) -> Iterable[tuple[str, str, str]]:
         """For each elementary step: the call that makes it, its initialiser, and what it is for."""
         kind = f"{self.maker.name.upper()}_STEP_"
         if step.do == "wait":
-            yield f"wait({number(step.microseconds)})", f"{kind}WAIT, 0U, 0U, 0U, {number(step.microseconds)}", step.meaning or f"wait {step.microseconds} us at least"
-        elif step.do == "send":
-            byte = number(step.request[0] if step.request else 0, True)
-            note = step.meaning or f"data ID {step.data_id.replace('_', ' ')}"
-            yield f"send({byte}, {step.times}U, {number(step.microseconds)})", f"{kind}SEND, 0U, {byte}, {step.times}U, {number(step.microseconds)}", note
-        else:
-            register = self.device.register(step.register)
-            data = codec.number_to_bytes(register.layout, step.value or 0, 8 * register.length)
-            about = step.meaning or f"{register.printed_name or register.name}: {step.value_name.replace('_', ' ')}"
-            for index, value in enumerate(data):
-                address = number(register.address + index, True)
-                yield f"write({address}, {number(value, True)})", f"{kind}WRITE, {address}, {number(value, True)}, 1U, 0U", about
+            time = number(step.microseconds)
+            yield f"wait({time})", f"{kind}WAIT, 0U, 0U, 0U, 0U, {time}", step.meaning or f"wait {step.microseconds} us at least"
+            return
+        if step.do == "send":
+            byte, time = number(step.request[0] if step.request else 0, True), number(step.microseconds)
+            yield f"send({byte}, {step.times}U, {time})", f"{kind}SEND, 0U, 0xFFU, {byte}, {step.times}U, {time}", step.meaning or f"data ID {words(step.data_id)}"
+            return
+        register = self.device.register(step.register)
+        title = register.printed_name or words(register.name)
+        about = step.meaning or (f"{title}: {words(step.value_name)}" if step.value_name else title)
+        for offset, bits, value in self._step_bytes(register, step):
+            address = number(register.address + offset, True)
+            values = f"{address}, {number(bits, True)}, {number(value, True)}"
+            if step.do == "read":
+                yield f"read({address})", f"{kind}READ, {address}, 0xFFU, 0U, 1U, 0U", about
+            else:
+                yield f"{step.do}({values})", f"{kind}{step.do.upper()}, {values}, 1U, 0U", about
+
+    def _step_bytes(self, register: Register, step: Step) -> Iterable[tuple[int, int, int]]:
+        """The bytes of a register that a step touches: offset, the bits concerned, their value."""
+        if step.field:
+            field = register.layout.field(step.field)
+            if not field.pieces:
+                raise ValueError(f"{self.device.name}: '{register.name}.{field.name}' moves with the order code; the C target cannot reach it alone")
+            for piece in field.pieces:
+                yield piece.byte, piece.mask << piece.right, ((step.value or 0) >> piece.left & piece.mask) << piece.right
+            return
+        data = codec.number_to_bytes(register.layout, step.value or 0, 8 * register.length)
+        yield from ((index, 0xFF, value) for index, value in enumerate(data))
 
     def _alarm(self, alarm: Alarm) -> AlarmView:
         stem = f"{self.PREFIX}_ALARM_{alarm.name.upper()}"
@@ -1525,14 +1620,12 @@ class Guide:
         self.title = device.title
         ordered = sorted(device.interfaces, key=lambda item: ("biss", "ssi", "rs485").index(item.kind))
         kind = ordered[0].kind
-        codes = [(code, variant) for code, variant in zip(view.codes, device.variants) if variant.interface == kind] or list(zip(view.codes, device.variants))
-        code, variant = max(codes, key=lambda item: sum(item[1].parameters.values()))
-        self.macro, self.code = code[0], code[2]
+        pairs = [(row, variant) for row, variant in zip(view.codes, device.variants) if variant.interface == kind] or list(zip(view.codes, device.variants))
+        chosen, _ = max(pairs, key=lambda pair: sum(pair[1].parameters.values()))
+        self.macro, self.code = chosen[0], chosen[2]
         layout = ordered[0].layouts[0]
         self.layout = f"{self.prefix}_{layout.name}"
         self.carried_as = layout.carried_as
         self.length = f"{self.PREFIX}_{layout.name.upper()}_LENGTH"
         members = [join.name for join in layout.joins] or [field.name for field in layout.data_fields if field.name != layout.selector or len(layout.selects) > 1]
         self.member = c_name(members[0]) if members else "no_data"
-        self.procedures = [item for item in view.procedures]
-        self.with_argument = next((item for item in view.procedures if item.argument), None)

@@ -47,12 +47,11 @@ class Names:
 
 
 def quoted(text: str | bytes) -> str:
-    """A literal of one line in double quotes."""
-    literal = repr(text)
-    prefix, body = (literal[0], literal[1:]) if literal[0] == "b" else ("", literal)
-    if body[0] == '"':
-        return prefix + body
-    return prefix + '"' + body[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+    """A literal of one line in double quotes; every byte in hexadecimal."""
+    if isinstance(text, bytes):
+        return 'b"' + "".join(f"\\x{byte:02x}" for byte in text) + '"'
+    shown = repr(text)
+    return shown if shown[0] == '"' else '"' + shown[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
 
 
 @dataclass(frozen=True)
@@ -198,8 +197,25 @@ def expression(value: Expression, names: Mapping[str, str], owner: str) -> str:
 
 
 def operand(text: str) -> str:
-    """``text`` in parentheses where it is more than a name or number."""
-    return text if text.replace(".", "_").replace("_", "a").isalnum() else f"({text})"
+    """``text`` in parentheses where it is more than a name, a number or something in parentheses."""
+    return text if text.replace(".", "_").replace("_", "a").isalnum() or _is_enclosed(text) else f"({text})"
+
+
+def bare(text: str) -> str:
+    """``text`` without parentheses around the whole of it."""
+    return text[1:-1] if _is_enclosed(text) else text
+
+
+def _is_enclosed(text: str) -> bool:
+    """Whether the parenthesis that opens at the beginning closes at the end."""
+    if not text.startswith("("):
+        return False
+    depth = 0
+    for index, character in enumerate(text):
+        depth += (character == "(") - (character == ")")
+        if not depth:
+            return index == len(text) - 1
+    return False
 
 
 def chain(start: str, terms: Sequence[str], indent: int) -> str:

@@ -6,7 +6,7 @@ Each line begins with an order code. It answers each line with one line, beginni
     CODE encode LAYOUT VALUE...       the word or the bytes as hex
     CODE crc NAME HEX                 the CRC
     CODE select SENDER HEX            the frame and its length
-    CODE steps PROCEDURE [ARGUMENT]   kind,address,value,times,microseconds of each step
+    CODE steps PROCEDURE [HEX...]      kind,address,mask,value,times,microseconds of each step
     LABEL find                        the text of the order code
 
 Registers are layouts called ``reg_NAME``. The struct is filled with a pattern before each call, so that a fault that changes it shows.
@@ -15,10 +15,56 @@ Registers are layouts called ``reg_NAME``. The struct is filled with a pattern b
 from __future__ import annotations
 
 import re
+import subprocess
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
+from codewheel.load import load_library
 from codewheel.model import Device
-from codewheel.targets.c import CodecView, DeviceView
+from codewheel.targets import Library
+from codewheel.targets.c import CodecView, DeviceView, generate
+
+WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
+SPECS = Path(__file__).resolve().parents[1] / "specs"
+
+#: Runs lines through the program and gives one answer for each.
+Run = Callable[[Iterable[str]], list[str]]
+
+
+def devices_of(*paths: Path) -> tuple[Device, ...]:
+    devices, report = load_library(paths)
+    assert not len(report)
+    return devices
+
+
+def write(folder: Path, devices: tuple[Device, ...]) -> Path:
+    """Writes the C tree of these devices; gives the folder to include from."""
+    for name, text in generate(Library(devices)).items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder / "c" / "include"
+
+
+def compile_c(command: list[str], code: str, folder: Path, include: Path, stem: str = "program", link: bool = True) -> Path:
+    """Compiles a text with all warnings as errors, and links it."""
+    text, program = folder / f"{stem}.c", folder / stem
+    text.write_text(code, encoding="utf-8")
+    options = ["-o", str(program)] if link else ["-c", "-o", f"{program}.o"]
+    done = subprocess.run([*command, *WARNINGS, f"-I{include}", str(text), *options], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:4000]
+    return program
+
+
+def runner(program: Path) -> Run:
+    def run(lines: Iterable[str]) -> list[str]:
+        text = "".join(f"{line}\n" for line in lines)
+        done = subprocess.run([str(program)], input=text, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.splitlines()
+
+    return run
 
 _MEMBER = re.compile(r"(\w+) (\w+)(?:\[(\d+)\])?;")
 
@@ -74,14 +120,21 @@ def source(device: Device) -> str:
             branches.append(_branch("select", kind))
     for procedure in view.procedures:
         name = procedure.name.removeprefix(prefix + "_").removesuffix("_steps")
-        if procedure.argument:
+        if procedure.parameters:
+            given = ", ".join(f"({type_})number(arguments[{index}])" for index, (type_, _) in enumerate(procedure.parameters))
             fetch = f"""    {maker}_step steps[{procedure.count_macro}];
+    const char *arguments[{len(procedure.parameters)}];
     size_t count = 0U;
-    {maker}_result result = {procedure.name}(variant, ({procedure.argument_type})number(text), steps, {procedure.count_macro} - 1U, &count);
+    size_t index;
+    {maker}_result result;
+    for (index = 0U; index < {len(procedure.parameters)}U; index++) {{
+        arguments[index] = strtok(index == 0U ? text : NULL, " ");
+    }}
+    result = {procedure.name}(variant, {given}, steps, {procedure.count_macro} - 1U, &count);
     if (result != {maker.upper()}_FAULT_LENGTH || count != 0U) {{
         abort();
     }}
-    result = {procedure.name}(variant, ({procedure.argument_type})number(text), steps, {procedure.count_macro}, &count);
+    result = {procedure.name}(variant, {given}, steps, {procedure.count_macro}, &count);
     print_steps(result, steps, count);
 """
         else:
@@ -104,7 +157,7 @@ def _decode(view: DeviceView, codec: CodecView, name: str) -> str:
     prints = "".join(
         "".join(f'    printf("{" " if index == 0 else ""}%02X", (unsigned)(unsigned char)out.{member.name}[{index}]);\n' for index in range(member.characters))
         if member.characters
-        else f'    printf(" %llu", (unsigned long long)out.{member.name});\n'
+        else f'    printf(" {"%lld" if member.type.startswith("int") else "%llu"}", ({"" if member.type.startswith("int") else "unsigned "}long long)out.{member.name});\n'
         for member in members(codec)
     )
     call = f"{codec.name}_decode(variant, number(text), &out)" if codec.carried_as == "bits" else f"{codec.name}_decode(variant, b, bytes_of(text, b), &out)"
@@ -128,7 +181,7 @@ def _decode(view: DeviceView, codec: CodecView, name: str) -> str:
 
 
 def _expected(codec: CodecView) -> str:
-    return f"    (void){codec.name}_is_expected(&out);\n" if codec.expected else ""
+    return f"    (void){codec.name}_is_expected(variant, &out);\n" if codec.expected_checks else ""
 
 
 def _encode(view: DeviceView, codec: CodecView, name: str) -> str:
@@ -140,7 +193,7 @@ def _encode(view: DeviceView, codec: CodecView, name: str) -> str:
         elif member.type == "bool":
             reads += f"    in.{member.name} = *item == '1';\n"
         else:
-            reads += f"    in.{member.name} = ({member.type})strtoull(item, NULL, 10);\n"
+            reads += f"    in.{member.name} = ({member.type}){'strtoll' if member.type.startswith('int') else 'strtoull'}(item, NULL, 10);\n"
     if codec.carried_as == "bits":
         call = f"uint64_t word = 0U;\n    const {view.maker.name}_result result = {codec.name}_encode(variant, &in, &word);\n"
         show = '    printf("%d %llX\\n", (int)result, (unsigned long long)word);\n'
@@ -199,8 +252,8 @@ static void print_steps(@maker@_result result, const @maker@_step *steps, size_t
     size_t index;
     printf("%d", (int)result);
     for (index = 0U; index < count; index++) {
-        printf(" %d,%u,%u,%u,%lu", (int)steps[index].kind, steps[index].address, steps[index].value, steps[index].times,
-               (unsigned long)steps[index].microseconds);
+        printf(" %d,%u,%u,%u,%u,%lu", (int)steps[index].kind, steps[index].address, steps[index].mask, steps[index].value,
+               steps[index].times, (unsigned long)steps[index].microseconds);
     }
     printf("\n");
 }

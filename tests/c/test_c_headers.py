@@ -12,11 +12,10 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import pytest
-from c_harness import source
+from c_harness import compile_c, devices_of, source, write
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c import RESERVED, DeviceView, c_name, comment, generate, in_comment, noted, string
-from conftest import compile_c, devices_of, write
 
 ROOT = Path(__file__).parents[2]
 
@@ -28,17 +27,19 @@ COMPILERS = [
 
 @pytest.mark.parametrize("optimised", ["-O0", "-O2"])
 @pytest.mark.parametrize("command", COMPILERS, ids=" ".join)
-def test_no_warning(command: list[str], optimised: str, amm5: Device, include: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["amm5", "words"])
+def test_no_warning(name: str, command: list[str], optimised: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
-    compile_c([*command, optimised], source(amm5), tmp_path, include, link=False)
+    device = request.getfixturevalue(name)
+    compile_c([*command, optimised], source(device), tmp_path, write(tmp_path, (device,)), link=False)
 
 
 @pytest.mark.parametrize("command", COMPILERS, ids=" ".join)
-def test_a_header_alone_and_unused_has_no_warning(command: list[str], devices: tuple[Device, ...], include: Path, tmp_path: Path) -> None:
+def test_a_header_alone_and_unused_has_no_warning(command: list[str], c_devices: tuple[Device, ...], include: Path, tmp_path: Path) -> None:
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
-    for device in devices:
+    for device in c_devices:
         header = f"{device.manufacturer.name}/{device.name}.h"
         compile_c(command, f'#include "{header}"\n#include "{header}"\nint main(void) {{ return 0; }}\n', tmp_path, include)
 
@@ -170,7 +171,7 @@ def test_a_spec_whose_names_are_reserved_compiles(tmp_path: Path) -> None:
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
     (device,) = devices_of(tmp_path / "bits22.yaml")
     folder = write(tmp_path, (device,))
-    header = (folder / "acme" / "bits22.h").read_text()
+    header = (folder / "test" / "bits22.h").read_text()
     assert "uint8_t int_;" in header and "uint32_t register_;" in header and "bool near_;" in header
     for command in (["gcc", "-std=c99"], ["g++", "-x", "c++", "-std=c++17"]):
         compile_c(command, source(device), tmp_path, folder, link=False)
@@ -185,8 +186,8 @@ def test_every_run_gives_the_same_bytes() -> None:
     assert runs[0].stdout == runs[1].stdout and len(runs[0].stdout) == 65
 
 
-def test_files_and_their_places(devices: tuple[Device, ...]) -> None:
-    files = generate(Library(devices))
+def test_files_and_their_places(c_devices: tuple[Device, ...]) -> None:
+    files = generate(Library(c_devices))
     assert {"c/README.md", "c/include/lika/encoder.h", "c/include/lika/amm5.h"} <= set(files)
     assert hashlib.sha256(files["c/include/lika/encoder.h"].encode()).digest()
 
@@ -227,10 +228,10 @@ int main(void)
                (unsigned long long)lika_amm5_reg_preset_max(&variants[index]));
     }
     if (lika_amm5_reg_device_id_decode(&variants[0], id, sizeof id, &device) == LIKA_OK) {
-        printf(" %d %x", (int)lika_amm5_reg_device_id_is_expected(&device), device.release);
+        printf(" %d %x", (int)lika_amm5_reg_device_id_is_expected(&variants[0], &device), device.release);
     }
     if (lika_amm5_reg_device_id_decode(&variants[0], other, sizeof other, &device) == LIKA_OK) {
-        printf(" %d", (int)lika_amm5_reg_device_id_is_expected(&device));
+        printf(" %d", (int)lika_amm5_reg_device_id_is_expected(&variants[0], &device));
     }
     printf(" %x %x\\n", LIKA_AMM5_ALARM_BATTERY_ALARM_MASK, LIKA_AMM5_RS485_CONTROL_ALL_DATA);
     return 0;

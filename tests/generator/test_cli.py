@@ -50,7 +50,7 @@ def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
-    for arguments in (("show", "nonsense"), ("decode", "AMM5A22/1SC1", "0x1"), ("decode", "AMM5A21/1SC1", "zz"), ("decode", "AMM5A23/1JP1", "0"), ("generate", "--target", "cobol")):
+    for arguments in (("show", "nonsense"), ("decode", "AMM5A22/1SC1", "0x1"), ("decode", "AMM5A21/1SC1", "zz"), ("decode", "AMM5A23/1JP1", "02 20C"), ("generate", "--target", "cobol")):
         code, out, err = run(capsys, *arguments)
         assert code == 2 and not out and err.count("\n") == 1 and err.startswith("codewheel: "), arguments
 

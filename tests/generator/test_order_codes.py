@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
 
 from codewheel.model import Device
 from codewheel.order_codes import UnknownOrderCode, find
 
 
-@pytest.fixture(scope="module")
-def amm5(library: tuple[Device, ...]) -> Device:
-    return next(device for device in library if device.name == "amm5")
+@pytest.fixture()
+def amm5(devices: Mapping[str, Device]) -> Device:
+    return devices["amm5"]
 
 
 def test_36_codes(amm5: Device) -> None:

@@ -117,6 +117,14 @@ def test_printed_timeouts(amm5: Any) -> None:
     assert [timeout.nanoseconds(hertz) for hertz in (50_000, 200_000, 10_000_000)] == [30_000, 7_500, 150]
 
 
+def test_counts_as_an_angle(amm5: Any) -> None:
+    variant = amm5.lookup("AMM5A21/65KSC1")
+    assert variant.turns(3 << 20) == 1.5
+    assert variant.degrees(3 << 20) == 180.0
+    frame = amm5.SingleCycleData(variant, multiturn=7, singleturn=1 << 19)
+    assert (variant.turns(frame.position), variant.degrees(frame.position)) == (7.25, 90.0)
+
+
 def test_cable_table(amm5: Any) -> None:
     assert [amm5.SSI.clock_below_hz(metres) for metres in (10, 50, 199.9, 399, 400)] == [400_000, 300_000, 200_000, 100_000, None]
 
