@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     listing.set_defaults(run=_list)
 
     show = commands.add_parser("show", help="show a family or an order code", description="Show everything that is known of a family or an order code.")
-    show.add_argument("what", metavar="FAMILY|ORDER-CODE", help="such as amm5, or the code on the label")
+    show.add_argument("what", metavar="FAMILY|ORDER-CODE", help="the name of a family as list shows it, or the code on a label")
     _add_spec_option(show)
     show.set_defaults(run=_show)
 

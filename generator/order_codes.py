@@ -52,15 +52,11 @@ def find(device: Device, text: str) -> Match:
         UnknownOrderCode: A part is missing or wrong.
     """
     code = text.strip().upper()
-    full = re.compile(_regex(device.order_code, {}) + r"(?P<tail_>-.*)?", re.IGNORECASE)
-    match = full.fullmatch(code)
-    special = None if match is not None else _SPECIAL.search(code)
-    if special is not None:
-        code = code[: special.start()]
-        match = full.fullmatch(code)
+    # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
+    match = re.fullmatch(_regex(device.order_code, {}) + r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?", code, re.IGNORECASE)
     if match is None:
-        raise UnknownOrderCode(_explain(device, code))
-    return _resolve(device, {part.name: match[part.name] for part in device.order_code.parts}, match["tail_"] or "", special is not None, code)
+        raise UnknownOrderCode(_explain(device, _SPECIAL.sub("", code)))
+    return _resolve(device, {part.name: match[part.name] for part in device.order_code.parts}, match["tail_"] or "", match["special_"] is not None, code)
 
 
 def _resolve(device: Device, parts: Mapping[str, str], tail: str, special: bool, code: str) -> Match:
