@@ -9,10 +9,9 @@ from ..expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, quoted, suggestion
 from .shapes import ANGLE, LENGTH
 from .walk import (
-    INTERFACE_OF_REGISTERS, Fields, Spec, bits_of, by_name, field_lists, field_names, interface_of, items, layouts, mapping, named_values,
-    readable_names,
+    INTERFACE_OF_REGISTERS, Fields, Spec, bits_of, by_name, field_lists, field_names, interface_of, items, layouts, mapping, measurements,
+    named_values, readable_names,
 )
-
 
 
 def _refer(report: DocumentReport, path: Path, kind: str, name: str, known: Iterable[str]) -> None:
@@ -74,7 +73,10 @@ def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             opened = register["opened_by"]
             _refer(report, (*path, "opened_by", "register"), "register", opened["register"], registers)
             if opened["register"] in registers:
-                values = named_values(registers[opened["register"]], groups)
+                opener = registers[opened["register"]]
+                if "field" in opened:
+                    _refer(report, (*path, "opened_by", "field"), f"field of {quoted(opened['register'])} called", opened["field"], bits_of(opener, groups))
+                values = named_values(opener, groups, opened.get("field"))
                 _refer(report, (*path, "opened_by", "value"), f"value of {quoted(opened['register'])} called", opened["value"], values)
         if "limits_of" in register:
             fields = Fields("register", register, path, interface)
@@ -94,15 +96,16 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for name, parameter in mapping(spec, "parameters").items():
         if "read_from" in parameter:
             _refer_to_bit(report, ("parameters", name, "read_from"), parameter["read_from"], raw)
+        if "interface" in parameter:
+            _refer(report, ("parameters", name, "interface"), "interface", parameter["interface"], mapping(raw, "interfaces"))
     for path, item in items(spec, "inputs"):
         for key in ("inverts", "needs"):
             if key in item:
                 _refer_to_bit(report, (*path, key), item[key], raw)
-    measurement = mapping(spec, "measurement")
-    if measurement:
+    for path, measurement in measurements(spec):
         groups = by_name(raw, "field_groups")
         known = [name for fields in layouts(raw) for name in readable_names(fields, groups)]
-        _refer(report, ("measurement", "of"), "field or joined number", measurement["of"], dict.fromkeys(known))
+        _refer(report, (*path, "of"), "field or joined number", measurement["of"], dict.fromkeys(known))
     bank_select = mapping(spec, "interfaces", "biss").get("bank_select")
     if bank_select is not None:
         _refer(report, ("interfaces", "biss", "bank_select"), "register", bank_select, by_name(raw, "registers"))
@@ -138,6 +141,9 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         arguments = []
         for below, argument in items(procedure, "arguments"):
             _refer(report, (*path, *below, "of"), "register", argument["of"], registers)
+            if "as" in argument and argument["of"] in registers:
+                meanings = by_name(registers[argument["of"]], "meanings")
+                _refer(report, (*path, *below, "as"), f"meaning of {quoted(argument['of'])} called", argument["as"], meanings)
             arguments.append(argument["name"])
         for below, step in items(procedure, "steps"):
             here = (*path, *below)
@@ -230,24 +236,29 @@ def _expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
         yield from (((*path, key), register[key]) for key in ("min", "max") if key in register)
         for below, meaning in items(register, "meanings"):
             yield from (((*path, *below, key), meaning[key]) for key in ("min", "max") if key in meaning)
-    measurement = mapping(spec, "measurement")
-    yield from ((("measurement", key), measurement[key]) for key in (*ANGLE, *LENGTH) if key in measurement)
+    for path, measurement in measurements(spec):
+        yield from (((*path, key), measurement[key]) for key in (*ANGLE, *LENGTH) if key in measurement)
 
 
 def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """What the values of an order code refer to: parameters, interfaces, other parts and their values."""
     parameters, parts, interfaces = mapping(raw, "parameters"), by_name(raw, "order_code", "parts"), mapping(raw, "interfaces")
+
+    def refer_to_parts(path: Path, part: Spec, combined: Spec) -> None:
+        for name, texts in combined.items():
+            _refer(report, (*path, name), "other part", name, [other for other in parts if other != part["name"]])
+            for index, other in enumerate(texts if name in parts else ()):
+                _refer(report, (*path, name, index), f"{name}", other, mapping(parts[name], "values"))
+
     for path, part in items(spec, "order_code", "parts"):
+        refer_to_parts((*path, "open_only_with"), part, mapping(part, "open_only_with"))
         for text, value in part["values"].items():
             here = (*path, "values", text)
             for name in mapping(value, "sets"):
                 _refer(report, (*here, "sets", name), "parameter", name, parameters)
             if "interface" in value:
                 _refer(report, (*here, "interface"), "interface", value["interface"], interfaces)
-            for name, texts in mapping(value, "only_with").items():
-                _refer(report, (*here, "only_with", name), "other part", name, [other for other in parts if other != part["name"]])
-                for index, other in enumerate(texts if name in parts else ()):
-                    _refer(report, (*here, "only_with", name, index), f"{name}", other, mapping(parts[name], "values"))
+            refer_to_parts((*here, "only_with"), part, mapping(value, "only_with"))
 
 
 def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:

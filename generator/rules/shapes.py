@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ..problems import DocumentReport, Path, listed, quoted
-from .walk import Fields, Spec, by_name, field_lists, items, mapping
+from .walk import Fields, Spec, by_name, field_lists, items, mapping, measurements
 
 #: Each says what kind of field it is; a field without any is a number.
 _KINDS = ("constant", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
@@ -155,15 +155,16 @@ def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """What the position counts fits the movement."""
-    movement, measurement = spec.get("movement"), mapping(spec, "measurement")
-    if not measurement or movement not in ("rotary", "linear"):
+    movement = spec.get("movement")
+    if movement not in ("rotary", "linear"):
         return
     needed, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
-    if needed[0] not in measurement:
-        report.add("measurement-shape", ("measurement",), f"{quoted(needed[0])} is missing; the measurement of a {movement} encoder needs it", at_key=True)
-    for key in foreign:
-        if key in measurement:
-            report.add("measurement-shape", ("measurement", key), f"{quoted(key)} does not belong to a {movement} encoder", at_key=True)
+    for path, measurement in measurements(spec):
+        if needed[0] not in measurement:
+            report.add("measurement-shape", path, f"{quoted(needed[0])} is missing; the measurement of a {movement} encoder needs it", at_key=True)
+        for key in foreign:
+            if key in measurement:
+                report.add("measurement-shape", (*path, key), f"{quoted(key)} does not belong to a {movement} encoder", at_key=True)
 
 
 def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:

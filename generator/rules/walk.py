@@ -119,6 +119,15 @@ def named_values(register: Spec, groups: Mapping[str, Spec], only: str | None = 
     return [name for _, field in expanded(fields, groups) if only in (None, field.get("name")) for name in mapping(field, "values")]
 
 
+def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:
+    """The measurement of the device and those of its interfaces, each with its path."""
+    if mapping(spec, "measurement"):
+        yield ("measurement",), mapping(spec, "measurement")
+    for kind, interface in mapping(spec, "interfaces").items():
+        if mapping(interface, "measurement"):
+            yield ("interfaces", kind, "measurement"), mapping(interface, "measurement")
+
+
 def bits_of(register: Spec, groups: Mapping[str, Spec]) -> list[str]:
     """What may follow the dot in ``register.field``: the fields, or for a register without any its own name."""
     return list(field_names(Fields("register", register, (), ""), groups)) if "fields" in register else [str(register.get("name"))]
