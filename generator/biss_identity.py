@@ -1,4 +1,4 @@
-"""What a BiSS master can know a device by: the fixed bits of its 64-bit identity, and the lengths of its single cycle data.
+"""What a BiSS master can know a device by: the fixed bits of its 64-bit identity, its profile ID, and the lengths of its single cycle data.
 
 Device ID (registers 78h to 7Dh) and manufacturer ID (7Eh and 7Fh) are taken as one number of 64 bits, high byte first, as the BiSS C protocol
 description orders registers: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
@@ -13,6 +13,7 @@ from .expressions import Expression
 from .model import Crc, Device, Field, Layout, PlacedLayout, Register, Variant
 
 FIRST, LAST = 0x78, 0x7F
+PROFILE = 0x42
 _IDENTITY_BITS = 8 * (LAST - FIRST + 1)
 _MANUFACTURER_BITS = 16
 
@@ -118,10 +119,39 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     return tuple(sorted(found, key=lambda item: (item.data_bits, item.codes)))
 
 
+def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
+    """The profile IDs in registers 42h and 43h with the order codes that have them; empty where the spec states none."""
+    register = next((item for item in device.registers if item.interface == "biss" and item.address == PROFILE and item.length == 2), None)
+    if register is None or register.byte_order != "high_byte_first" or any(not _is_stated(field) for field in register.layout.fields):
+        return {}
+    found: dict[int, list[str]] = {}
+    for variant in biss_variants(device):
+        placed = register.layout.place(variant.parameters)
+        number = sum(_stated(item.field, variant) << item.low for item in placed.fields)
+        found.setdefault(number, []).append(variant.code)
+    return {number: tuple(codes) for number, codes in found.items()}
+
+
+def _is_stated(field: Field) -> bool:
+    return field.kind == "constant" or isinstance(field.equals, (int, Expression))
+
+
+def _stated(field: Field, variant: Variant) -> int:
+    if isinstance(field.equals, Expression):
+        return field.equals.value(variant.parameters)
+    return field.equals if isinstance(field.equals, int) else field.constant
+
+
+def status_fields(layout: Layout) -> tuple[Field, ...]:
+    """The bits for error and warning: flags, and what stands for one and is never active, which is a bit that is always 1."""
+    return tuple(item for item in layout.fields if item.kind == "flag" or (item.kind == "constant" and item.constant == 1 and item.widest == 1))
+
+
 def _length(placed: PlacedLayout, codes: tuple[str, ...]) -> DataLength:
-    data = {item.name: item.width for item in placed.fields if item.field.kind not in ("crc", "flag")}
+    status = [item.name for item in status_fields(placed.layout)]
+    data = {item.name: item.width for item in placed.fields if item.field.kind != "crc" and item.name not in status}
     crc = sum(item.width for item in placed.fields if item.field.kind == "crc")
-    flags = sum(item.width for item in placed.fields if item.field.kind == "flag")
+    flags = sum(item.width for item in placed.fields if item.name in status)
     return DataLength(codes, sum(data.values()), flags, crc, data)
 
 

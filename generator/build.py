@@ -17,6 +17,7 @@ from .crc import form, polynomial_text
 from .examples import check_examples
 from .expressions import Expression, ExpressionError
 from .layouts import Context, Raw, bit_range, build_layout, build_values
+from .limits import bounded_width, bounds, representable
 from .model import (
     Alarm, Argument, CableLength, Characteristic, CodePart, CodeValue, Connector, Contact, ControlField, Crc, DataId, Device, Document, Edition,
     Erratum, Example, FieldGroup, Input, Interface, Led, LedState, LostFigure, Manual, Manufacturer, Measurement, MemoryAccess, Network, OrderCode,
@@ -337,15 +338,17 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
         join = next((item for item in register.layout.joins if item.name == register.limits_of), None)
         names = join.fields if join is not None else (register.limits_of,)
         parts = [item for item in (placed.field(name) for name in names) if item is not None]
-        width = sum(item.width for item in parts) or 8 * register.length
+        width, signed = bounded_width(register, placed), len(parts) == 1 and parts[0].field.signed
         zero_means = parts[0].field.zero_means if len(parts) == 1 else 0
-        low = register.min.value(parameters) if register.min is not None else 0
-        high = register.max.value(parameters) if register.max is not None else (1 << width) - 1
+        lowest, highest = representable(register, placed)
+        low, high = bounds(register, placed, (register.min, register.max), parameters)
         if high == zero_means:
             high -= 1
-        if high >> width or low < 0 or low > high:
-            key = "max" if high >> width else "min"
-            wrong = f"the maximum {high} does not fit into the {width} bits of '{register.limits_of}'" if high >> width else f"the minimum {low} is above the maximum {high}"
+        if low < lowest or high > highest or low > high:
+            key = "max" if high > highest else "min"
+            wrong = f"the {key}imum {high if key == 'max' else low} does not fit into the {width} bits of '{register.limits_of}'"
+            if lowest <= low and high <= highest:
+                wrong = f"the minimum {low} is above the maximum {high}"
             report.add("limit-does-not-fit", (*path, key), wrong)
             return
         if register.default is None:
@@ -355,6 +358,7 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
             return
         value = codec.join_value(placed, join, register.default) if join is not None else register.default
         if join is not None or register.limits_of == register.name:
+            value -= 1 << width if signed and value > highest else 0
             if not low <= (value or zero_means) <= max(high, zero_means):
                 report.add("default-does-not-fit", (*path, "default"), f"the default {value} is outside the limits {low} to {high}")
                 return

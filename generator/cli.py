@@ -87,9 +87,21 @@ def _parser() -> argparse.ArgumentParser:
     decode.add_argument(
         "--register", action="append", default=[], metavar="ADDRESS=BYTE", help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)"
     )
+    decode.add_argument("--layout", metavar="NAME", help="the frame's layout, as show names it, where nothing in the frame tells it: another BiSS data channel")
     decode.add_argument("--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)")
     _add_spec_option(decode)
     decode.set_defaults(run=_decode)
+
+    diff = commands.add_parser("diff", help="what another version of a spec changes", description="Name each changed fact, breaking or compatible; exit 1 if there is one.")
+    diff.add_argument("old", type=Path, metavar="OLD", help="the spec as it was: a file or a folder")
+    diff.add_argument("new", type=Path, metavar="NEW", help="the spec as it is to be")
+    diff.add_argument("--json", action="store_true", help="print JSON")
+    diff.set_defaults(run=_diff)
+
+    new = commands.add_parser("new", help="write a spec to start from", description="Write a commented spec that passes check, to be filled from a manual.")
+    new.add_argument("name", metavar="NAME", help="name of the family: small letters, digits and underscores")
+    new.add_argument("-o", dest="output", type=Path, metavar="FILE", help="where to write it (default: NAME.yaml in this folder)")
+    new.set_defaults(run=_new)
     return parser
 
 
@@ -119,7 +131,7 @@ def _print_json(data: Mapping[str, Any]) -> None:
 
 
 def _generate(chosen: argparse.Namespace) -> int:
-    from .targets import BUILT_IN, Library, target
+    from .targets import BUILT_IN, Library, TargetError, target
     from .write import WriteError, changes, write
 
     names = list(dict.fromkeys(chosen.target or BUILT_IN))
@@ -132,13 +144,13 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.templates is not None and not chosen.templates.is_dir():
         raise Stop(f"there is no folder {chosen.templates}", 2)
     library = Library(_load(chosen.specs), chosen.templates)
-    files = {name: made(library) for name, made in targets.items()}
     try:
+        files = {name: made(library) for name, made in targets.items()}
         if chosen.check:
             found = [item for name in names for item in changes(chosen.output, name, files[name])]
         else:
             found = write(chosen.output, files)
-    except WriteError as error:
+    except (TargetError, WriteError) as error:
         raise Stop(str(error), 1) from None
     words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
     for item in found:
@@ -225,6 +237,30 @@ def _show(chosen: argparse.Namespace) -> int:
     return 0
 
 
+def _diff(chosen: argparse.Namespace) -> int:
+    from .diff import as_data, as_text, compare
+
+    changes = compare(_load([chosen.old]), _load([chosen.new]))
+    if chosen.json:
+        _print_json(as_data(changes))
+    else:
+        print(as_text(changes))
+    return 1 if changes else 0
+
+
+def _new(chosen: argparse.Namespace) -> int:
+    from .new import NameRefused, NotWritten, write_spec
+
+    try:
+        for path in write_spec(chosen.name, chosen.output):
+            print(f"written    {path.as_posix()}")
+    except NameRefused as error:
+        raise Stop(str(error), 2) from None
+    except NotWritten as error:
+        raise Stop(str(error), 1) from None
+    return 0
+
+
 def _held(pairs: Sequence[str]) -> dict[int, int]:
     """``0x56=0x10`` and the like as bytes by address.
 
@@ -261,7 +297,7 @@ def _decode(chosen: argparse.Namespace) -> int:
             if chosen.register_name is not None:
                 decoded = decode_register_text(device, match.variant, chosen.register_name, line)
             else:
-                decoded = decode_text(device, match.variant, chosen.sender, line)
+                decoded = decode_text(device, match.variant, chosen.sender, line, chosen.layout)
         except (FrameTextError, RegisterError) as error:
             print(f"codewheel: {error}", file=sys.stderr)
             code = 2

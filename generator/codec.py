@@ -82,26 +82,37 @@ def select(device: Device, variant: Variant, sender: str, data: bytes) -> tuple[
         if not layout.selector:
             return placed, ()
         allowed.extend(layout.selects)
-        selector = placed.field(layout.selector)
-        if selector is None or 8 * len(data) <= selector.high:
-            continue
-        # A frame that is too short or too long still starts with its selector when the low byte comes first.
-        if number_from_bytes(layout, data) >> selector.low & selector.mask in layout.selects:
+        if _selected(placed, data) in layout.selects:
             return placed, ()
     layout = candidates[0]
-    selector = layout.place(variant.parameters).field(layout.selector)
-    if selector is None or 8 * len(data) <= selector.high:
+    found = _selected(layout.place(variant.parameters), data)
+    if found is None:
         return None, (Problem("length", "", f"{len(data)} bytes are too few to tell the frame by"),)
-    found = number_from_bytes(layout, data) >> selector.low & selector.mask
     choices = ", ".join(f"{value:X}" for value in sorted(allowed))
     return None, (Problem("range", layout.selector, f"{layout.selector} is {found:X}; it can be {choices}"),)
+
+
+def _selected(placed: PlacedLayout, data: bytes) -> int | None:
+    """The selecting field, counted from the start of the frame, which may be too short or too long; None where it is not in ``data``."""
+    selector = placed.field(placed.layout.selector)
+    if selector is None:
+        return None
+    low_first = placed.layout.byte_order == "low_byte_first"
+    needed = selector.high // 8 + 1 if low_first else (placed.bits - selector.low + 7) // 8
+    if len(data) < needed:
+        return None
+    beyond = 0 if low_first else placed.bits - 8 * needed
+    return number_from_bytes(placed.layout, data[:needed]) >> (selector.low - beyond) & selector.mask
 
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
     """A frame of whole bytes, its layout told by its selecting field."""
     placed, problems = select(device, variant, sender, data)
-    if placed is None:
-        return Decoded(None, 0, (), None, problems)
+    return decode_placed(device, placed, data) if placed is not None else Decoded(None, 0, (), None, problems)
+
+
+def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
+    """A frame of whole bytes whose layout is known."""
     if 8 * len(data) != placed.bits:
         wrong = f"'{placed.name}' has {placed.bits // 8} bytes; this has {len(data)}"
         return Decoded(placed, number_from_bytes(placed.layout, data), (), None, (Problem("length", "", wrong),))
@@ -233,6 +244,9 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     left = [name for name in given if name not in _used(placed)]
     if left:
         raise EncodeError(f"there is no field '{left[0]}' in {placed.name}")
+    absent = next((field.name for field in placed.layout.fields if given.get(field.name) and placed.field(field.name) is None), "")
+    if absent:
+        raise EncodeError(f"{absent} {given[absent]} does not fit: this order code has no such field")
     for item in placed.fields:
         if item.field.kind == "parity":
             of = placed.field(item.field.parity_of)
@@ -302,6 +316,8 @@ def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
             raw = 0
     if raw < 0 or raw > item.mask:
         raise EncodeError(f"{field.name} {raw} does not fit into {item.width} bits")
+    if field.power_of_two and raw.bit_count() != 1:
+        raise EncodeError(f"{field.name} {raw} is no power of two")
     return raw
 
 

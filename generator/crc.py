@@ -5,6 +5,8 @@ Parameters are named as everywhere in the field: width, poly (without its top bi
 
 from __future__ import annotations
 
+from functools import cache
+
 from .model import Crc, FoldStep
 
 
@@ -55,18 +57,24 @@ def form(width: int, poly: int, init: int, refin: bool, refout: bool) -> str:
 
 
 def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
-    """Steps that bring a word of ``bits`` bits down to its remainder modulo x^n + x^m + 1 or x^n + 1.
+    """The fewest steps that bring a word of ``bits`` bits down to its remainder modulo x^n + x^m + 1 or x^n + 1.
 
     Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word above bit n*2^k can be added to the part
-    below it once in place and once shifted by m*2^k. For x^n + 1 both places are the same part, added once.
+    below it once in place and once shifted by m*2^k. For x^n + 1 both places are the same part, added once. The largest power is not always
+    the best: a smaller one may leave a word that the next steps bring down sooner. Among plans of as many steps the one that starts
+    with the larger powers is taken, so that every polynomial has one plan; all steps of a polynomial cost the same operations.
     """
     middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
-    steps = []
-    while bits > width:
-        power = 0
-        while width << (power + 1) < bits:
-            power += 1
-        shift, back = width << power, middle << power
-        steps.append(FoldStep(shift, (1 << shift) - 1, back))
-        bits = max(shift, bits - shift + back)
-    return tuple(steps)
+
+    @cache
+    def powers(left: int) -> tuple[int, ...]:
+        if left <= width:
+            return ()
+        plans = []
+        for power in range((left - 1).bit_length()):
+            shift, back = width << power, middle << power
+            if shift < left:
+                plans.append((power, *powers(max(shift, left - shift + back))))
+        return min(plans, key=lambda plan: (len(plan), [-power for power in plan]))
+
+    return tuple(FoldStep(width << power, (1 << (width << power)) - 1, middle << power) for power in powers(bits))

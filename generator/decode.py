@@ -8,6 +8,7 @@ from typing import Any
 from . import codec
 from .model import Device, Layout, PlacedLayout, Variant
 from .order_codes import Match
+from .relevant import parameters_of
 from .render import wrapped
 from .run_time import decode_register
 
@@ -21,7 +22,7 @@ class FrameTextError(ValueError):
     """The text is no frame; the message says what one looks like."""
 
 
-def decode_text(device: Device, variant: Variant, sender: str, text: str) -> codec.Decoded:
+def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
     """The frame that ``text`` writes, decoded.
 
     Args:
@@ -29,9 +30,10 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str) -> cod
         variant: The order code.
         sender: ``encoder`` or ``master``.
         text: Hex bytes where the line carries bytes; where it carries bits one number, ``0b`` with every digit or ``0x``.
+        layout: The layout's name; without it, the one that the frame tells, or else the sender's first.
 
     Raises:
-        FrameTextError: The text cannot be read as a frame.
+        FrameTextError: The text cannot be read as a frame, or there is no such layout.
     """
     text = text.strip()
     if not text or len(text) > _LONGEST_TEXT:
@@ -39,9 +41,14 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str) -> cod
     layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
     if not layouts:
         raise FrameTextError(f"over {device.interface(variant.interface).title} the {sender} sends no frame that the manual describes")
-    if layouts[0].carried_as == "bytes":
-        return codec.decode_bytes(device, variant, sender, _bytes(text))
-    return _decode_bits(device, layouts[0].place(variant.parameters), text)
+    if layout is None:
+        if layouts[0].carried_as == "bytes":
+            return codec.decode_bytes(device, variant, sender, _bytes(text))
+        return _decode_bits(device, layouts[0].place(variant.parameters), text)
+    placed = next((item.place(variant.parameters) for item in layouts if item.name == layout), None)
+    if placed is None:
+        raise FrameTextError(f"{variant.code} has no layout '{layout}' from the {sender}; it has: {', '.join(item.name for item in layouts)}")
+    return codec.decode_placed(device, placed, _bytes(text)) if placed.layout.carried_as == "bytes" else _decode_bits(device, placed, text)
 
 
 def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
@@ -98,8 +105,9 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -
     variant = match.variant
     is_frame = decoded.layout is None or decoded.layout.layout.sender != ""
     lines = [f"{variant.code}, {device.interface(variant.interface).title}" + (f", from the {sender}" if is_frame else "")]
-    if device.run_time_parameters:
-        state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in device.run_time_parameters)
+    held = [item for item in parameters_of(device, variant.interface) if item.read_from]
+    if held:
+        state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in held)
         lines.append(wrapped(f"with {state} (from registers; --register changes them)", 80, "  "))
     if match.unlisted:
         lines.append(f"  not listed in the manual, taken as any other: {', '.join(match.unlisted)}")
@@ -107,14 +115,16 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -
         lines.append(wrapped(device.order_code.special or "A code that ends in /Sxxx may differ from the manual.", 80, "  "))
     if decoded.layout is not None:
         title = decoded.layout.layout.printed_name or decoded.layout.name.replace("_", " ")
-        lines.append(f"{title}, {_size(decoded.layout)}")
+        channel = f", data channel {decoded.layout.layout.channel}" if decoded.layout.layout.channel else ""
+        lines.append(f"{title}, {_size(decoded.layout)}{channel}")
     if decoded.fields:
         lines += ["", *_table(decoded)]
     crc = decoded.crc
     if crc is not None:
         parameters = device.crc(crc.name)
         verdict = "as it has to be" if crc.ok else f"WRONG, over the bits before it the CRC is {crc.computed:#04x}"
-        inverted = ", sent inverted" if parameters.xorout == parameters.mask else ""
+        inverted = f", start value {parameters.init:#x}" if parameters.init else ""
+        inverted += ", sent inverted" if parameters.xorout == parameters.mask else ""
         lines += ["", wrapped(f"CRC {crc.received:#04x}: {verdict} ({parameters.polynomial}{inverted})", 80, "  ", "")]
     if decoded.problems:
         lines.append("")

@@ -6,7 +6,7 @@ from its place in that schema:
 * an object is an element; a list of objects is an element that holds one element for each, named after its type;
 * running text (``text`` in the schema) is an element, every other single value an attribute, a list of words or numbers an attribute with spaces;
 * a map is an element of ``entry`` elements with a name each;
-* what is null, empty or an empty list is left out;
+* what is null, empty, an empty list, or what the schema calls its default is left out;
 * ``source`` elements cite the manual; what has none has those of the element around it.
 
 ``spec/device-description.xsd`` is made from the same schema by ``python -m codewheel.xsd``, and a test holds the two together.
@@ -127,7 +127,7 @@ def _write(element: Any, item: Mapping[str, Any], shape: Shape, inherited: tuple
             etree.SubElement(element, _tag("source"), {key: _scalar(value) for key, value in source if value not in ("", None)})
     for member in members(shape):
         value = item[member.name]
-        if value is None or value == "" or (isinstance(value, (list, dict)) and not value):
+        if value is None or value == "" or (isinstance(value, (list, dict)) and not value) or _is_default(member, value):
             continue
         if member.kind == "attribute":
             element.set(member.name, _scalar(value))
@@ -154,6 +154,10 @@ def _write_inside(element: Any, value: Any, member: Member, own: tuple[Any, ...]
     else:
         for inner in value.values() if member.kind == "keyed" else value:
             _write(etree.SubElement(element, _tag(member.type_name)), inner, member.shape, own)
+
+
+def _is_default(member: Member, value: object) -> bool:
+    return "default" in member.shape and value == member.shape["default"]
 
 
 def _types(member: Member) -> tuple[str, ...]:
@@ -190,7 +194,7 @@ def _read_member(element: Any, member: Member, own: list[dict[str, Any]]) -> Any
         text = element.get(member.name)
         if member.kind == "list":
             return [_value(word, Member("", "", member.shape).types) for word in (text or "").split()]
-        return _value(text, member.types)
+        return member.shape["default"] if text is None and "default" in member.shape else _value(text, member.types)
     inner = element.find(_tag(member.name))
     if member.kind == "object":
         return None if inner is None else _read(inner, member.shape, own)

@@ -37,11 +37,15 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
             if data["manufacturer"] in makers:
                 report.add("duplicate-name", document, ("manufacturer",), f"there is another manufacturer file for '{data['manufacturer']}'")
             makers[data["manufacturer"]] = build_manufacturer(data)
+    # Of a manufacturer file with problems of its own, its devices say nothing more.
+    broken = {document.data.get("manufacturer") for document in documents if "device" not in document.data}
     devices: list[Device] = []
     for document, data in checked:
         if data is None or "device" not in data:
             continue
         maker = makers.get(data["manufacturer"])
+        if maker is None and data["manufacturer"] in broken:
+            continue
         if maker is None:
             known = f"; known: {listed(sorted(makers))}" if makers else ""
             report.add("undefined-reference", document, ("manufacturer",), f"there is no manufacturer file for '{data['manufacturer']}'{known}")

@@ -18,6 +18,7 @@ from typing import Any
 from .expressions import Expression
 from .model import Device, Example, Field, Interface, Join, Layout, Register, Source, Sources, Step, Variant
 from .order_codes import Match
+from .relevant import parameters_of
 
 VERSION = 1
 
@@ -44,7 +45,7 @@ def variant_dump(device: Device, match: Match) -> Item:
     """One order code as plain data, everything resolved; what belongs to another interface is left out."""
     variant = match.variant
     label = {"code": variant.code, "unlisted": list(match.unlisted), "tail": match.tail, "special": match.special}
-    return _Dump(_for_interface(device, variant.interface), variant).whole((variant,), variant.parameters, label)
+    return _Dump(for_interface(device, variant.interface), variant).whole((variant,), variant.parameters, label)
 
 
 @dataclass(frozen=True)
@@ -156,11 +157,11 @@ class _Dump:
 
     def _register(self, register: Register) -> Item:
         made: Item = self.plain(replace(register, layout=replace(register.layout, fields=(), joins=())), ())
-        del made["layout"], made["opened_by_value"]
+        del made["layout"], made["opened_by_field"], made["opened_by_value"]
         data = register.default_bytes()
         made["last_address"] = register.last_address
         made["default_bytes"] = data.hex(" ").upper() if data is not None else ""
-        made["opened_by"] = {"register": register.opened_by, "value": register.opened_by_value} if register.opened_by else None
+        made["opened_by"] = _opened_by(register) if register.opened_by else None
         made["other_bits"] = register.layout.gaps
         made["join"] = [self._join(item, register.layout) | _cited(register.source) for item in register.layout.joins]
         made["fields"] = self._fields(register.layout, register.source)
@@ -176,6 +177,10 @@ class _Dump:
         return device + [self.plain(item, part.source) | {"interface": part.kind} for part in self.device.interfaces for item in part.timings]
 
 
+def _opened_by(register: Register) -> Item:
+    return {"register": register.opened_by, "field": register.opened_by_field, "value": register.opened_by_value}
+
+
 def _cited(sources: Sources) -> Item:
     """``source`` is the first; ``sources`` lists all where there are several."""
     listed = [_source(item) for item in sources]
@@ -188,7 +193,7 @@ def _source(source: Source) -> Item:
     return {"document": source.document, "section": source.section, "page": source.page}
 
 
-def _for_interface(device: Device, kind: str) -> Device:
+def for_interface(device: Device, kind: str) -> Device:
     """The device with only one of its interfaces, and without what belongs to the others."""
     interfaces = tuple(item for item in device.interfaces if item.kind == kind)
     layouts = {layout.name for item in interfaces for layout in item.layouts}
@@ -197,9 +202,22 @@ def _for_interface(device: Device, kind: str) -> Device:
     all_fields = [field for item in interfaces for layout in item.layouts for field in layout.fields]
     crcs = {field.crc for field in all_fields} | {part.crc for item in interfaces for part in item.control_data}
     groups = {field.group for field in all_fields}
-    kept = {f"interfaces.{kind}", *(f"registers.{item.name}" for item in registers), *(f"procedures.{item.name}" for item in procedures)}
-    kept |= {f"crcs.{name}" for name in crcs}
     names = {"layout": layouts, "register": {item.name for item in registers}, "procedure": {item.name for item in procedures}, "crc": crcs}
+    alarms = tuple(item for item in device.alarms if item.group in {"", *groups} and item.register in {"", *names["register"]})
+    connectors = tuple(item for item in device.connectors if not item.interfaces or kind in item.interfaces)
+    examples = [item for item in device.examples if all(getattr(item, key) in {"", *found} for key, found in names.items())]
+    examples = [item for item in examples if _same_interface(device, item, kind)]
+    kept = {
+        "interfaces": {kind},
+        "registers": names["register"],
+        "procedures": names["procedure"],
+        "crcs": crcs,
+        "field_groups": groups,
+        "alarms": {item.name for item in alarms},
+        "connectors": {item.name for item in connectors},
+        "examples": {item.name for item in examples},
+        "parameters": {item.name for item in parameters_of(device, kind)},
+    }
     here = _is_here(kept)
     return replace(
         device,
@@ -208,19 +226,19 @@ def _for_interface(device: Device, kind: str) -> Device:
         procedures=procedures,
         crcs=tuple(item for item in device.crcs if item.name in crcs),
         field_groups=tuple(item for item in device.field_groups if item.name in groups),
-        alarms=tuple(item for item in device.alarms if not item.group or item.group in groups),
-        connectors=tuple(item for item in device.connectors if not item.interfaces or kind in item.interfaces),
-        examples=tuple(item for item in device.examples if all(getattr(item, key) in {"", *found} for key, found in names.items()) and _same_interface(device, item, kind)),
+        alarms=alarms,
+        connectors=connectors,
+        examples=tuple(examples),
         errata=tuple(item for item in device.errata if not item.affects or any(map(here, item.affects))),
     )
 
 
-def _is_here(kept: set[str]) -> Callable[[str], bool]:
+def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
     """Whether a path of an erratum leads to something that this interface has; paths that belong to no interface always do."""
 
     def found(path: str) -> bool:
         parts = path.split(".")
-        return len(parts) == 1 or parts[0] not in ("interfaces", "registers", "procedures", "crcs") or ".".join(parts[:2]) in kept
+        return len(parts) == 1 or parts[1] in kept.get(parts[0], {parts[1]})
 
     return found
 

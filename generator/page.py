@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from .expressions import Expression
 from .markdown import cited, code, joined, link, sentence, table, text
-from .model import Device, Field, Interface, Layout, PlacedLayout, Register, Value, Variant
+from .model import Alarm, Device, Field, Interface, Layout, PlacedLayout, Register, Value, Variant
 from .pictures import Strip, bit_strip, byte_strip, draw, group_strip, register_strip
+from .words import number
 
 _BIT, _BYTE_BIT = 15.0, 10.5
 #: More named values than this are listed in a table of their own.
@@ -34,11 +36,6 @@ def placements(device: Device, layout: Layout, kind: str) -> tuple[Placement, ..
     return tuple(sorted((Placement(tuple(codes), placed) for placed, codes in found.values()), key=lambda item: item.placed.bits))
 
 
-def number(value: int) -> str:
-    """A number in groups of three digits."""
-    return f"{value:,}"
-
-
 def hexadecimal(value: int, digits: int = 2) -> str:
     """As manuals write it: ``3Fh``."""
     return f"{value:0{digits}X}h"
@@ -58,15 +55,26 @@ def address(register: Register) -> str:
     return hexadecimal(register.address) + (f"–{hexadecimal(register.last_address)}" if register.length > 1 else "")
 
 
-def named(name: str, printed_name: str, names: object) -> str:
+def named(name: str, printed_name: str, names: Mapping[str, str]) -> str:
     """A name as code, and the manual's own names below it."""
-    others = [f"{key}: {text(value)}" for key, value in dict(names).items()] if isinstance(names, dict) or hasattr(names, "items") else []  # type: ignore[call-overload]
-    return joined([code(name), joined([text(printed_name), *others], ", ")])
+    return joined([code(name), own_names(printed_name, names)])
 
 
-def errata_links(device: Device, path: str) -> str:
+def own_names(printed_name: str, names: Mapping[str, str]) -> str:
+    return joined([text(printed_name), *(f"{key}: {text(value)}" for key, value in names.items())], ", ")
+
+
+def title(name: str, printed_name: str, names: Mapping[str, str]) -> str:
+    """A heading: the manual's own name, and in parentheses its names in other languages."""
+    own = printed_name or name.replace("_", " ").capitalize()
+    others = ", ".join(f"{key}: {other}" for key, other in names.items())
+    return f"{own} ({others})" if others else own
+
+
+def errata_links(device: Device, path: str | Sequence[str]) -> str:
     """The errata that are about exactly this, or about something inside it."""
-    found = [item for item in device.errata if any(other == path or other.startswith(path + ".") for other in item.affects)]
+    paths = (path,) if isinstance(path, str) else tuple(path)
+    found = [item for item in device.errata if any(other in paths or other.startswith(tuple(f"{part}." for part in paths)) for other in item.affects)]
     return ", ".join(link(code(item.name), f"#erratum-{item.name}") for item in found)
 
 
@@ -92,18 +100,19 @@ def byte_place(layout: Layout, bits: int, high: int, low: int) -> str:
     return f"bits {bit_range(high, low)} of the frame as one number"
 
 
-def value_text(value: Value, digits: int) -> str:
-    names = joined([text(value.printed_name), *(f"{key}: {text(name)}" for key, name in value.names.items())], ", ")
-    return f"{hexadecimal(value.value, digits)} {code(value.name)}" + (f" ({names})" if names else "") + (f": {text(value.meaning)}" if value.meaning else "")
+def value_text(value: Value, written: str) -> str:
+    names = own_names(value.printed_name, value.names)
+    return f"{written} {code(value.name)}" + (f" ({names})" if names else "") + (f": {text(value.meaning)}" if value.meaning else "")
 
 
-def field_meaning(field: Field) -> str:
-    """All that is to be said of a field in one cell."""
+def field_meaning(field: Field, in_register: bool = False) -> str:
+    """All that is to be said of a field in one cell; a register has a table of its own for many values."""
     parts = [text(field.meaning)]
     if field.kind == "flag":
         yes, no = (0, 1) if field.active_low else (1, 0)
-        parts.append(f"{yes}: {text(field.when_active) or 'yes'}; {no}: {text(field.when_inactive) or 'no'}")
-    elif field.kind == "constant" and not (field.meaning and field.constant == 0):
+        if field.when_active or field.when_inactive or field.implemented:
+            parts.append(f"{yes}: {text(field.when_active) or 'yes'}; {no}: {text(field.when_inactive) or 'no'}")
+    elif field.kind == "constant" and not re.search(rf"always ({field.constant}|zero)\b", field.meaning.lower()):
         parts.append(f"always {hexadecimal(field.constant)}" if field.constant > 1 else f"always {field.constant}")
     elif field.kind == "crc":
         parts.append(f"{link(code(field.crc), f'#crc-{field.crc}')} over everything before it")
@@ -114,18 +123,46 @@ def field_meaning(field: Field) -> str:
     elif field.kind == "digits":
         runs = (f"{code(run.name)} {run.digits}" + (f" ({text(run.meaning)})" if run.meaning else "") for run in field.digits)
         parts.append(f"decimal digits, most significant first: {'; '.join(runs)}")
-    if len(field.values) > _FEW:
-        parts.append("; ".join(f"{item.value:X}h {code(item.name)}" for item in field.values))
+    if has_value_table(field):
+        parts.append("see its values below" if in_register else "; ".join(value_text(replace(item, meaning=""), f"{item.value:X}h") for item in field.values))
     else:
-        parts += [value_text(item, (field.widest + 3) // 4) for item in field.values]
+        parts += [value_text(item, hexadecimal(item.value, (field.widest + 3) // 4)) for item in field.values]
     parts += [f"right-aligned in {field.container} bits, zeros above it" if field.container else "", f"unit: {text(field.unit)}" if field.unit else ""]
     parts += ["two's complement" if field.signed else "", f"0 means {number(field.zero_means)}" if field.zero_means else ""]
-    parts += ["powers of two only" if field.power_of_two else "", "" if field.implemented else "not implemented", text(field.reserved)]
-    if field.equals is not None:
-        parts.append(f"is {code(field.equals) if isinstance(field.equals, str) else expression(field.equals)}")
+    parts += ["powers of two only" if field.power_of_two else "", "" if field.implemented or is_said(field) else "not implemented"]
+    parts += [f"reserved for the {field.reserved}" if field.reserved else "", f"is {_equal(field.equals)}" if field.equals is not None else ""]
     parts.append(f"default {number(field.default)}" if field.default is not None else "")
-    parts.append("explained by " + ", ".join(map(code, field.explained_by)) if field.explained_by else "")
+    parts.append("explained by " + ", ".join(map(bit_link, field.explained_by)) if field.explained_by else "")
     return joined([*parts, text(field.note)])
+
+
+def is_said(item: Field | Alarm) -> bool:
+    """Whether the meaning itself says that it is not implemented."""
+    return item.meaning.lower().startswith("not implemented")
+
+
+def _equal(value: Expression | int | str) -> str:
+    if isinstance(value, str):
+        return code(value)
+    constant = value.constant if isinstance(value, Expression) and value.is_constant else value
+    return f"{hexadecimal(constant)} ({number(constant)})" if isinstance(constant, int) and constant > 9 else expression(value)
+
+
+def bit_link(path: str) -> str:
+    """A bit written as ``register.field``, as a link to its register."""
+    return link(code(path), f"#register-{path.partition('.')[0]}")
+
+
+def has_value_table(field: Field) -> bool:
+    """Whether its values are too many for one cell."""
+    return len(field.values) > _FEW
+
+
+def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
+    """Value, name, meaning, source."""
+    for item in field.values:
+        names = own_names(item.printed_name, item.names)
+        yield hexadecimal(item.value, (field.widest + 3) // 4), joined([code(item.name), names]), text(item.meaning), cited(item.source)
 
 
 def field_rows(device: Device, layout: Layout, kind: str) -> Iterator[tuple[str, ...]]:
@@ -141,7 +178,7 @@ def field_rows(device: Device, layout: Layout, kind: str) -> Iterator[tuple[str,
                 group = groups[field.group]
                 name = link(code(group.name), f"#group-{group.name}")
                 where = byte_place(layout, layout.widest, low + group.bits - 1, low)
-                yield joined([name, text(group.printed_name)]), where, f"{group.bits}", "several fields, see there", ""
+                yield joined([name, own_names(group.printed_name, group.names)]), where, f"{group.bits}", "several fields, see there", ""
             continue
         if field.padding_of:
             continue  # told with the field itself
@@ -149,7 +186,7 @@ def field_rows(device: Device, layout: Layout, kind: str) -> Iterator[tuple[str,
             named(field.name, field.printed_name, field.names),
             place(layout, field, bits=layout.widest),
             expression(field.width),
-            field_meaning(field),
+            field_meaning(field, in_register=not layout.sender),
             cited(field.source) if field.source != layout.source else "",
         )
 
@@ -226,8 +263,9 @@ def group_picture(device: Device, name: str) -> str:
 
 
 def has_picture(register: Register) -> bool:
-    """A register of one byte and one field needs none."""
-    return len(register.layout.fields) > 1
+    """A register that is one field from end to end needs none."""
+    fields = register.layout.fields
+    return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
 
 
 def register_picture(device: Device, register: Register) -> str:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from .markdown import cited, code, joined, link, text
-from .model import Alarm, Crc, Device, Example, Interface, Procedure, Register, Step, Timing
-from .page import address, errata_links, expression, hexadecimal, named, number
+from .model import Alarm, Argument, Crc, Device, Example, Input, Interface, Procedure, Register, Step, Timing
+from .page import address, bit_link, errata_links, expression, hexadecimal, is_said, named, value_text
+from .words import hertz, microseconds, nanoseconds, number, timeout_words
 
 _ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
 _ALIGNMENT = {"msb_left": "left: the MSB comes with the first clock, zeros follow the word", "lsb_right": "right: zeros come before the word"}
 _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
+_ABOVE_MAX = {"default": "the encoder takes the default instead", "refused": "the encoder refuses it"}
 _SEVERITY = {
     "wrong_data": "wrong bytes or bits on the wire",
     "wrong_limit": "a wrong limit or order code",
@@ -18,26 +20,6 @@ _SEVERITY = {
     "wording": "wording only",
 }
 _STATUS = {"settled": "settled by the manual's own evidence or by arithmetic", "open": "open: only hardware or the maker could decide"}
-
-
-def hertz(value: int) -> str:
-    """A frequency in the unit in which it is shortest."""
-    for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):
-        if value >= factor:
-            return f"{value / factor:g} {unit}"
-    return f"{value} Hz"
-
-
-def microseconds(value: int) -> str:
-    """A time in the unit in which it is a whole number."""
-    for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
-        if value >= factor and value % factor == 0:
-            return f"{value // factor} {unit}"
-    return f"{value} µs"
-
-
-def nanoseconds(value: int) -> str:
-    return microseconds(value // 1000) if value % 1000 == 0 else f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
 
 
 def interface_rows(interface: Interface) -> Iterator[tuple[str, str, str]]:
@@ -62,14 +44,13 @@ def interface_rows(interface: Interface) -> Iterator[tuple[str, str, str]]:
         yield "Network", f"{text(interface.network.topology.replace('_', ' '))}, {slaves}", cited(interface.network.source)
     timeout = interface.timeout
     if timeout is not None:
-        parts = [f"{timeout.half_clock_periods / 2:g} clock periods" if timeout.half_clock_periods is not None else timeout.rule.replace("_", " ")]
-        parts += [f"{word} {nanoseconds(value)}" for word, value in (("typically", timeout.typical_ns), ("at most", timeout.at_most_ns)) if value is not None]
         printed = "; ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed)
-        yield "Time-out", ", ".join(parts) + (f" ({printed})" if printed else ""), cited(timeout.source)
+        yield "Time-out", timeout_words(timeout) + (f" ({printed})" if printed else ""), cited(timeout.source)
     port = interface.port
     if port is not None:
-        settings = f"{number(port.baud)} Bd, {port.data_bits} data bits, parity {text(port.parity)}, {port.stop_bits} stop bit{'s' * (port.stop_bits > 1)}"
-        yield "Port", f"{settings}, flow control {text(port.flow_control)}", cited(port.source)
+        parity, flow = (f"{text(value).replace('none', 'no')} {what}" for value, what in ((port.parity, "parity"), (port.flow_control, "flow control")))
+        settings = f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {port.stop_bits} stop bit{'s' * (port.stop_bits > 1)}"
+        yield "Port", f"{settings}, {flow}", cited(port.source)
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
@@ -117,14 +98,15 @@ def register_facts(device: Device, register: Register) -> Iterator[tuple[str, st
     data = register.default_bytes()
     if data is not None:
         yield "Default", f"`{data.hex(' ').upper()}`"
-    if register.min is not None or register.max is not None:
+    if (register.min is not None and not register.meanings) or register.max is not None:
         low = expression(register.min) if register.min is not None else "0"
         what = "" if register.limits_of == register.name else f" of {code(register.limits_of)}"
         yield f"Limits{what}", f"{low} to {expression(register.max)}" if register.max is not None else f"{low} or more"
     if register.above_max:
-        yield "Above the limit", text(register.above_max)
+        yield "Above the limit", _ABOVE_MAX.get(register.above_max, register.above_max)
     if register.opened_by:
-        yield "Opened by", f"{link(code(register.opened_by), f'#register-{register.opened_by}')} = {code(register.opened_by_value)}"
+        path = ".".join(filter(None, [register.opened_by, register.opened_by_field]))
+        yield "Opened by", f"{bit_link(path)} = {code(register.opened_by_value)}"
     if register.write_clears:
         yield "A write clears", ", ".join(link(code(name), f"#register-{name}") for name in register.write_clears)
     if register.clears_itself:
@@ -134,10 +116,10 @@ def register_facts(device: Device, register: Register) -> Iterator[tuple[str, st
     if register.volatile:
         yield "At power-off", "a written value is lost unless it is saved"
     if register.reserved:
-        yield "Reserved", text(register.reserved)
+        yield "Reserved", f"for the {register.reserved}"
     for item in register.meanings:
-        bounds = f" ({expression(item.min) or '0'} to {expression(item.max)})" if item.max is not None else ""
-        yield f"While {code(item.when)} = {code(item.value)}", f"{code(item.name)}: {text(item.meaning)}{bounds}"
+        bounds = f", {expression(item.min) or '0'} to {expression(item.max)}" if item.max is not None else ""
+        yield f"While {bit_link(item.when)} = {code(item.value)}", joined([f"{code(item.name)}{bounds}", text(item.meaning), cited(item.source)])
     links = errata_links(device, f"registers.{register.name}")
     if links:
         yield "Errata", links
@@ -162,7 +144,7 @@ def _step(device: Device, step: Step) -> tuple[str, str]:
         return f"read {where}", f"from {address(register)}"
     value = f"{code(step.value_name)}" if step.value_name else number(step.value or 0)
     if step.do == "poll":
-        return f"read {where} until it is {value}", f"from {address(register)}"
+        return f"poll: read {where} until it is {value}", f"from {address(register)}"
     if step.value is None:
         return f"write {value} to {where}", f"to {address(register)}: as the register's fields place it"
     data = step.value.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
@@ -171,10 +153,11 @@ def _step(device: Device, step: Step) -> tuple[str, str]:
 
 def alarm_facts(device: Device, alarm: Alarm) -> Iterator[tuple[str, str]]:
     if alarm.field:
-        yield "Flag", f"{code(alarm.field)} in {link(code(alarm.group), f'#group-{alarm.group}')}" if alarm.group else code(alarm.field)
-    if not alarm.implemented:
-        yield "Implemented", "no"
+        places = ((alarm.group, f"#group-{alarm.group}"), (alarm.register, f"#register-{alarm.register}"))
+        yield "Flag", " in ".join([code(alarm.field), *(link(code(name), target) for name, target in places if name)])
     yield "Meaning", text(alarm.meaning)
+    if not (alarm.implemented or is_said(alarm)):
+        yield "Implemented", "no"
     if alarm.detected:
         yield "Detected", text(alarm.detected)
     if alarm.below_mv is not None:
@@ -190,7 +173,7 @@ def alarm_facts(device: Device, alarm: Alarm) -> Iterator[tuple[str, str]]:
         yield "Errata", links
 
 
-def example_facts(example: Example) -> Iterator[tuple[str, str]]:
+def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
     targets = (("Frame", "layout", example.layout), ("Register", "register", example.register), ("Procedure", "procedure", example.procedure), ("CRC", "crc", example.crc))
     yield from ((title, link(code(name), f"#{kind}-{name}")) for title, kind, name in targets if name)
     if example.order_code:
@@ -203,7 +186,7 @@ def example_facts(example: Example) -> Iterator[tuple[str, str]]:
         yield "Bits", code(example.bits)
     if example.check is not None:
         yield "Check value", f"`{hexadecimal(example.check)}`"
-    yield from ((f"Argument {code(name)}", number(value)) for name, value in example.arguments.items())
+    yield from ((f"Argument {code(name)}", number(value) + (f" ({hexadecimal(value)})" if value > 9 else "")) for name, value in example.arguments.items())
     if example.values:
         yield "Values", ", ".join(f"{code(name)} = {_value(value)}" for name, value in example.values.items())
     if example.counts is not None and example.micrometres is not None:
@@ -212,8 +195,9 @@ def example_facts(example: Example) -> Iterator[tuple[str, str]]:
         yield "Writes", ", ".join(f"`{item.address:02X}h: {item.value:02X}`" for item in example.writes)
     if example.refused:
         yield "Refused", f"for its {text(example.refused)}"
-    if example.erratum:
-        yield "Erratum", link(code(example.erratum), f"#erratum-{example.erratum}")
+    links = [link(code(example.erratum), f"#erratum-{example.erratum}") if example.erratum else "", errata_links(device, f"examples.{example.name}")]
+    if any(links):
+        yield "Errata", ", ".join(dict.fromkeys(", ".join(filter(None, links)).split(", ")))
     if example.note:
         yield "Note", text(example.note)
     yield "Source", cited(example.source)
@@ -233,16 +217,32 @@ def severity(value: str) -> str:
     return _SEVERITY[value]
 
 
-def code_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Every enumerated order code with its interface and parameters."""
-    for variant in device.variants:
-        yield code(variant.code), device.interface(variant.interface).title, *(number(variant.parameters[item.name]) for item in device.parameters)
+def input_facts(device: Device, item: Input) -> Iterator[tuple[str, str]]:
+    yield from (("Name", code(item.name)), ("Meaning", text(item.meaning)), ("Low level", text(item.low)), ("High level", text(item.high)))
+    if item.pulse_at_least_us is not None:
+        yield "Pulse", f"at least {microseconds(item.pulse_at_least_us)}"
+    if item.inverts:
+        yield "High level inverts", bit_link(item.inverts)
+    if item.needs:
+        yield "Works only if enabled by", bit_link(item.needs)
+    if item.when_unused:
+        yield "When unused", f"connect to {text(item.when_unused)}"
+    if item.note:
+        yield "Note", text(item.note)
+    links = errata_links(device, f"inputs.{item.name}")
+    if links:
+        yield "Errata", links
+
+
+def argument_line(argument: Argument) -> str:
+    meant = f" as its {code(argument.meant_as)}" if argument.meant_as else ""
+    return f"Argument {code(argument.name)}, written to {link(code(argument.of), f'#register-{argument.of}')}{meant}: {text(argument.meaning)}"
 
 
 def control_rows(interface: Interface) -> Iterator[tuple[str, ...]]:
     """The fields of the BiSS control frame: name, bits, meaning, source."""
     for item in interface.control_data:
-        values = [f"{value.value:0{item.bits}b}b {code(value.name)}: {text(value.meaning)}" for value in item.values]
+        values = [value_text(value, f"{value.value:0{item.bits}b}b") for value in item.values]
         crc = link(code(item.crc), f"#crc-{item.crc}") if item.crc else ""
         yield named(item.name, item.printed_name, item.names), f"{item.bits}", joined([text(item.meaning), crc, *values]), cited(item.source)
 

@@ -15,7 +15,7 @@ from .render import plain
 
 _INK, _FAINT, _EDGE = "#0f172a", "#475569", "#64748b"
 _FILL = {"flag": "#fde2e2", "crc": "#e6dcfb", "parity": "#e6dcfb", "constant": "#eef1f5", "choice": "#dcf5e3", "group": "#fdf0d0"}
-_DATA = "#dbeafe"
+_DATA, _NOTHING = "#dbeafe", "#ffffff"
 _MARGIN, _BOX, _ROW = 16.0, 38.0, 17.0
 #: Average width of a letter of the sans-serif fonts that browsers have, as a part of the font size; on the safe side.
 _LETTER = 0.58
@@ -45,7 +45,20 @@ def bit_strip(caption: str, placed: PlacedLayout, widest: int, left: bool = Fals
     """A layout with its highest bit on the left; ``widest`` is the length to which shorter strips are aligned, to the right unless ``left``."""
     shift = 0 if left else widest - placed.bits
     boxes = [Box(shift + placed.bits - 1 - item.high, item.width, _label(item.field), _range(item.high, item.low), _fill(item.field)) for item in placed.fields]
+    boxes += [Box(shift + placed.bits - 1 - high, high - low + 1, "-", _range(high, low), _NOTHING) for high, low in _gaps(placed)]
     return Strip(caption, tuple(sorted(boxes, key=lambda box: box.start)), marks)
+
+
+def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
+    """Bits that no field has, as highest and lowest, the highest run first."""
+    free = [bit for bit in range(placed.bits - 1, -1, -1) if not any(item.low <= bit <= item.high for item in placed.fields)]
+    runs: list[tuple[int, int]] = []
+    for bit in free:
+        if runs and runs[-1][1] == bit + 1:
+            runs[-1] = (runs[-1][0], bit)
+        else:
+            runs.append((bit, bit))
+    return runs
 
 
 def register_strip(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Strip:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from . import codec
 from .expressions import Expression
+from .limits import bounds
 from .model import Device, Procedure, Register, Step, Variant, Write
 
 
@@ -45,8 +46,7 @@ def _number(register: Register, step: Step, variant: Variant, arguments: Mapping
         return before & ~(item.mask << item.low) | value << item.low
     if step.value is not None:
         return value
-    low = limits[0].value(variant.parameters) if limits[0] is not None else 0
-    high = limits[1].value(variant.parameters) if limits[1] is not None else (1 << 8 * register.length) - 1
+    low, high = bounds(register, placed, limits, variant.parameters)
     if not low <= value <= high:
         raise codec.EncodeError(f"{value} is outside {low} to {high}")
     names = {field.name for field in register.layout.data_fields} | {join.name for join in register.layout.joins}

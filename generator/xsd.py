@@ -19,7 +19,7 @@ _ABOUT = """Full description of an absolute encoder, version 1, by the project c
 The root is device_description. Elements and attributes have the names of what codewheel show --json prints.
 Numbers are decimal and bit 0 is the least significant. Where a position or a limit depends on the order code it is a sum of numbers, parameters and powers of two,
 such as 48 - singleturn_bits; each order_code gives the value of every parameter.
-What is left out is not said by the manual, or does not apply. A source element cites the manual; what has none has those of the element around it.
+What is left out has the default of this schema, or else is not said by the manual or does not apply. A source element cites the manual; what has none has those of the element around it.
 This file is made from show.schema.json by: python -m codewheel.xsd generator/spec/device-description.xsd"""
 _EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-] (2\^)?[a-z0-9_]+)*"
 
@@ -115,7 +115,9 @@ def _add_attribute(made: Any, member: Member, description: str) -> None:
     values = [value for value in member.shape.get("enum", ()) if value]
     types = [name for name in member.types if name != "null"]
     always = "null" not in member.types and (types[0] in ("integer", "boolean") or len(values) == len(member.shape.get("enum", ())) > 0)
-    if member.kind == "attribute" and (always or member.name == "name"):
+    if "default" in member.shape:
+        attribute.set("default", str(member.shape["default"]).lower())
+    elif member.kind == "attribute" and (always or member.name == "name"):
         attribute.set("use", "required")
     if member.kind == "list":
         attribute.set("type", "numbers" if types == ["integer"] else "words")

@@ -170,7 +170,8 @@ class Layout:
     """Named fields over so many bits.
 
     ``carried_as`` is ``bits`` (first bit sent is the most significant) or ``bytes``; then ``byte_order`` is ``low_byte_first`` or
-    ``high_byte_first``. ``fields`` stand in sending order for frames, and from the most significant bit down for registers.
+    ``high_byte_first``. ``fields`` stand in sending order for frames, and from the most significant bit down for registers. ``channel`` is the
+    BiSS data channel, where the encoder has several.
     """
 
     name: str
@@ -190,6 +191,7 @@ class Layout:
     fold: tuple[FoldStep, ...] = ()
     gray_of: str = ""
     gray_when: str = ""
+    channel: int | None = None
 
     def field(self, name: str) -> Field:
         return next(item for item in self.fields if item.name == name)

@@ -6,7 +6,7 @@ never raises. To add one: write the function into the module of its subject, nam
 
 from __future__ import annotations
 
-from . import names, order_code, references, shapes, values
+from . import banks, names, order_code, references, shapes, values
 from .walk import Rule
 
 #: Rules without which nothing can be built: order codes and parameters lie under every width, groups under every layout.
@@ -36,6 +36,7 @@ RULES: tuple[Rule, ...] = (
     references.erratum_references,
     references.connector_references,
     references.device_references,
+    banks.bank_selected,
     values.value_too_wide,
     values.timing_bounds,
     values.clock_range,

@@ -102,6 +102,8 @@ def _check_carriage(fields: Fields, report: DocumentReport) -> None:
         report.add("layout-keys", fields.path, f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first")
     if carried_as == "bits" and "byte_order" in layout:
         report.add("layout-keys", (*fields.path, "byte_order"), f"{name} is carried as bits, which have no byte order; leave it out", at_key=True)
+    if "channel" in layout and fields.interface != "biss":
+        report.add("layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has several", at_key=True)
 
 
 def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:

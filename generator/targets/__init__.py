@@ -27,6 +27,10 @@ class Library:
         return [(maker, tuple(item for item in self.devices if item.manufacturer.name == name)) for name, maker in sorted(makers.items())]
 
 
+class TargetError(ValueError):
+    """A device has something that a target cannot express; the message says what, in one line."""
+
+
 Target = Callable[[Library], Mapping[str, str]]
 
 #: Our targets, by name: the module that holds each, and the folder of the output that belongs to it.

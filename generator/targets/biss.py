@@ -14,11 +14,15 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from ..biss_identity import DataLength, IdBits, data_lengths, device_bits, manufacturer_bits, single_cycle_data
+from ..biss_identity import (
+    DataLength, IdBits, biss_variants, data_lengths, device_bits, manufacturer_bits, profile_ids, single_cycle_data, status_fields,
+)
 from ..description import XSD_NAME, clean, to_xml
 from ..model import Crc, Device, Interface, Layout, Manufacturer
 from ..output import device_dump
+from ..relevant import needed_parameters, run_time_widths
 from ..render import plain, render
+from ..words import hertz, timeout_words
 from ..xsd import schema_text
 from . import Library
 
@@ -122,39 +126,94 @@ def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
         return None
     layout, crc = found
     lengths = data_lengths(device, layout)
-    sizes = {item.data_bits for item in lengths}
-    inner: tuple[Node, ...] = ()
-    if len(sizes) == 1:
-        note = "Inferred: Length counts the data without error, warning and CRC bits, as the profile IDs of sensors do."
-        inner = (Node(ids, notes=("The same identity again: CrcPoly and Length are not seen in one SCDS.",), notes_of_data=(note,), length=lengths[0].data_bits),)
     manual = device.manual
     notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
     polynomial = f"0x{crc.poly_with_top_bit:02X}"
+    inner = () if run_time_widths(device, layout) else _by_length(ids, lengths) or _by_profile(device, lengths)
     return Node(ids, f", {device.title}", 1, notes, (_to_tell(device, layout, crc, lengths, ids),), polynomial, devices=inner)
+
+
+def _by_length(ids: tuple[IdBits, ...], lengths: Sequence[DataLength]) -> tuple[Node, ...]:
+    """The one length that a device ID stands for."""
+    if len({item.data_bits for item in lengths}) != 1:
+        return ()
+    notes = ("The same identity again: CrcPoly and Length are not seen in one SCDS.",)
+    return (Node(ids, notes=notes, notes_of_data=(_LENGTH_NOTE,), length=lengths[0].data_bits),)
+
+
+def _by_profile(device: Device, lengths: Sequence[DataLength]) -> tuple[Node, ...]:
+    """A length for each profile ID, where the profile ID tells the models apart."""
+    profiles = profile_ids(device)
+    by_code = {code: item.data_bits for item in lengths for code in item.codes}
+    sizes = {number: {by_code[code] for code in codes} for number, codes in profiles.items()}
+    if len(profiles) < 2 or any(len(found) != 1 for found in sizes.values()):
+        return ()
+    nodes: list[Node] = []
+    for number, codes in profiles.items():
+        bits = IdBits(15, 0, number, "profile ID, registers 42h and 43h")
+        notes = (_PROFILE_NOTE,) if not nodes else ()
+        nodes.append(Node((bits,), notes=(*notes, f"{', '.join(codes)}"), notes_of_data=() if nodes else (_LENGTH_NOTE,), length=min(sizes[number])))
+    return tuple(nodes)
+
+
+_LENGTH_NOTE = "Inferred: Length counts the data without error, warning and CRC bits, as the profile IDs of sensors do."
+_PROFILE_NOTE = (
+    "One device ID stands for all models; the profile ID tells them apart. Range counts its 16 bits, as in profilebiss.xml. "
+    "Inferred: that such an Id can stand below those that count the 64-bit identity, whose bits 15:0 are the manufacturer ID."
+)
 
 
 def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLength], ids: Sequence[IdBits]) -> str:
     """What the master has to be told besides, as the lines of a comment."""
-    sizes = {item.data_bits for item in lengths}
-    lines = []
-    if len(sizes) > 1:
-        lines.append(f"No Length: one device ID stands for {len(sizes)} data lengths. The master must be told the one of the order code:")
-    else:
-        lines.append("Besides what stands here the master must be told, by order code:")
+    lines = [_about_length(device, layout, lengths)]
     for item in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
         lines.append(f"  {', '.join(item.codes)}: {parts} = {item.data_bits} bits; with status bits {item.with_status}; with CRC {item.total}")
-    flags = [f"{field.name} ({'low' if field.active_low else 'high'} active)" for field in layout.fields if field.kind == "flag"]
-    order = ", ".join(field.name for field in layout.fields if field.kind not in ("flag", "crc"))
+    status = status_fields(layout)
+    states = {"flag": {True: "low active", False: "high active"}, "constant": {False: "not used, always 1"}}
+    flags = [f"{field.name} ({states[field.kind][field.active_low]})" for field in status]
+    order = ", ".join(field.name for field in layout.fields if field not in status and field.kind != "crc")
     lines.append(f"  sent in this order, most significant bit first: {order}; status bits {', '.join(flags) or 'none'}; CRC")
+    lines.append(f"  code: {_code(device, layout)}")
     sent = "sent inverted" if crc.xorout == crc.mask else f"XORed with 0x{crc.xorout:X}" if crc.xorout else "sent as it is"
     lines.append(f"  CRC: {crc.width} bits, {crc.polynomial}, start value {crc.init}, {sent}; CrcPoly is the polynomial with its top bit")
     lines += _clock(device.interface("biss"))
+    profiles = profile_ids(device)
+    if len(profiles) == 1:
+        lines.append(f"  profile ID, registers 42h and 43h: {min(profiles):04X}h{', whatever the length' if len({item.data_bits for item in lengths}) > 1 else ''}")
     paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{item.register}" for item in ids)]
-    errata = dict.fromkeys(item for path in paths for item in device.errata_for(path))
+    errata = dict.fromkeys(item for path in paths for item in device.errata_for(path) if item.severity != "wording")
     lines += [f"  erratum of the manual, {item.name} ({item.status}). Printed: {_sentence(item.printed)} Used: {_sentence(item.used)}" for item in errata]
     lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
+
+
+def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
+    sizes = {item.data_bits for item in lengths}
+    held = [_place(device, path) for path in run_time_widths(device, layout)]
+    if held:
+        return f"No Length: it follows what {' and '.join(held)} hold at the moment, and the master must be told. As delivered it is:"
+    if len(sizes) == 1:
+        return "Besides what stands here the master must be told, by order code:"
+    if _by_profile(device, lengths):
+        return f"One device ID stands for {len(sizes)} data lengths; the profile ID tells which. Besides, the master must be told, by order code:"
+    return f"No Length: one device ID stands for {len(sizes)} data lengths. The master must be told the one of the order code:"
+
+
+def _code(device: Device, layout: Layout) -> str:
+    if not layout.gray_of:
+        return "binary"
+    held = [_place(device, item.read_from) for item in device.run_time_parameters if item.name in needed_parameters(device, layout.gray_when)]
+    if not layout.gray_when:
+        return f"{layout.gray_of} in Gray code"
+    delivered = {bool(variant.parameters[layout.gray_when]) for variant in biss_variants(device)}
+    word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "as the order code says")
+    return f"{layout.gray_of} in Gray code or binary as {', '.join(held)} says; {word} as delivered" if held else f"{layout.gray_of} {word}"
+
+
+def _place(device: Device, path: str) -> str:
+    """A register field with its address: ``register 49h (configuration.output_code)``."""
+    return f"register {device.register(path.partition('.')[0]).address:02X}h ({path})"
 
 
 def _sentence(text: str) -> str:
@@ -164,12 +223,9 @@ def _sentence(text: str) -> str:
 def _clock(interface: Interface) -> list[str]:
     lines = []
     if interface.clock_min_hz is not None and interface.clock_max_hz is not None:
-        lines.append(f"  clock: {interface.clock_min_hz} Hz to {interface.clock_max_hz} Hz")
-    timeout = interface.timeout
-    if timeout is not None:
-        rule = f"{timeout.half_clock_periods / 2:g} clock periods" if timeout.half_clock_periods is not None else timeout.rule.replace("_", " ")
-        bounds = [f"{word} {value} ns" for word, value in (("typically", timeout.typical_ns), ("at most", timeout.at_most_ns)) if value is not None]
-        lines.append(f"  time-out: {', '.join([rule, *bounds])}")
+        lines.append(f"  clock: {hertz(interface.clock_min_hz)} to {hertz(interface.clock_max_hz)}")
+    if interface.timeout is not None:
+        lines.append(f"  time-out: {timeout_words(interface.timeout)}")
     if interface.network is not None and not interface.network.multiple_slaves:
         lines.append("  network: one master and one slave only")
     return lines

@@ -6,15 +6,18 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from .. import markdown, page, page_facts
-from ..markdown import cited, code, joined, link, text
-from ..model import Device, Interface, Layout, Register, Timing
+from .. import markdown, page, page_codes, page_facts
+from ..markdown import cited, code, link, sentence, text
+from ..model import Device, FieldGroup, Interface, Layout, Register, Timing
+from ..relevant import follows_registers
 from ..render import render
+from ..words import hertz, language
 from . import Library
 
 FILTERS: Mapping[str, Callable[..., Any]] = {
     "md": markdown.text, "paragraph": markdown.paragraph, "code": markdown.code, "cited": markdown.cited, "anchor": markdown.anchor, "sentence": markdown.sentence,
 }
+
 
 
 def generate(library: Library) -> dict[str, str]:
@@ -75,13 +78,12 @@ def _device_values(device: Device) -> dict[str, Any]:
                 "procedure": item,
                 "interface": device.interface(item.interface).title,
                 "rows": page_facts.step_rows(device, item),
-                "arguments": [f"Argument {code(part.name)}, written to {link(code(part.of), f'#register-{part.of}')}: {text(part.meaning)}" for part in item.arguments],
+                "arguments": [page_facts.argument_line(part) for part in item.arguments],
             }
             for item in device.procedures
         ],
         "alarms": [
-            {"alarm": item, "rows": page_facts.alarm_facts(device, item), "title": ", ".join([item.printed_name or item.name.replace("_", " "), *_others(item.names)])}
-            for item in device.alarms
+            {"alarm": item, "rows": page_facts.alarm_facts(device, item), "title": page.title(item.name, item.printed_name, item.names)} for item in device.alarms
         ],
         **_wiring(device),
         **_evidence(device),
@@ -90,10 +92,6 @@ def _device_values(device: Device) -> dict[str, Any]:
 
 def _timings(timings: tuple[Timing, ...]) -> list[tuple[str, ...]]:
     return list(page_facts.timing_rows(timings))
-
-
-def _others(names: Mapping[str, str]) -> list[str]:
-    return [f"{key}: {name}" for key, name in names.items()]
 
 
 def _contents(device: Device) -> list[tuple[str, str]]:
@@ -111,39 +109,16 @@ def _contents(device: Device) -> list[tuple[str, str]]:
 def _identity(device: Device) -> dict[str, Any]:
     manual = device.manual
     rows = [("Manual", text(manual.title)), ("Revision", f"{text(manual.revision)}" + (f" of {manual.date}" if manual.date else ""))]
-    rows += [("Language", text(manual.language)), ("Publisher", text(manual.publisher)), ("Manufacturer", text(device.manufacturer.title))]
-    rows += [("Other edition", ", ".join(filter(None, [text(item.language), text(item.title), f"revision {text(item.revision)}", item.date]))) for item in manual.editions]
-    parts = []
-    for part in device.order_code.parts:
-        for index, value in enumerate(part.values):
-            head = (code(part.name), text(part.meaning)) if index == 0 else ("", "")
-            only = "; ".join(f"only with {code(name)} {', '.join(map(code, values))}" for name, values in value.only_with.items())
-            sets = ", ".join(f"{code(name)} = {page.number(number)}" for name, number in value.sets.items())
-            parts.append([*head, code(value.text), joined([text(value.meaning), sets, only]), cited(value.source or part.source)])
-        if part.open:
-            parts.append(["", "", code(part.open), "left open by the manual; accepted as unlisted", cited(part.source)])
-    parameters = [
-        (code(item.name), text(item.meaning), text(item.unit), page.expression(item.equals), code(item.read_from), cited(item.source)) for item in device.parameters
-    ]
+    rows += [("Language", text(language(manual.language))), ("Publisher", text(manual.publisher)), ("Manufacturer", text(device.manufacturer.title))]
+    rows += [("Other edition", ", ".join(filter(None, [text(language(item.language)), text(item.title), f"revision {text(item.revision)}", item.date]))) for item in manual.editions]
     return {
         "manual_rows": [row for row in rows if row[1]],
-        "part_rows": parts,
-        "parameter_rows": parameters,
-        "code_head": ["Order code", "Interface", *(code(item.name) for item in device.parameters)],
-        "code_rows": list(page_facts.code_rows(device)),
-        "measurement_rows": _measurements(device),
+        "part_rows": list(page_codes.part_rows(device)),
+        "parameter_rows": list(page_codes.parameter_rows(device)),
+        "run_time_rows": list(page_codes.run_time_rows(device)),
+        "code_tables": page_codes.code_tables(device),
+        "measurement_rows": list(page_codes.measurement_rows(device)),
     }
-
-
-def _measurements(device: Device) -> list[tuple[str, str]]:
-    rows = []
-    found = [("", device.measurement), *((item.title, item.measurement) for item in device.interfaces)]
-    for title, item in found:
-        if item is not None:
-            members = (("counts per revolution", item.steps_per_turn), ("revolutions", item.turns), ("micrometres per count", item.step_um), ("counts in all", item.steps))
-            words = [f"{name}: {page.expression(value)}" for name, value in members if value is not None]
-            rows.append((f"{code(item.of)}" + (f" over {title}" if title else ""), "<br>".join([*words, cited(item.source)])))
-    return rows
 
 
 def _interface(device: Device, interface: Interface) -> dict[str, Any]:
@@ -151,13 +126,15 @@ def _interface(device: Device, interface: Interface) -> dict[str, Any]:
     return {
         "interface": interface,
         "rows": list(page_facts.interface_rows(interface)),
-        "cable_rows": [(f"{item.shorter_than_m} m", page_facts.hertz(item.below_hz), cited(item.source)) for item in interface.cable_lengths],
+        "paths": [f"interfaces.{interface.kind}.{name}" for name in ("clock", "timeout", "network", "port", "profile", "alignment", "output_code", "signals", "description_file")],
+        "timing_paths": [f"interfaces.{interface.kind}.{item.name}" for item in interface.timings] + [f"interfaces.{interface.kind}.timings"],
+        "cable_rows": [(f"{item.shorter_than_m} m", hertz(item.below_hz), cited(item.source)) for item in interface.cable_lengths],
         "data_id_rows": [
             (f"{item.id:X}", code(item.name), f"`{item.control:02X}h`", text(item.purpose), text(item.meaning), cited(item.source)) for item in interface.data_ids
         ],
         "layouts": [_layout(device, interface, item) for item in interface.layouts],
         "groups": [
-            {"group": groups[name], "title": _group_title(groups[name].printed_name, name), "rows": page.group_rows(device, name)}
+            {"group": groups[name], "title": _group_title(groups[name]), "rows": page.group_rows(device, name)}
             for name in page.used_groups(device, interface)
         ],
         "memory_rows": [
@@ -167,9 +144,10 @@ def _interface(device: Device, interface: Interface) -> dict[str, Any]:
     }
 
 
-def _group_title(printed: str, name: str) -> str:
-    title = name.replace("_", " ").capitalize()
-    return f"{title} ({printed})" if printed else title
+def _group_title(group: FieldGroup) -> str:
+    """Our name, and in parentheses the manual's own in each language."""
+    own = [group.printed_name, *(f"{key}: {name}" for key, name in group.names.items())]
+    return page.title(group.name, "", {}) + (f" ({', '.join(filter(None, own))})" if any(own) else "")
 
 
 def _layout(device: Device, interface: Interface, layout: Layout) -> dict[str, Any]:
@@ -178,10 +156,11 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> dict[str, A
     order = f", {layout.byte_order.replace('_', ' ')}" if is_bytes and layout.widest > 8 else ""
     ids = {item.id: item.name for item in interface.data_ids}
     told = ", ".join(f"{value:X} {code(ids[value])}" if value in ids else f"{value:X}" for value in layout.selects)
-    gray = f" {code(layout.gray_of)} is in Gray code" + (f" when {code(layout.gray_when)} says so." if layout.gray_when else ".") if layout.gray_of else ""
+    gray = _gray(layout)
     gaps = f" Bits without a field are {layout.gaps}." if layout.gaps else ""
     printed = f"{text(layout.printed_name)}. " if layout.printed_name else ""
-    summary = f"{printed}Sent by the {layout.sender}: {size}{order}." + (f" With {code(layout.selector)} {told}." if told else "") + gray + gaps
+    channel = f" over data channel {layout.channel}" if layout.channel is not None else ""
+    summary = f"{printed}Sent by the {layout.sender}{channel}: {size}{order}." + (f" With {code(layout.selector)} {told}." if told else "") + gray + gaps
     return {
         "layout": layout,
         "summary": summary,
@@ -189,18 +168,30 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> dict[str, A
         "rows": list(page.field_rows(device, layout, interface.kind)),
         "joins": page.join_lines(layout),
         "placements": page.placement_table(device, layout, interface.kind),
+        "delivered": follows_registers(device, layout),
     }
+
+
+def _gray(layout: Layout) -> str:
+    if not layout.gray_of:
+        return ""
+    when = f" where {code(layout.gray_when)} is 1, in binary where it is 0" if layout.gray_when else ""
+    return f" {code(layout.gray_of)} is in Gray code{when}."
 
 
 def _register(device: Device, register: Register) -> dict[str, Any]:
     fields = register.layout.fields
-    is_plain = len(fields) == 1 and not (fields[0].values or fields[0].digits or fields[0].meaning or fields[0].note) and fields[0].equals is None
+    rows = list(page.field_rows(device, register.layout, register.interface))
+    is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
     return {
         "register": register,
-        "title": ", ".join([register.printed_name or register.name.replace("_", " "), *_others(register.names)]),
+        "title": page.title(register.name, register.printed_name, register.names),
         "facts": [("Name", code(register.name)), *page_facts.register_facts(device, register)],
         "has_picture": page.has_picture(register),
-        "rows": [] if is_plain else list(page.field_rows(device, register.layout, register.interface)),
+        "rows": [] if is_plain else rows,
+        "value_tables": [
+            {"field": code(item.name), "rows": list(page.value_rows(item)), "alone": len(fields) == 1} for item in fields if page.has_value_table(item)
+        ],
         "joins": page.join_lines(register.layout),
         "placements": page.placement_table(device, register.layout, register.interface),
     }
@@ -215,14 +206,10 @@ def _register_row(device: Device, register: Register) -> tuple[str, ...]:
 
 def _wiring(device: Device) -> dict[str, Any]:
     titles = {item.kind: item.title for item in device.interfaces}
-    inputs = [
-        (page.named(item.name, item.printed_name, item.names), text(item.meaning), text(item.low), text(item.high),
-         f"at least {page_facts.microseconds(item.pulse_at_least_us)}" if item.pulse_at_least_us is not None else "", code(item.inverts), code(item.needs),
-         text(item.when_unused), text(item.note), cited(item.source))
-        for item in device.inputs
-    ]
     return {
-        "input_rows": inputs,
+        "inputs": [
+            {"input": item, "title": page.title(item.name, item.printed_name, item.names), "rows": page_facts.input_facts(device, item)} for item in device.inputs
+        ],
         "connectors": [
             {
                 "connector": item,
@@ -244,7 +231,7 @@ def _wiring(device: Device) -> dict[str, Any]:
 def _evidence(device: Device) -> dict[str, Any]:
     is_open = [item for item in device.errata if item.status == "open"]
     return {
-        "examples": [{"example": item, "rows": page_facts.example_facts(item)} for item in device.examples],
+        "examples": [{"example": item, "rows": page_facts.example_facts(device, item)} for item in device.examples],
         "errata_summary": f"{len(device.errata)} places where the manual cannot be taken literally; {len(is_open)} of them are open.",
         "erratum_rows": [
             (link(code(item.name), f"#erratum-{item.name}"), text(item.printed), text(item.used), item.status, page_facts.severity(item.severity)) for item in device.errata

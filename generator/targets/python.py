@@ -39,6 +39,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         "toml": _toml,
         "markdown": _markdown,
         "names": [module.name for module in modules],
+        "identified": [module.name for module in modules if module.codes.identity],
         "width": WIDTH,
     }
 

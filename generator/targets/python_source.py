@@ -201,6 +201,12 @@ def operand(text: str) -> str:
     return text if text.replace(".", "_").replace("_", "a").isalnum() or _is_enclosed(text) else f"({text})"
 
 
+def receiver(text: str) -> str:
+    """``text`` in parentheses where a method called on it would else take only its end."""
+    name = _WORD.match(text)
+    return text if name is not None and _is_enclosed(text[name.end() :]) else operand(text)
+
+
 def bare(text: str) -> str:
     """``text`` without parentheses around the whole of it."""
     return text[1:-1] if _is_enclosed(text) else text

@@ -75,6 +75,7 @@ class Codec:
     bit_fields: tuple[str, ...]
     limits: tuple[str, str] | None
     limits_doc: str
+    meaning_limits: tuple[tuple[str, str, str, str, str], ...]
     raises: tuple[tuple[str, str], ...]
 
 
@@ -149,7 +150,20 @@ class Function:
     arguments: str
     doc: str
     interface: str
+    checks: tuple[str, ...]
     steps: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A method of the variants with an expression by condition on the interface; ``otherwise`` is what is raised where there is none."""
+
+    name: str
+    arguments: str
+    type: str
+    doc: str
+    branches: tuple[tuple[str, str], ...]
+    otherwise: str
 
 
 @dataclass(frozen=True)

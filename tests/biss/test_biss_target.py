@@ -62,6 +62,34 @@ def test_amm5_is_known_by_its_ids(library: Library) -> None:
     assert label is not None and label.get("Pos") == "1" and (label.text or "").startswith(", ")
 
 
+def known(root: etree._Element, name: str) -> etree._Element:
+    """The Device element whose label has ``name`` in it."""
+    return next(item for item in root.iter("Device") if name in (item.findtext("Label") or ""))
+
+
+def test_a_length_for_each_profile_id(library: Library) -> None:
+    """SMA21, 6.4 p.28: 2814h, 2816h, 2817h and 2818h have 24 bits of position and zeros above it, 2819h has 25."""
+    sma21 = known(check_format(generate(library)[NAME]), "SMA21")
+    assert [(item.get("Range"), int(item.text or "", 2)) for item in sma21.findall("Id")] == [("63:32", 0x534D3231)]
+    found = {int(item.findtext("Id") or "", 2): int(item.findtext("SCDS/Length") or "") for item in sma21.findall("Device")}
+    assert found == {0x2814: 24, 0x2816: 24, 0x2817: 24, 0x2818: 24, 0x2819: 25}
+    assert {item.get("Range") for item in sma21.findall("Device/Id")} == {"15:0"}
+
+
+def test_no_length_where_the_identity_does_not_tell_it(library: Library) -> None:
+    """AM36's length follows registers 56h and 57h; ASC85 prints one profile ID, which fits 25 bits only."""
+    text = generate(library)[NAME]
+    root = check_format(text)
+    for name in ("AM36", "ASC85", "AMM5A"):
+        assert known(root, name).findtext("SCDS/CrcPoly") == "0x43"
+        assert list(known(root, name).iter("Length")) == []
+    plain = " ".join(text.split())
+    assert "it follows what register 56h (singleturn_bits_used.bits) and register 57h (multiturn_bits_used.bits) hold at the moment" in plain
+    assert "multiturn 16 + singleturn 20 = 36 bits; with status bits 38; with CRC 44" in plain
+    assert "position 25 + zero 1 = 26 bits; with status bits 28; with CRC 34" in plain
+    assert "profile ID, registers 42h and 43h: 281Ah, whatever the length" in plain
+
+
 def test_the_comment_tells_what_the_format_cannot(library: Library) -> None:
     text = " ".join(generate(library)[NAME].split())
     assert "one device ID stands for 6 data lengths" in text

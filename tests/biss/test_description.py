@@ -32,12 +32,16 @@ def test_every_device_validates_and_comes_back(devices: tuple[Device, ...]) -> N
         assert from_xml(made.encode()) == dump
 
 
-def test_an_order_code_comes_back_too(device: Device) -> None:
-    for code in ("AMM5A21/65KSC1", "AMM5B17/1BG1-X", "AMM5A23/65KJP1/S123"):
-        dump = variant_dump(device, find(device, code))
-        made = to_xml(dump)
-        schema().assertValid(read_xml(made.encode()))
-        assert from_xml(made.encode()) == dump
+CODES = ["AMM5A21/65KSC1", "AMM5B17/1BG1-X", "AMM5A23/65KJP1/S123", "SMA21-SC4-0050", "AMC3616/4096-GG", "AM3619/4096-I7", "ASC8525/SC2"]
+
+
+@pytest.mark.parametrize(("name", "code"), list(zip(["amm5", "amm5", "amm5", "sma21", "am36", "am36", "asc85"], CODES)))
+def test_an_order_code_comes_back_too(devices: tuple[Device, ...], name: str, code: str) -> None:
+    device = next(item for item in devices if item.name == name)
+    dump = variant_dump(device, find(device, code))
+    made = to_xml(dump)
+    schema().assertValid(read_xml(made.encode()))
+    assert from_xml(made.encode()) == dump
 
 
 def test_hostile_text_stays_text(hostile: Library) -> None:

@@ -1,13 +1,18 @@
 """A C program that calls everything in a header of the C target, told by lines on standard input.
 
-Each line begins with an order code. It answers each line with one line, beginning with the number of the result:
+Each line begins with an order code, after which ``;REGISTER=HEX`` may tell what a register holds at run time. It answers each line with one line,
+beginning with the number of the result:
 
     CODE decode LAYOUT HEX            the members, in the struct's order; texts as hex
     CODE encode LAYOUT VALUE...       the word or the bytes as hex
     CODE crc NAME HEX                 the CRC
     CODE select SENDER HEX            the frame and its length
     CODE steps PROCEDURE [HEX...]      kind,address,mask,value,times,microseconds of each step
-    LABEL find                        the text of the order code
+    CODE expected REGISTER HEX        whether the register reads as always
+    CODE measure FUNCTION NUMBER...   what a function of positions gives
+    CODE candidates HEX...            the order codes that read so, by the members of the identity
+    CODE take                         nothing but the results of taking the registers over
+    LABEL find                        the text of the order code and the parts that are not listed
 
 Registers are layouts called ``reg_NAME``. The struct is filled with a pattern before each call, so that a fault that changes it shows.
 """
@@ -23,7 +28,9 @@ from pathlib import Path
 from codewheel.load import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.c import CodecView, DeviceView, generate
+from codewheel.targets.c import generate
+from codewheel.targets.c_device import DeviceView
+from codewheel.targets.c_views import CodecView, Function, IdentityView
 
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
 SPECS = Path(__file__).resolve().parents[1] / "specs"
@@ -146,11 +153,75 @@ def source(device: Device) -> str:
 """
         text += f"static void steps_{name}(const {prefix}_variant *variant, char *text)\n{{\n{fetch}}}\n"
         branches.append(_branch("steps", name))
-    return text + _MAIN.replace("@prefix@", prefix).replace("@branches@", "".join(branches))
+    for function in functions(view):
+        name = function.name.removeprefix(prefix + "_")
+        text += _call(view, function, name)
+        branches.append(_branch("measure", name))
+    for codec in codecs(view):
+        if codec.expected_checks:
+            text += _expected(view, codec, short(view, codec))
+            branches.append(_branch("expected", short(view, codec)))
+    for identity in view.identities:
+        text += _candidates(view, identity)
+        branches.append(_branch("candidates", "of"))
+    takes = "".join(_TAKE.replace("@register@", item.name.removeprefix(f"{prefix}_take_")).replace("@call@", item.name) for item in view.takers)
+    return text + _MAIN.replace("@prefix@", prefix).replace("@branches@", "".join(branches)).replace("@takes@", takes)
+
+
+def functions(view: DeviceView) -> list[Function]:
+    """The small functions of a variant: parameters that follow, what positions mean, limits."""
+    limits = [limits for register in view.registers for limits in (register.limits, *(item.limits for item in register.meanings))]
+    return [*view.derived, *view.meanings, *(item for limit in limits for item in limit.functions)]
+
+
+def _call(view: DeviceView, function: Function, name: str) -> str:
+    types = [argument.split()[0] for argument in function.arguments.split(", ") if argument]
+    given = "".join(f", ({type_})strto{'ll' if type_ == 'int64_t' else 'ull'}(item[{index}], NULL, 10)" for index, type_ in enumerate(types))
+    reads = "".join(f'    item[{index}] = strtok({"text" if index == 0 else "NULL"}, " ");\n' for index in range(len(types)))
+    show, cast = {"double": ("%.17g", "double"), "int64_t": ("%lld", "long long")}.get(function.type, ("%llu", "unsigned long long"))
+    declare = f"    char *item[{len(types)}];\n" if types else ""
+    return f"""static void measure_{name}(const {view.prefix}_variant *variant, char *text)
+{{
+{declare}    (void)text;
+{reads}    printf("0 {show}\\n", ({cast}){function.name}(variant{given}));
+}}
+"""
+
+
+def _expected(view: DeviceView, codec: CodecView, name: str) -> str:
+    return f"""static void expected_{name}(const {view.prefix}_variant *variant, char *text)
+{{
+    uint8_t b[64];
+    {codec.name} out;
+    const {view.maker.name}_result result = {codec.name}_decode(variant, b, bytes_of(text, b), &out);
+    printf("%d %d\\n", (int)result, (int)(result == {view.maker.name.upper()}_OK && {codec.name}_is_expected(variant, &out)));
+}}
+"""
+
+
+def _candidates(view: DeviceView, identity: IdentityView) -> str:
+    reads = "".join(
+        f'    bytes_of(strtok({"text" if index == 0 else "NULL"}, " "), b);\n    memcpy(read.{member.code.split(" ")[1].partition("[")[0]}, b, sizeof read.{member.code.split(" ")[1].partition("[")[0]});\n'
+        for index, member in enumerate(identity.members)
+    )
+    return f"""static void candidates_of(const {view.prefix}_variant *variant, char *text)
+{{
+    uint8_t b[64];
+    {identity.type} read;
+    size_t next = 0U;
+    const {view.prefix}_order_code *code;
+    (void)variant;
+{reads}    printf("0");
+    while ((code = {identity.next}(&read, &next)) != NULL) {{
+        printf(" %s", code->text);
+    }}
+    printf("\\n");
+}}
+"""
 
 
 def _branch(verb: str, name: str) -> str:
-    return f'        if (strcmp(verb, "{verb}") == 0 && strcmp(name, "{name}") == 0) {{\n            {verb}_{name}(&code->variant, rest);\n            continue;\n        }}\n'
+    return f'        if (strcmp(verb, "{verb}") == 0 && strcmp(name, "{name}") == 0) {{\n            {verb}_{name}(&variant, rest);\n            continue;\n        }}\n'
 
 
 def _decode(view: DeviceView, codec: CodecView, name: str) -> str:
@@ -176,12 +247,8 @@ def _decode(view: DeviceView, codec: CodecView, name: str) -> str:
         return;
     }}
 {prints}    printf("\\n");
-{_expected(codec)}}}
+}}
 """
-
-
-def _expected(codec: CodecView) -> str:
-    return f"    (void){codec.name}_is_expected(variant, &out);\n" if codec.expected_checks else ""
 
 
 def _encode(view: DeviceView, codec: CodecView, name: str) -> str:
@@ -239,7 +306,7 @@ static uint64_t number(const char *text)
 static size_t bytes_of(const char *text, uint8_t *bytes)
 {
     size_t count = 0U;
-    while (text[0] != '\0' && text[1] != '\0' && count < 64U) {
+    while (text[0] != '\0' && text[0] != ';' && text[1] != '\0' && count < 64U) {
         const char pair[3] = { text[0], text[1], '\0' };
         bytes[count++] = (uint8_t)strtoul(pair, NULL, 16);
         text += 2;
@@ -260,6 +327,11 @@ static void print_steps(@maker@_result result, const @maker@_step *steps, size_t
 
 """
 
+_TAKE = r"""            if (strncmp(state, "@register@=", sizeof "@register@=" - 1U) == 0) {
+                taken = (int)@call@(&variant, held, held_length);
+            }
+"""
+
 _MAIN = r"""
 int main(void)
 {
@@ -272,17 +344,42 @@ int main(void)
         char *verb;
         char *name;
         char *rest;
+        char *state;
+        uint32_t unlisted = 99U;
+        @prefix@_variant variant;
         const @prefix@_order_code *code;
         line[strcspn(line, "\n")] = '\0';
         label = strtok(line, " ");
         verb = strtok(NULL, " ");
-        code = @prefix@_find_order_code(label);
+        state = strchr(label, ';');
+        if (state != NULL) {
+            *state++ = '\0';
+        }
+        code = @prefix@_find_order_code(label, &unlisted);
         if (strcmp(verb, "find") == 0) {
-            printf("%s\n", code == NULL ? "-" : code->text);
+            printf("%s %lu\n", code == NULL ? "-" : code->text, (unsigned long)unlisted);
             continue;
         }
         if (code == NULL) {
             abort();
+        }
+        variant = code->variant;
+        for (; state != NULL && *state != '\0'; state += strcspn(state, ";"), state += strspn(state, ";")) {
+            uint8_t held[64];
+            const char *const value = state + strcspn(state, "=") + 1;
+            const size_t held_length = bytes_of(value, held);
+            int taken = -1;
+@takes@            (void)held_length;
+            (void)held;
+            if (strcmp(verb, "take") == 0) {
+                printf("%d ", taken);
+            } else if (taken != 0) {
+                abort();
+            }
+        }
+        if (strcmp(verb, "take") == 0) {
+            printf("\n");
+            continue;
         }
         name = strtok(NULL, " ");
         rest = strtok(NULL, "");

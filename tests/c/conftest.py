@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from c_harness import SPECS, Run, compile_c, devices_of, runner, source, write
 from codewheel.model import Device
+
+#: The families of the library, and specs that use what none of them does.
+FAMILIES = ("am36", "amm5", "asc85", "sma21")
+MADE_UP = ("bits22", "words")
 
 
 @pytest.fixture(scope="session")
@@ -20,44 +26,62 @@ def include(c_devices: tuple[Device, ...], tmp_path_factory: pytest.TempPathFact
 
 
 @pytest.fixture(scope="session")
-def amm5(c_devices: tuple[Device, ...]) -> Device:
-    return next(device for device in c_devices if device.name == "amm5")
+def every_device(c_devices: tuple[Device, ...]) -> Mapping[str, Device]:
+    (bits22,), (words,) = devices_of(SPECS / "bits22.yaml"), devices_of(Path(__file__).parent / "specs" / "words.yaml")
+    return {device.name: device for device in (*c_devices, bits22, words)}
 
 
 @pytest.fixture(scope="session")
-def bits22() -> Device:
-    return devices_of(SPECS / "bits22.yaml")[0]
-
-
-@pytest.fixture(scope="session")
-def words() -> Device:
-    return devices_of(Path(__file__).parent / "specs" / "words.yaml")[0]
-
-
-def made(device: Device, factory: pytest.TempPathFactory) -> Run:
-    """The program over the header of a device, undefined behaviour watched."""
-    folder = factory.mktemp(device.name)
+def programs(every_device: Mapping[str, Device], tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Run]:
+    """The program over the header of each device, undefined behaviour watched."""
     command = ["gcc", "-std=c99", "-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
-    return runner(compile_c(command, source(device), folder, write(folder, (device,))))
+    folders = {name: tmp_path_factory.mktemp(name) for name in every_device}
+
+    def made(name: str) -> Run:
+        device = every_device[name]
+        return runner(compile_c(command, source(device), folders[name], write(folders[name], (device,))))
+
+    with ThreadPoolExecutor() as pool:
+        return dict(zip(every_device, pool.map(made, every_device)))
 
 
 @pytest.fixture(scope="session")
-def run(amm5: Device, tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return made(amm5, tmp_path_factory)
+def amm5(every_device: Mapping[str, Device]) -> Device:
+    return every_device["amm5"]
 
 
 @pytest.fixture(scope="session")
-def run_bits22(bits22: Device, tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return made(bits22, tmp_path_factory)
+def bits22(every_device: Mapping[str, Device]) -> Device:
+    return every_device["bits22"]
 
 
 @pytest.fixture(scope="session")
-def run_words(words: Device, tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return made(words, tmp_path_factory)
+def words(every_device: Mapping[str, Device]) -> Device:
+    return every_device["words"]
 
 
-@pytest.fixture(params=["amm5", "bits22", "words"])
-def machine(request: pytest.FixtureRequest) -> tuple[Device, Run]:
+@pytest.fixture(scope="session")
+def run(programs: Mapping[str, Run]) -> Run:
+    return programs["amm5"]
+
+
+@pytest.fixture(scope="session")
+def run_bits22(programs: Mapping[str, Run]) -> Run:
+    return programs["bits22"]
+
+
+@pytest.fixture(scope="session")
+def run_words(programs: Mapping[str, Run]) -> Run:
+    return programs["words"]
+
+
+@pytest.fixture(params=[*FAMILIES, *MADE_UP])
+def machine(request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]) -> tuple[Device, Run]:
     """Each device with its program."""
-    name = request.param
-    return request.getfixturevalue(name), request.getfixturevalue("run" if name == "amm5" else f"run_{name}")
+    return every_device[request.param], programs[request.param]
+
+
+@pytest.fixture(params=FAMILIES)
+def family(request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]) -> tuple[Device, Run]:
+    """Each family of the library with its program."""
+    return every_device[request.param], programs[request.param]

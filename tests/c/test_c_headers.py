@@ -15,7 +15,9 @@ import pytest
 from c_harness import compile_c, devices_of, source, write
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.c import RESERVED, DeviceView, c_name, comment, generate, in_comment, noted, string
+from codewheel.targets.c import generate
+from codewheel.targets.c_device import DeviceView
+from codewheel.targets.c_source import RESERVED, c_name, comment, in_comment, noted, string
 
 ROOT = Path(__file__).parents[2]
 

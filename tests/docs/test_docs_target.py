@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
+from typing import Any
 from xml.etree import ElementTree
 
 from codewheel.description import read_xml
 from codewheel.load import load_library
 from codewheel.markdown import cited, code, text
 from codewheel.model import Device
+from codewheel.output import device_dump
 from codewheel.targets import Library
 from codewheel.targets.docs import generate
 
@@ -55,6 +58,49 @@ def test_everything_is_named(library: Library) -> None:
         assert missing_sources == []
         missing_texts = [value for value in texts(device) if " ".join(text(value).split()) not in " ".join(page.split())]
         assert missing_texts == []
+
+
+#: Members of the plain data that are words of our own: kinds, keys and paths, which the page puts into other words or code.
+WORDS = {
+    "family", "kind", "interface", "interfaces", "access", "byte_order", "carried_as", "other_bits", "rule", "topology", "parity", "flow_control", "alignment",
+    "output_code", "active", "do", "request", "bytes", "default_bytes", "bits", "status", "severity", "refused", "above_max", "reserved", "movement", "language",
+    "document", "section", "python_package", "version", "polynomial", "from", "purpose", "url", "equals_text", "low", "high", "width", "address", "parts",
+    "equals", "min", "max", "steps_per_turn", "turns", "step_um", "steps", "clear_values", "sets", "data", "values", "biss_id", "order_code", "code", "affects",
+}
+
+
+def leaves(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from leaves(inner, key if key == "names" else name)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from leaves(inner, key)
+    elif isinstance(value, str) and value:
+        yield key, value
+
+
+def test_every_text_of_the_plain_data_is_on_the_page(library: Library) -> None:
+    """Names of the manual in every language, meanings, notes, signals, cells of tables: nothing that show --json prints is lost."""
+    files = generate(library)
+    for device in library.devices:
+        page = " ".join(files[f"docs/{device.name}.md"].split())
+        missing = {(key, value) for key, value in leaves(device_dump(device)) if key not in WORDS and not shown(value, page)}
+        padding = [field for _, layout in device.layouts() for field in layout.fields if field.padding_of]
+        missing -= {pair for field in padding for pair in (("name", field.name), ("meaning", field.meaning))}
+        assert missing == set()
+
+
+def shown(value: str, page: str) -> bool:
+    written = (" ".join(text(value).split()), code(value), f"{value}", value.replace("_", " "))
+    return any(item in page for item in written)
+
+
+def test_every_erratum_is_named_where_it_matters(library: Library) -> None:
+    files = generate(library)
+    for device in library.devices:
+        before = files[f"docs/{device.name}.md"].partition('<a id="errata"></a>')[0]
+        assert [item.name for item in device.errata if item.affects and f"(#erratum-{item.name})" not in before] == []
 
 
 def names(device: Device) -> list[str]:

@@ -27,6 +27,10 @@ def data(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict
     return code, json.loads(out)
 
 
+SHOWN = ["amm5", "AMM5", "AMM5A21/65KSC1", "AMM5B23/1JP1-X", "AMM5A17/1BG1", "sma21", "am36", "asc85"]
+SHOWN += ["SMA21-SC4-0050", "SMA21-JP1-0001", "AMC3616/4096-GG", "AM3619/4096-I7", "ASC8525/SC2", "ASC8520/GG1"]
+
+
 def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "list")
     assert code == 0
@@ -34,7 +38,7 @@ def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert max(map(len, out.splitlines())) <= 80
 
 
-@pytest.mark.parametrize("what", ["amm5", "AMM5", "AMM5A21/65KSC1", "AMM5B23/1JP1-X", "AMM5A17/1BG1"])
+@pytest.mark.parametrize("what", SHOWN)
 def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], what: str) -> None:
     code, out, err = run(capsys, "show", what)
     assert (code, err) == (0, "")
@@ -45,8 +49,40 @@ def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:
     _, out, _ = run(capsys, "show", "AMM5A21/65KSC1")
     assert "| multiturn | singleturn | error | warning | crc |" in out
     assert "44:29" in out and "28:8" in out
-    assert "0 to 137438953471" in " ".join(out.split())
+    assert "0 to 137,438,953,471" in " ".join(out.split())
     assert "rs485" not in out
+
+
+def shown(capsys: pytest.CaptureFixture[str], what: str) -> str:
+    return " ".join(run(capsys, "show", what)[1].split())
+
+
+def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.CaptureFixture[str]) -> None:
+    ssi, biss, rs485 = (shown(capsys, code) for code in ("SMA21-GG4-0050", "SMA21-SC4-0050", "SMA21-JP1-0001"))
+    assert "ssi_gray 1" in ssi and "position in Gray code" in ssi and "Registers" not in ssi and "profile_id" not in ssi
+    assert "profile_id 2814h" in biss and "ssi_gray" not in biss and "rs485_position_bits" not in biss and "crc_coverage" not in biss
+    assert "rs485_position_bits 24" in rs485 and "scd_padding_bits" not in rs485 and "data ID F 7Ah" in rs485
+
+
+def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
+    sma21 = shown(capsys, "SMA21-SC4-0050")
+    assert "50 µm to a count, 1,048,576 counts in all, which is 52,428.800 mm" in sma21
+    assert "preset 0 to 1,048,575 while configuration.select_preset_offset is preset" in sma21
+    assert "time-out follows the clock, at most 16 µs" in sma21
+    ssi = shown(capsys, "AMC3616/4096-GG")
+    assert "below 400 kHz with a cable shorter than 50 m" in ssi and "code Gray" in ssi and "Zero" not in ssi.partition("Inputs")[0]
+    assert "65,536 counts in a revolution, 4,096 revolutions" in ssi
+    asc85 = shown(capsys, "ASC8525/SC2")
+    assert "time-out follows the clock, typically 350 ns" in asc85 and "1 revolution " in asc85
+
+
+def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest.CaptureFixture[str]) -> None:
+    biss = shown(capsys, "AM3616/4096-I7")
+    assert "used_singleturn_bits 20" in biss and "--register 0x56=0x.." in biss and "position_bits 28" not in biss
+    assert "as delivered: the widths are those in register 56, singleturn_bits_used.bits and register 57, multiturn_bits_used.bits" in biss
+    assert "--register" not in shown(capsys, "AM3616/4096-BG")
+    assert "from registers" not in run(capsys, "decode", "SMA21-BG1-0050", "0b" + "0" * 20 + "1")[1]
+    assert "from registers" in run(capsys, "decode", "SMA21-SC1-0050", "0x0")[1]
 
 
 def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:

@@ -59,8 +59,25 @@ def test_fold_plan_is_long_division(width: int, poly: int, bits: int) -> None:
         assert value == remainder
 
 
-def test_the_plan_for_46_bits_has_six_steps() -> None:
-    assert [(step.shift, step.back) for step in fold_plan(6, 0x03, 46)] == [(24, 4), (24, 4), (12, 2), (12, 2), (6, 1), (6, 1)]
+def test_the_plan_for_46_bits_has_four_steps() -> None:
+    """Halving with care: 46 bits become 22 + 4 = 26, then 14 + 2 = 16, then 10 + 1 = 11, then 5 + 1 = 6.
+
+    Always the largest power would fold 26 bits at 24 again, which leaves 24 of them, and take six steps in all.
+    """
+    assert [(step.shift, step.back) for step in fold_plan(6, 0x03, 46)] == [(24, 4), (12, 2), (6, 1), (6, 1)]
+
+
+@pytest.mark.parametrize(("width", "poly"), [(6, 0x03), (4, 0x03), (5, 0x05), (8, 0x01), (9, 0x11)])
+def test_no_plan_is_shorter(width: int, poly: int) -> None:
+    """Against every list of steps, shortest lists first, by the widths alone that they leave."""
+    middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
+    for bits in range(1, 65):
+        widths, steps = {bits}, 0
+        while not any(left <= width for left in widths):
+            shifts = [width << power for power in range(7)]
+            widths = {max(shift, left - shift + middle * shift // width) for left in widths for shift in shifts if shift < left}
+            steps += 1
+        assert len(fold_plan(width, poly, bits)) == steps, bits
 
 
 def test_form_follows_from_the_parameters() -> None:

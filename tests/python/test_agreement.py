@@ -1,4 +1,4 @@
-"""The generated package against the model's own codec: every order code, sound frames and damaged ones."""
+"""The generated package against the model's own codec: every order code of every family, sound frames and damaged ones."""
 
 from __future__ import annotations
 
@@ -13,60 +13,111 @@ import pytest
 
 from codewheel import codec
 from codewheel.load import load_library
-from codewheel.model import Device, Field, Layout, PlacedLayout, Register, Variant
+from codewheel.model import Device, Field, Layout, PlacedLayout, Register, Variant, Write
+from codewheel.procedures import register_writes
+from codewheel.run_time import with_registers
 from codewheel.targets import Library
+from codewheel.targets.python_expressions import CLASS_NAMES
+from codewheel.targets.python_module import Module
+from codewheel.targets.python_source import attribute
 
 KINDS = {"LengthError": "length", "CrcError": "crc", "ConstantError": "constant", "RangeError": "range"}
 ROUNDS = 12
 
-CODES = [f"AMM5{mount}{bits}/{turns}{interface}" for mount in "AB" for bits in (17, 21, 23) for turns in ("1", "65K") for interface in ("BG1", "SC1", "JP1")]
-#: Of specs/words.yaml, which is made up of what no device has yet; the second with the run-time parameter that sends Gray code.
-WORDS = [f"W{bits}{interface}{gray}" for bits in (20, 24) for interface in ("SC", "BG", "JP") for gray in ("", " gray")]
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+FAMILIES = sorted(path.stem for path in SPECS.glob("*/*.yaml") if path.stem != "manufacturer")
+#: specs/words.yaml is made up of what no device has.
+ALL = [*FAMILIES, "words"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Family:
+    """A family as the model knows it and as the generated module does."""
+
+    device: Device
+    module: Any
+    classes: Mapping[str, str]
+
+    def view(self, layout: Layout, register: Register | None) -> Any:
+        return getattr(self.module, self.classes[f"register {register.name}" if register is not None else f"layout {layout.name}"])
 
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """An order code as the model knows it and as the generated module does."""
+    """One layout of one order code, its registers holding what they hold."""
 
-    device: Device
+    family: Family
     variant: Variant
-    module: Any
     made: Any
+    layout: Layout
+    register: Register | None
+    placed: PlacedLayout
 
-    def layouts(self) -> Iterator[tuple[Layout, Register | None]]:
-        yield from ((item, None) for item in self.device.interface(self.variant.interface).layouts)
-        yield from ((item.layout, item) for item in self.device.registers if item.interface == self.variant.interface)
+    @property
+    def view(self) -> Any:
+        return self.family.view(self.layout, self.register)
+
+    def carried(self, number: int) -> Any:
+        """The frame as a line or a register has it."""
+        return codec.number_to_bytes(self.layout, number, self.placed.bits) if self.layout.carried_as == "bytes" else number
 
 
 @pytest.fixture(scope="session")
-def amm5(generated_python: tuple[Path, ModuleType]) -> Any:
+def families(
+    generated_python: tuple[Path, ModuleType], devices: Mapping[str, Device], import_generated: Callable[[Library, str], tuple[Path, ModuleType]]
+) -> dict[str, Family]:
     package: Any = generated_python[1]
-    return package.amm5
-
-
-@pytest.fixture(scope="session")
-def words(import_generated: Callable[[Library, str], tuple[Path, ModuleType]]) -> tuple[Device, Any]:
+    made = {name: Family(device, getattr(package, name), Module(device).classes) for name, device in devices.items()}
     found, report = load_library([Path(__file__).parent.parent / "specs"])
     assert not report, "\n".join(problem.format() for problem in report.problems)
-    device = next(item for item in found if item.name == "words")
-    package: Any = import_generated(Library((device,)), "test_encoders")[1]
-    return device, package.words
+    words = next(item for item in found if item.name == "words")
+    other: Any = import_generated(Library((words,)), "test_encoders")[1]
+    return {**made, "words": Family(words, other.words, Module(words).classes)}
 
 
 @pytest.fixture
-def case(request: pytest.FixtureRequest, amm5: Any, words: tuple[Device, Any], devices: Mapping[str, Device]) -> Case:
-    code, _, gray = request.param.partition(" ")
-    if not code.startswith("W"):
-        return Case(devices["amm5"], devices["amm5"].variant(code), amm5, amm5.VARIANTS[code])
-    device, module = words
-    variant, made = device.variant(code), module.VARIANTS[code]
-    if gray:
-        variant, made = dataclasses.replace(variant, parameters={**variant.parameters, "gray": 1}), dataclasses.replace(made, gray=1)
-    return Case(device, variant, module, made)
+def family(request: pytest.FixtureRequest, families: dict[str, Family]) -> Family:
+    return families[request.param]
 
 
-def camel(name: str) -> str:
-    return "".join(part.capitalize() for part in name.split("_"))
+def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
+    """The order code as delivered, and with its run-time parameters at their bounds and in between."""
+    device, made = family.device, family.module.VARIANTS[variant.code]
+    yield variant, made
+    here = [item for item in device.run_time_parameters if device.register(item.register).interface == variant.interface]
+    source = random.Random(variant.code)
+    for kind in ("min", "max", "random", "random", "random") if here else ():
+        held: dict[int, int] = {}
+        for item in here:
+            register = device.register(item.register)
+            field = register.layout.field(item.field)
+            low, high = item.min or 0, item.max if item.max is not None else 1
+            value = {"min": low, "max": high}.get(kind, source.randint(low, high))
+            place = field.low.constant
+            before = register.default or 0
+            before &= ~(((1 << field.widest) - 1) << place)
+            raw = value if value != field.zero_means else 0
+            data = codec.number_to_bytes(register.layout, before | raw << place, 8 * register.length)
+            held |= {register.address + index: byte for index, byte in enumerate(data)}
+        changed, changed_made = with_registers(device, variant, held), made.with_registers(held)
+        names = {item.name: attribute(item.name, ("class",)) for item in device.parameters}
+        assert {name: getattr(changed_made, names[name]) for name in changed.parameters} == changed.parameters
+        yield changed, changed_made
+
+
+def cases(family: Family) -> Iterator[Case]:
+    """Every layout of every order code; a register that lies just like one before is left out."""
+    seen = set()
+    for variant in family.device.variants:
+        for state, made in states(family, variant):
+            layouts: list[tuple[Layout, Register | None]] = [(item, None) for item in family.device.interface(variant.interface).layouts]
+            layouts += [(item.layout, item) for item in family.device.registers if item.interface == variant.interface]
+            for layout, register in layouts:
+                placed = layout.place(state.parameters)
+                key = layout.name, variant.code if register is None else "", variant.interface, placed.bits, placed.gray, tuple((item.name, item.low, item.width) for item in placed.fields)
+                if key not in seen:
+                    seen.add(key)
+                    yield Case(family, state, made, layout, register, placed)
 
 
 def value_of(placed: PlacedLayout, register: Register | None, field: Field, width: int, kind: str, source: random.Random) -> int | str | bool:
@@ -80,8 +131,6 @@ def value_of(placed: PlacedLayout, register: Register | None, field: Field, widt
     if field.kind == "text":
         return "".join(chr(source.randrange(0x20, 0x7F)) for _ in range(width // 8))
     lowest, largest = 0, (1 << width) - 1
-    if field.power_of_two:
-        return 1 << source.randrange(width)
     if field.zero_means:
         lowest, largest = 1, field.zero_means
     if field.signed:
@@ -90,6 +139,8 @@ def value_of(placed: PlacedLayout, register: Register | None, field: Field, widt
         largest = min(largest, field.digits[0].divisor * field.digits[0].modulus - 1)
     if register is not None and register.limits_of == field.name and register.min is not None and register.max is not None:
         lowest, largest = register.min.constant, register.max.constant
+    if field.power_of_two:
+        return 1 << source.randrange(min(width, largest.bit_length()))
     chosen = {"zero": lowest, "one": 1, "ones": -1 if field.signed else largest, "top": 1 << (width - 1) if width else 0}
     return max(lowest, min(chosen.get(kind, source.randint(lowest, largest)), largest))
 
@@ -107,24 +158,6 @@ def decode_generated(view: Any, variant: Any, data: Any) -> Any:
         return KINDS[type(error).__name__]
 
 
-@pytest.mark.parametrize("case", CODES + WORDS, indirect=True)
-def test_round_trip(case: Case) -> None:
-    source = random.Random(case.variant.code)
-    for layout, register in case.layouts():
-        view = getattr(case.module, camel(layout.name))
-        placed = layout.place(case.variant.parameters)
-        for kind in ["zero", "one", "ones", "top", *["random"] * ROUNDS]:
-            number = codec.encode(case.device, placed, values_of(placed, register, kind, source))
-            data = codec.number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
-            found = decode_generated(view, case.made, data)
-            assert not isinstance(found, str), (layout.name, kind, found)
-            assert found.encode() == data
-            compare(codec.decode(case.device, placed, number), found, layout)
-            for join in layout.joins:
-                others = [value for name, value in zip(found._fields, found) if name not in (*join.fields, "variant")]
-                assert getattr(view, f"from_{join.name}")(case.made, getattr(found, join.name), *others) == found
-
-
 def compare(expected: codec.Decoded, found: Any, layout: Layout) -> None:
     """Whether both read the same values."""
     if not hasattr(found, "_fields"):
@@ -134,30 +167,47 @@ def compare(expected: codec.Decoded, found: Any, layout: Layout) -> None:
     for item in expected.fields:
         if item.name in fixed:
             continue
-        value = getattr(found, item.name if item.name != "index" else "index_")
+        value = getattr(found, attribute(item.name, CLASS_NAMES))
         assert (value.name.lower() if hasattr(value, "name") and isinstance(item.value, str) else value) == item.value, item.name
 
 
-@pytest.mark.parametrize("case", CODES + WORDS, indirect=True)
-def test_faults_are_told_as_the_model_tells_them(case: Case) -> None:
-    source = random.Random(case.variant.code)
-    seen = set()
-    for layout, register in case.layouts():
-        view = getattr(case.module, camel(layout.name))
-        placed = layout.place(case.variant.parameters)
-        for number in damaged(case.device, placed, register, source):
-            expected = codec.decode(case.device, placed, number)
-            if number >> placed.bits and layout.carried_as == "bytes":
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_round_trip_of_every_order_code(family: Family) -> None:
+    """What the model encodes, the package decodes to the same values and encodes again, at the bounds and in between."""
+    source = random.Random(family.device.name)
+    for case in cases(family):
+        for kind in ["zero", "one", "ones", "top", *["random"] * ROUNDS]:
+            number = codec.encode(family.device, case.placed, values_of(case.placed, case.register, kind, source))
+            data = case.carried(number)
+            found = decode_generated(case.view, case.made, data)
+            assert not isinstance(found, str), (case.variant.code, case.layout.name, kind, found)
+            assert found.encode() == data, (case.variant.code, case.layout.name, kind)
+            compare(codec.decode(family.device, case.placed, number), found, case.layout)
+            for join in case.layout.joins:
+                others = [value for name, value in zip(found._fields, found) if name not in (*join.fields, "variant")]
+                first = [case.made] if "variant" in found._fields else []
+                assert getattr(case.view, f"from_{join.name}")(*first, getattr(found, join.name), *others) == found
+
+
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
+    source = random.Random(family.device.name)
+    seen, possible = set(), set()
+    for case in cases(family):
+        kinds = {item.kind for item in case.layout.fields}
+        possible |= {"crc"} & kinds | ({"constant"} if kinds & {"constant", "parity"} else set()) | ({"length"} if case.layout.carried_as == "bits" else set())
+        for number in damaged(family.device, case.placed, case.register, source):
+            expected = codec.decode(family.device, case.placed, number)
+            if number >> case.placed.bits and case.layout.carried_as == "bytes":
                 continue
-            data = codec.number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
-            found = decode_generated(view, case.made, data)
+            found = decode_generated(case.view, case.made, case.carried(number))
             if expected.problems:
                 seen.add(expected.problems[0].kind)
-                assert found == expected.problems[0].kind, (layout.name, hex(number))
+                assert found == expected.problems[0].kind, (case.variant.code, case.layout.name, hex(number))
             else:
-                assert not isinstance(found, str), (layout.name, hex(number), found)
-                compare(expected, found, layout)
-    assert seen >= {"ssi": {"length"}, "biss": {"crc", "constant", "length", "range"}, "rs485": {"crc", "constant", "range"}}[case.variant.interface]
+                assert not isinstance(found, str), (case.variant.code, case.layout.name, hex(number), found)
+                compare(expected, found, case.layout)
+    assert seen >= possible
 
 
 def damaged(device: Device, placed: PlacedLayout, register: Register | None, source: random.Random) -> Iterator[int]:
@@ -183,27 +233,83 @@ def repaired(device: Device, placed: PlacedLayout, number: int) -> int:
     return cleared | codec.compute(device.crc(item.field.crc), placed, cleared) << item.low
 
 
-def test_any_bytes_are_told_as_the_model_tells_them(amm5: Any, devices: Mapping[str, Device]) -> None:
-    device = devices["amm5"]
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(5)
-    variant = device.variant("AMM5B21/65KJP1")
-    made = amm5.VARIANTS[variant.code]
-    frames = [bytes(source.getrandbits(8) for _ in range(source.randrange(13))) for _ in range(3000)]
-    frames += [bytes([control]) + bytes(source.getrandbits(8) for _ in range(length)) for control in range(256) for length in range(12)]
-    frames += [frame[:-1] + bytes([amm5.crc_rs485_8(frame[:-1])]) for frame in frames if frame]
-    for sender, decode in (("encoder", amm5.decode_reply), ("master", amm5.decode_request)):
-        for frame in frames:
-            expected = codec.decode_bytes(device, variant, sender, frame)
-            try:
-                found = decode(frame, made)
-            except ValueError as error:
-                assert expected.problems and KINDS[type(error).__name__] == expected.problems[0].kind, frame.hex(" ")
-            else:
-                assert not expected.problems and expected.layout is not None, frame.hex(" ")
-                compare(expected, found, expected.layout.layout)
+    device = family.device
+    for variant in [item for item in device.variants if device.interface(item.interface).layouts[0].carried_as == "bytes"][:2]:
+        frames = [bytes(source.getrandbits(8) for _ in range(source.randrange(13))) for _ in range(1000)]
+        frames += [bytes([control]) + bytes(source.getrandbits(8) for _ in range(length)) for control in range(256) for length in range(12)]
+        crc = next(layout.crc_field.crc for layout in device.interface(variant.interface).layouts if layout.crc_field is not None)
+        size, function = device.crc(crc).width // 8, getattr(family.module, f"crc_{crc}")
+        order = device.interface(variant.interface).layouts[0].byte_order
+        frames += [frame[:-size] + function(frame[:-size]).to_bytes(size, "little" if order == "low_byte_first" else "big") for frame in frames if len(frame) > size]
+        for sender, name in (("encoder", "decode_reply"), ("master", "decode_request")):
+            decode = getattr(family.module, name)
+            for frame in frames:
+                expected = codec.decode_bytes(device, variant, sender, frame)
+                try:
+                    found = decode(frame, family.module.VARIANTS[variant.code])
+                except ValueError as error:
+                    assert expected.problems and KINDS[type(error).__name__] == expected.problems[0].kind, frame.hex(" ")
+                else:
+                    assert not expected.problems and expected.layout is not None, frame.hex(" ")
+                    compare(expected, found, expected.layout.layout)
 
 
-def test_error_warning_and_crc_are_told_apart(amm5: Any) -> None:
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
+    """For arguments at their limits and beyond."""
+    source = random.Random(family.device.name)
+    for procedure in family.device.procedures:
+        build = getattr(family.module, Module(family.device).functions_taken[procedure.name])
+        variants = [item for item in family.device.variants if item.interface == procedure.interface]
+        for variant in variants:
+            made = [family.module.VARIANTS[variant.code]] if build.__code__.co_varnames[:1] == ("variant",) else []
+            for _ in range(12 if procedure.arguments else 1):
+                arguments = {item.name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for item in procedure.arguments}
+                try:
+                    expected = register_writes(family.device, procedure, variant, arguments)
+                except codec.EncodeError:
+                    with pytest.raises(ValueError):
+                        build(*made, *arguments.values())
+                    continue
+                assert on_paper(family.device, build(*made, *arguments.values())) == expected, (procedure.name, variant.code, arguments)
+
+
+def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
+    """The writes of generated steps; a register that is read before holds its default or what was written."""
+    held = {item.address + index: byte for item in device.registers for index, byte in enumerate(item.default_bytes() or bytes(item.length))}
+    found = []
+    for step in steps:
+        kind = type(step).__name__
+        if kind == "Write":
+            found.append(Write(step.address, step.value))
+        elif kind == "Modify":
+            register = device.register(step.register)
+            data = bytes(held[step.address + index] for index in range(step.length))
+            number = codec.number_from_bytes(register.layout, data) & ~step.mask | step.value
+            found += [Write(step.address + index, byte) for index, byte in enumerate(codec.number_to_bytes(register.layout, number, 8 * step.length))]
+        held |= {item.address: item.value for item in found}
+    return tuple(found)
+
+
+def test_a_field_that_the_order_code_does_not_have(families: dict[str, Family]) -> None:
+    """Zero is what such a field holds; anything else is refused, by the model and by the package."""
+    family = families["amm5"]
+    variant = family.device.variant("AMM5A21/1SC1")
+    placed = family.device.layout("single_cycle_data").place(variant.parameters)
+    values = {"singleturn": 5, "error": False, "warning": False}
+    made = family.module.SingleCycleData(family.module.VARIANTS[variant.code], 0, 5)
+    assert codec.encode(family.device, placed, values) == codec.encode(family.device, placed, {**values, "multiturn": 0}) == made.encode()
+    with pytest.raises(codec.EncodeError, match="multiturn 1 does not fit: this order code has no such field"):
+        codec.encode(family.device, placed, {**values, "multiturn": 1})
+    with pytest.raises(ValueError):
+        made._replace(multiturn=1).encode()
+
+
+def test_error_warning_and_crc_are_told_apart(families: dict[str, Family]) -> None:
+    amm5 = families["amm5"].module
     variant = amm5.lookup("AMM5A21/65KSC1")
     for error in (False, True):
         for warning in (False, True):
@@ -216,8 +322,8 @@ def test_error_warning_and_crc_are_told_apart(amm5: Any) -> None:
             assert caught.value.received == word & 0x3F != caught.value.computed
 
 
-def test_steps_of_every_kind(words: tuple[Device, Any]) -> None:
-    _, module = words
+def test_steps_of_every_kind(families: dict[str, Family]) -> None:
+    module = families["words"].module
     steps = module.import_(limit=1000, bank=2)
     assert [type(step).__name__ for step in steps] == ["Read", "Modify", "Write", "Write", "Write", "Poll", "Wait"]
     assert (steps[1].mask, steps[1].value) == (0x06, 0x02)
@@ -226,8 +332,8 @@ def test_steps_of_every_kind(words: tuple[Device, Any]) -> None:
         module.import_(limit=1001, bank=0)
 
 
-def test_values_that_only_some_encoders_have(words: tuple[Device, Any]) -> None:
-    _, module = words
+def test_values_that_only_some_encoders_have(families: dict[str, Family]) -> None:
+    module = families["words"].module
     variant = module.lookup("w99sc")
     assert (variant.code, variant.unlisted, variant.position_bits, variant.class_) == ("W99SC", ("resolution",), 20, 3)
     assert variant.micrometres(7) == 350

@@ -2,7 +2,7 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """Frames, registers and facts of Lika Electronic encoders.
 
-Each family has a module: amm5. Start with lookup(), which takes what stands on the label.
+Each family has a module: am36, amm5, asc85, sma21. Start with lookup(), which takes what stands on the label.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
@@ -10,10 +10,10 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Final, TypeAlias, Union
 
-from . import amm5
+from . import am36, amm5, asc85, sma21
 from ._codec import (
     BitField,
     ConstantError,
@@ -52,15 +52,19 @@ __all__ = [
     "Variant",
     "Wait",
     "Write",
+    "am36",
     "amm5",
+    "asc85",
+    "sma21",
+    "identify",
     "lookup",
 ]
 
 #: An encoder of any family, as its order code describes it.
-Variant: TypeAlias = Union[amm5.Variant]
+Variant: TypeAlias = Union[am36.Variant, amm5.Variant, asc85.Variant, sma21.Variant]
 
 #: Every family, in order of name.
-FAMILIES: Final[tuple[Family, ...]] = (amm5.FAMILY,)
+FAMILIES: Final[tuple[Family, ...]] = (am36.FAMILY, amm5.FAMILY, asc85.FAMILY, sma21.FAMILY,)
 
 
 def lookup(label: str) -> Variant:
@@ -71,7 +75,7 @@ def lookup(label: str) -> Variant:
     Raises:
         OrderCodeError: There is no such order code; the error names the nearest ones.
     """
-    families: tuple[Callable[[str], Variant], ...] = (amm5.lookup,)
+    families: tuple[Callable[[str], Variant], ...] = (am36.lookup, amm5.lookup, asc85.lookup, sma21.lookup,)
     errors = []
     for read in families:
         try:
@@ -81,7 +85,33 @@ def lookup(label: str) -> Variant:
     for found in errors:
         if found.part:
             raise found
-    codes = {
-        **{code: variant.parts for code, variant in amm5.VARIANTS.items()},
-    }
+    codes = [
+        *am36.VARIANTS,
+        *amm5.VARIANTS,
+        *asc85.VARIANTS,
+        *sma21.VARIANTS,
+    ]
     raise OrderCodeError(errors[0].label, "", "is no order code of these encoders", nearest(codes, errors[0].label))
+
+
+def identify(read: Mapping[int, int] | Mapping[str, bytes]) -> tuple[str, ...]:
+    """The order codes of all families whose encoders can have sent what was read from an encoder's registers.
+
+    What was not read, or is not documented, excludes nothing; a register counts only when all its bytes are there.
+
+    Args:
+        read: Bytes by address, or the bytes of whole registers by name.
+
+    Raises:
+        ValueError: No family has such a register.
+    """
+    codes: list[str] = []
+    errors = []
+    for name_those_of in (am36.identify, amm5.identify, asc85.identify, sma21.identify,):
+        try:
+            codes += name_those_of(read)
+        except ValueError as error:
+            errors.append(error)
+    if len(errors) == 4:
+        raise errors[0]
+    return tuple(codes)

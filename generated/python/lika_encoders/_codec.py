@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
-from typing import NamedTuple, TypeVar, Union
+from typing import Literal, NamedTuple, Protocol, TypeVar, Union
 
 _Choice = TypeVar("_Choice", bound=IntEnum)
 
@@ -159,6 +160,21 @@ def writes(register: str, address: int, data: bytes, meaning: str = "") -> tuple
     return tuple(Write(address + index, byte, register, meaning) for index, byte in enumerate(data))
 
 
+class Encodable(Protocol):
+    """A register as an object of its class."""
+
+    def encode(self) -> bytes:
+        """The register's bytes."""
+
+
+def whole(register: str, value: Encodable | int, length: int, order: Literal["little", "big"]) -> bytes:
+    """The bytes of a register of several fields, which is given as an object of its class or as one number."""
+    if isinstance(value, int):
+        check_width(register, value, 8 * length)
+        return value.to_bytes(length, order)
+    return value.encode()
+
+
 def check_width(field: str, value: int, bits: int) -> None:
     """Raises :class:`RangeError` unless ``value`` fits into ``bits`` bits."""
     if value >> bits:
@@ -235,6 +251,91 @@ def to_gray(number: int, low: int, width: int) -> int:
     mask = (1 << width) - 1
     binary = number >> low & mask
     return number & ~(mask << low) | (binary ^ binary >> 1) << low
+
+
+def unwrap(previous: int, position: int, modulus: int) -> int:
+    """The count nearest to ``previous`` that shows as ``position`` where the count starts again after ``modulus``."""
+    check_limits("position", position, (0, modulus - 1))
+    return previous + (position - previous + modulus // 2) % modulus - modulus // 2
+
+
+class Held(NamedTuple):
+    """A parameter that a register holds at run time, in ``width`` bits from ``low`` on.
+
+    ``zero_means`` is what a 0 there stands for, where not for 0.
+    """
+
+    parameter: str
+    interface: Interface
+    address: int
+    default: bytes
+    order: Literal["little", "big"]
+    low: int
+    width: int
+    min: int
+    max: int
+    zero_means: int = 0
+
+
+def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], interface: Interface) -> dict[str, int]:
+    """The parameters in registers that hold these bytes, by address; a byte that is missing is that of the default."""
+    found: dict[str, int] = {}
+    known: set[int] = set()
+    for item in items:
+        places = range(item.address, item.address + len(item.default))
+        if item.interface is not interface or not any(place in held for place in places):
+            continue
+        known.update(places)
+        data = bytes(held.get(place, byte) for place, byte in zip(places, item.default))
+        value = int.from_bytes(data, item.order) >> item.low & ((1 << item.width) - 1) or item.zero_means
+        check_limits(item.parameter, value, (item.min, item.max))
+        found[item.parameter] = value
+    unknown = sorted(held.keys() - known)
+    if unknown:
+        here = sorted({item.address for item in items if item.interface is interface})
+        listed = ", ".join(f"0x{address:02X}" for address in here) or "none"
+        raise ValueError(f"register 0x{unknown[0]:02X} does not change how a frame is read; those that do: {listed}")
+    return found
+
+
+class Located(Protocol):
+    """Something with a place among the registers."""
+
+    @property
+    def address(self) -> int:
+        """Address of the first byte."""
+
+    @property
+    def length(self) -> int:
+        """Number of bytes."""
+
+
+def held_bytes(read: Mapping[int, int] | Mapping[str, bytes], registers: Mapping[str, Located]) -> dict[int, int]:
+    """Bytes by address, from the same or from whole registers by name."""
+    held: dict[int, int] = {}
+    for key, value in read.items():
+        if isinstance(key, int) and isinstance(value, int):
+            check_width("byte", value, 8)
+            held[key] = value
+        elif isinstance(key, str) and isinstance(value, bytes):
+            register = registers.get(key)
+            if register is None:
+                raise ValueError(f"there is no register '{key}'; there are {', '.join(registers)}")
+            if len(value) != register.length:
+                raise LengthError(register.length, len(value))
+            held.update(zip(range(register.address, register.address + register.length), value))
+        else:
+            raise TypeError("give bytes by address, or the bytes of whole registers by name")
+    return held
+
+
+def agrees(held: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]) -> bool:
+    """Whether a register is as expected; one that was not read, or only in part, excludes nothing."""
+    found = [held[place] for place in range(address, address + length) if place in held]
+    try:
+        return len(found) < length or expected(bytes(found))
+    except FrameError:
+        return False
 
 
 def as_number(frame: int | bytes) -> int:

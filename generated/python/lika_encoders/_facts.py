@@ -75,12 +75,45 @@ class Crc(NamedTuple):
     source: str = ""
 
 
+class FieldFacts(NamedTuple):
+    """What the manual says of a field besides its place, which ``bit_fields`` of its class gives.
+
+    ``active`` is ``high`` or ``low`` for a flag. ``constant`` is what a field always holds. ``implemented`` is false
+    for what this encoder does not have, ``reserved`` says who alone may use it. ``explained_by`` names fields of
+    registers, as ``register.field``, that tell more. ``zero_means`` is what a 0 stands for, where not for 0.
+    """
+
+    name: str
+    printed_name: str = ""
+    meaning: str = ""
+    unit: str = ""
+    active: str = ""
+    when_active: str = ""
+    when_inactive: str = ""
+    default: int | None = None
+    constant: int | None = None
+    signed: bool = False
+    zero_means: int = 0
+    power_of_two: bool = False
+    implemented: bool = True
+    reserved: str = ""
+    explained_by: tuple[str, ...] = ()
+    names: Mapping[str, str] = {}
+    note: str = ""
+    source: str = ""
+
+
 class RegisterMeaning(NamedTuple):
-    """One of the things that a register can mean: while the field ``when`` of another has the value ``value``."""
+    """One of the things that a register can mean: while the field ``when`` of another has the value ``value``.
+
+    ``min`` and ``max`` are its limits as the manual gives them; the register's class has them as numbers.
+    """
 
     name: str
     when: str
     value: str
+    min: str = ""
+    max: str = ""
     meaning: str = ""
     source: str = ""
 
@@ -90,9 +123,10 @@ class Register(NamedTuple):
 
     ``access`` is ``read_only``, ``read_write`` or ``write_only``; ``byte_order`` says which byte is at the lowest
     address, ``low_byte_first`` or ``high_byte_first``. Where ``opened_by`` names a register, that one has to hold its
-    value ``opened_by_value`` before this one can be written. ``wait_ms`` is the time to wait after a write, at least.
-    ``above_max`` says what the encoder makes of a value above the highest, ``default`` or ``refused``; ``write_clears``
-    names registers that a write sets to zero; ``reserved`` says who alone may use it.
+    value ``opened_by_value``, in its field ``opened_by_field`` where that is named, before this one can be written.
+    ``wait_ms`` is the time to wait after a write, at least. ``above_max`` says what the encoder makes of a value above
+    the highest, ``default`` or ``refused``; ``write_clears`` names registers that a write sets to zero; ``reserved``
+    says who alone may use it.
     """
 
     name: str
@@ -103,6 +137,7 @@ class Register(NamedTuple):
     byte_order: str
     default: bytes | None = None
     opened_by: str = ""
+    opened_by_field: str = ""
     opened_by_value: str = ""
     clears_itself: bool = False
     wait_ms: int = 0
@@ -112,6 +147,7 @@ class Register(NamedTuple):
     write_clears: tuple[str, ...] = ()
     meanings: tuple[RegisterMeaning, ...] = ()
     reserved: str = ""
+    fields: tuple[FieldFacts, ...] = ()
     names: Mapping[str, str] = {}
     meaning: str = ""
     note: str = ""
@@ -165,6 +201,13 @@ class Network(NamedTuple):
     source: str = ""
 
 
+class PrintedTimeout(NamedTuple):
+    """The time-out that the manual prints for one clock."""
+
+    clock_hz: int
+    timeout_ns: int
+
+
 class Timeout(NamedTuple):
     """The time-out after a frame; ``rule`` is ``follows_clock`` or ``fixed``."""
 
@@ -172,12 +215,15 @@ class Timeout(NamedTuple):
     half_clock_periods: int | None = None
     at_most_ns: int | None = None
     typical_ns: int | None = None
+    printed: tuple[PrintedTimeout, ...] = ()
     source: str = ""
 
     def nanoseconds(self, clock_hz: int) -> float | None:
-        """The time-out at this clock, or None where the manual gives no number."""
+        """The time-out at this clock, or None where the manual does not say how it follows the clock."""
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
+        if self.rule == "follows_clock":
+            return next((item.timeout_ns for item in self.printed if item.clock_hz == clock_hz), None)
         return self.typical_ns if self.typical_ns is not None else self.at_most_ns
 
 
@@ -271,13 +317,14 @@ class Rs485Facts(NamedTuple):
 class Alarm(NamedTuple):
     """An error or a warning.
 
-    ``field`` is the flag that shows it, ``latch`` whether it stays until it is reset, ``below_mv`` the voltage in
-    millivolts below which it is raised, ``cleared_by`` the procedures that clear it.
+    ``field`` is the flag that shows it, in a frame or in ``register``, ``latch`` whether it stays until it is reset,
+    ``below_mv`` the voltage in millivolts below which it is raised, ``cleared_by`` the procedures that clear it.
     """
 
     name: str
     meaning: str
     printed_name: str = ""
+    register: str = ""
     field: str = ""
     detected: str = ""
     below_mv: int | None = None
@@ -351,6 +398,13 @@ class Table(NamedTuple):
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
+    source: str = ""
+
+
+class LostFigure(NamedTuple):
+    """What a figure of the manual shows that the text at hand does not contain."""
+
+    content: str
     source: str = ""
 
 

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
-_SPECIAL = re.compile(r"/S[A-Za-z0-9]+$")
 
 
 class OrderCodeError(ValueError):
@@ -38,17 +37,26 @@ class PartValue(NamedTuple):
 
 
 class Part(NamedTuple):
-    """One part of the order code; ``open`` is a regular expression for values that the manual does not list."""
+    """One part of the order code.
+
+    ``open`` is a regular expression for values that the manual does not list; ``open_only_with`` names, by part, the
+    values of others that they go with, where not with all.
+    """
 
     name: str
     meaning: str
     values: tuple[PartValue, ...]
     open: str = ""
+    open_only_with: Mapping[str, tuple[str, ...]] = {}
     source: str = ""
 
 
 class Label(NamedTuple):
-    """A label taken apart; ``listed`` has the first listed value in place of each that the manual does not list."""
+    """A label taken apart.
+
+    ``listed`` are the parts of the listed code that it is taken for: what the manual does not list is replaced by the
+    first listed value that goes with the rest.
+    """
 
     code: str
     parts: tuple[str, ...]
@@ -74,25 +82,51 @@ class OrderCode(NamedTuple):
             OrderCodeError: No order code of ``codes`` is like that.
         """
         text = label.strip().upper()
-        special = _SPECIAL.search(text)
-        if special:
-            text = text[: special.start()]
-        match = re.fullmatch(f"{self._expression()}(?P<tail_>-.*)?", text, re.IGNORECASE)
+        # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
+        match = re.fullmatch(f"{self._expression()}(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?", text, re.IGNORECASE)
         if match is None:
             raise self._error(text, family, codes)
-        shown, listed, unlisted = [], [], []
-        for part in self.parts:
-            found = match[part.name]
-            value = next((value.text for value in part.values if value.text.upper() == found), None)
-            if value is None:
-                unlisted.append(part.name)
-            shown.append(found if value is None else value)
-            listed.append(part.values[0].text if value is None else value)
-        if tuple(listed) not in codes.values():
-            raise OrderCodeError(text, "", "combines parts that do not go together", nearest(codes, text))
-        given = dict(zip((part.name for part in self.parts), shown))
-        code = _BRACES.sub(lambda brace: given[brace[1]], self.pattern)
-        return Label(code, tuple(shown), tuple(listed), tuple(unlisted), match["tail_"] or "", special is not None)
+        known = {part.name: _listed(part, match[part.name]) for part in self.parts}
+        unlisted = tuple(name for name, value in known.items() if value is None)
+        listed = self._fitting(known, codes)
+        if listed is None:
+            raise self._clash(text, {name: value or match[name] for name, value in known.items()}, known, codes)
+        shown = {name: match[name] if value is None else value for name, value in known.items()}
+        code = _BRACES.sub(lambda brace: shown[brace[1]], self.pattern)
+        return Label(code, tuple(shown.values()), listed, unlisted, match["tail_"] or "", match["special_"] is not None)
+
+    def _fitting(self, known: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
+        """The parts of the first listed code that has these values, where None stands for one that is not listed."""
+        names = [part.name for part in self.parts]
+        for values in codes.values():
+            found = dict(zip(names, values))
+            if any(value not in (None, found[name]) for name, value in known.items()):
+                continue
+            open_parts = [part for part in self.parts if known[part.name] is None]
+            if all(
+                known[other] is None or known[other] in allowed
+                for part in open_parts
+                for other, allowed in part.open_only_with.items()
+            ):
+                return values
+        return None
+
+    def _clash(
+        self,
+        text: str,
+        shown: Mapping[str, str],
+        known: Mapping[str, str | None],
+        codes: Mapping[str, tuple[str, ...]],
+    ) -> OrderCodeError:
+        """The error for parts that are right one by one, but not together: those of which another value would do."""
+        names = [
+            part.name
+            for part in self.parts
+            if any(self._fitting({**known, part.name: value.text}, codes) for value in part.values)
+        ]
+        listed = " and ".join(f"{name} '{shown[name]}'" for name in names) or "its parts"
+        part = names[0] if names else ""
+        return OrderCodeError(text, part, f"has {listed}, which do not go together", nearest(codes, text))
 
     def _expression(self, any_for: str = "") -> str:
         """A regular expression for the whole code; the part ``any_for`` may be anything."""
@@ -104,20 +138,36 @@ class OrderCode(NamedTuple):
         return "".join(pieces)
 
     def _error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
+        found = []
         for part in self.parts:
-            match = re.fullmatch(f"{self._expression(part.name)}(-.*)?", text, re.IGNORECASE)
+            match = re.fullmatch(f"{self._expression(part.name)}(-.*?)?(/S[A-Z0-9]+)?", text, re.IGNORECASE)
             if match:
-                wrong = f"has {part.name} '{match[part.name]}'" if match[part.name] else f"has no {part.name}"
-                valid = ", ".join(value.text for value in part.values)
-                return OrderCodeError(text, part.name, f"{wrong}; valid are {valid}", nearest(codes, text))
+                others = [other for other in self.parts if other is not part]
+                unlisted = sum(_listed(other, match[other.name]) is None for other in others)
+                found.append((unlisted, part, match[part.name]))
+        if found:
+            # Rather a part that leaves the others with listed values, and rather a missing one.
+            _, part, given = min(found, key=lambda item: (item[0], item[2] != ""))
+            wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
+            valid = ", ".join(value.text for value in part.values)
+            return OrderCodeError(text, part.name, f"{wrong}; valid are {valid}", nearest(codes, text))
         return OrderCodeError(text, "", f"is no order code of {family}", nearest(codes, text))
 
 
-def nearest(codes: Mapping[str, tuple[str, ...]], text: str) -> tuple[str, ...]:
-    """The three codes that look most like ``text``."""
-    from difflib import get_close_matches
+def nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
+    """The three codes that look most like ``text``, or like as much of it as comes before a tail."""
+    from difflib import SequenceMatcher
 
-    return tuple(get_close_matches(text.upper().partition("-")[0], list(codes), n=3, cutoff=0.0))
+    pieces = text.upper().split("-")
+
+    def likeness(code: str) -> float:
+        return SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
+
+    return tuple(sorted(codes, key=likeness, reverse=True)[:3])
+
+
+def _listed(part: Part, text: str) -> str | None:
+    return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
 
 def _alternatives(part: Part) -> str:

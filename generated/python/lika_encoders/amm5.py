@@ -31,6 +31,7 @@ from ._codec import (
     Send,
     Step,
     Wait,
+    agrees,
     as_bytes,
     as_number,
     check_interface,
@@ -39,7 +40,9 @@ from ._codec import (
     choice,
     crc_by_xor,
     crc_of_bits,
+    held_bytes,
     text_number,
+    unwrap,
     writes,
 )
 from ._facts import (
@@ -57,13 +60,16 @@ from ._facts import (
     Edition,
     Erratum,
     Family,
+    FieldFacts,
     Led,
     LedState,
+    LostFigure,
     Manual,
     MemoryAccess,
     NamedValue,
     Network,
     Port,
+    PrintedTimeout,
     Register,
     Revision,
     Rs485Facts,
@@ -226,6 +232,22 @@ class Variant:
         """``position``, in counts, as degrees within one revolution."""
         return position % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
 
+    @property
+    def modulus(self) -> int:
+        """Counts after which ``position`` starts again: the highest one is 1 less."""
+        return (1 << self.singleturn_bits) * (1 << self.multiturn_bits)
+
+    def unwrap(self, previous: int, position: int) -> int:
+        """The count nearest to ``previous`` that shows as ``position``: it goes on where that starts again.
+
+        Begin with ``previous`` = the first ``position``, then give what came out. Between two calls the encoder may
+        move by less than half of ``modulus``.
+
+        Raises:
+            RangeError: ``position`` is not below ``modulus``.
+        """
+        return unwrap(previous, position, self.modulus)
+
     def decode(self, frame: int | bytes) -> Frame:
         """What the encoder sent: bytes, or where the line carries bits one number, the first bit most significant.
 
@@ -341,15 +363,8 @@ def crc_rs485_8(data: bytes) -> int:
     Over all bytes sent before it, start bits and delimiters left out, least significant bit first. That is the XOR of
     the bytes: it does not notice bytes that changed places. Start value 0 is set in the printed code.
 
-    Erratum crc_coverage, settled (7.6 p.47; it: 7.6 p.47). Printed: Calculation "to all 8 bits except for Start bit and
-    Delimiter of fields rather than CRC". Used: The CRC covers the 8 bits of every field before it, without start bits
-    and delimiters.
-
     Erratum crc_code_bit_order, settled (7.6). Printed: Data is configured LSB first; the printed code takes the bits of
     a string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1 with input and output reflected.
-
-    Erratum crc_code_undeclared, settled (7.6). Printed: CRC8 = 0; as the first line of the function. Used: Nothing; the
-    code is not taken over.
     """
     return crc_by_xor(data)
 
@@ -364,8 +379,6 @@ def _remainder_biss_6_47(word: int) -> int:
     word = word & 0xFFFFFF ^ high ^ high << 4
     high = word >> 24
     word = word & 0xFFFFFF ^ high ^ high << 4
-    high = word >> 12
-    word = word & 0xFFF ^ high ^ high << 2
     high = word >> 12
     word = word & 0xFFF ^ high ^ high << 2
     high = word >> 6
@@ -448,7 +461,7 @@ SSI: Final = SsiFacts(
 
 
 class SsiWord(NamedTuple):
-    """Ssi word: sent by the encoder over SSI, as a string of bits (5.2 p.28).
+    """SSI word: sent by the encoder over SSI, as a string of bits (5.2 p.28).
 
     In the manual: Structure of the position information.
 
@@ -533,9 +546,6 @@ class SsiWord(NamedTuple):
 # Erratum profile_id_missing, open (6 p.31; 6.4 p.35; prot: p.14-15). Printed: The encoder complies with the "Standard
 # encoder profile"; no register 42h to 43h is listed. Used: No profile ID.
 #
-# Erratum control_data_bit, settled (6.1 p.31; prot: p.3-5). Printed: Control Data is the transmission of a single bit
-# that follows the SCD data. Used: Nothing; no layout of the control frame is made from it.
-#
 # Erratum biss_min_clock, open (6.5 p.40; prot: p.18). Printed: Clock of 50 kHz at least; the time-out is worked out for
 # 50 kHz as well. Used: 50 kHz.
 
@@ -544,7 +554,12 @@ BISS: Final = BissFacts(
     profile="Standard encoder profile",
     signals="EIA RS-422 for Clock IN (MA) and Data OUT (SLO)",
     network=Network(topology="point_to_point", multiple_slaves=False, source="6 p.31"),
-    timeout=Timeout(rule="follows_clock", half_clock_periods=3, source="6.5 p.40"),
+    timeout=Timeout(
+        rule="follows_clock",
+        half_clock_periods=3,
+        printed=(PrintedTimeout(50_000, 30_000), PrintedTimeout(200_000, 7500), PrintedTimeout(10_000_000, 150)),
+        source="6.5 p.40",
+    ),
     control_data=(
         ControlField(
             name="register_address",
@@ -706,10 +721,6 @@ class SingleCycleData(NamedTuple):
 
 
 # RS-485
-#
-# Erratum reset_ids_singleturn_value, settled (7.3.1 p.42; 7.4 p.43; 7.4.2 p.45). Printed: Resetting data/errors: Data
-# ID 7, 8 and C, each (singleturn value). Used: The parenthesis names what the reply carries; what is reset is as in
-# 7.4.2.
 #
 # Erratum data_id_8_scope, open (7.4.2 p.45; ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md). Printed: Table: Data ID 8 resets singleturn and
@@ -910,7 +921,7 @@ class DataRequest(NamedTuple):
 
 
 class EepromWriteRequest(NamedTuple):
-    """Eeprom write request: sent by the master over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
+    """EEPROM write request: sent by the master over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
 
     In the manual: Master → Encoder: CF ADF EDF CRC.
 
@@ -987,7 +998,7 @@ class EepromWriteRequest(NamedTuple):
 
 
 class EepromReadRequest(NamedTuple):
-    """Eeprom read request: sent by the master over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
+    """EEPROM read request: sent by the master over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
 
     In the manual: Master → Encoder: CF ADF CRC.
 
@@ -1252,7 +1263,7 @@ class MultiturnReply(NamedTuple):
 
 
 class EncoderIdReply(NamedTuple):
-    """Encoder id reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
+    """Encoder ID reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
 
@@ -1501,7 +1512,7 @@ class CompleteReply(NamedTuple):
 
 
 class EepromWriteReply(NamedTuple):
-    """Eeprom write reply: sent by the encoder over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
+    """EEPROM write reply: sent by the encoder over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
@@ -1579,7 +1590,7 @@ class EepromWriteReply(NamedTuple):
 
 
 class EepromReadReply(NamedTuple):
-    """Eeprom read reply: sent by the encoder over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
+    """EEPROM read reply: sent by the encoder over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
@@ -1733,6 +1744,402 @@ Frame: TypeAlias = Union[
     EepromReadReply,
 ]
 
+#: What the manual says of each field of the frames, by the name of the frame.
+FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
+    {
+        "ssi_word": (
+            FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
+            FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
+        ),
+        "single_cycle_data": (
+            FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
+            FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
+            FieldFacts(
+                name="error",
+                printed_name="Error, nE",
+                meaning=(
+                    "Set, for instance, when circuitry and disk are not aligned (gap out of tolerance, circuitry not "
+                    "installed properly), and when the battery is spent; the encoder cannot operate then and the "
+                    "battery has to be replaced (4.3.2)."
+                ),
+                active="low",
+                when_active="error active in the system",
+                when_inactive="no active error",
+                names={"it": "Errore"},
+                source="6.2.1 p.32",
+            ),
+            FieldFacts(
+                name="warning",
+                printed_name="Warning, nW",
+                meaning=(
+                    "Set after an error in the magnetic multiturn system, and when the battery is low; the battery "
+                    "has to be replaced as soon as possible then (4.3.1)."
+                ),
+                active="low",
+                when_active="warning active in the system",
+                when_inactive="no active warning",
+                names={"it": "Avvertenza"},
+                source="6.2.1 p.33",
+            ),
+            FieldFacts(
+                name="crc",
+                printed_name="CRC",
+                meaning="Check of the transmission, sent inverted",
+                source="6.2.1 p.33",
+            ),
+        ),
+        "data_request": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+        ),
+        "eeprom_write_request": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="mem_busy",
+                printed_name="MEM BUSY",
+                meaning="Bit 0 of ADF, always 0 from the master",
+                constant=0,
+            ),
+            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address, bits 7:1 of ADF"),
+            FieldFacts(name="data", printed_name="EDF", meaning="Byte to write"),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+        "eeprom_read_request": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="mem_busy",
+                printed_name="MEM BUSY",
+                meaning="Bit 0 of ADF, always 0 from the master",
+                constant=0,
+            ),
+            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address, bits 7:1 of ADF"),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+        "singleturn_reply": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="status_info",
+                printed_name="EI_3 ... EI_0",
+                meaning="Encoder information",
+                constant=0,
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_st_error",
+                printed_name="EE_0",
+                active="high",
+                when_active="ST error",
+                when_inactive="no ST error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_other_error",
+                printed_name="EE_1",
+                active="high",
+                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(
+                name="singleturn",
+                printed_name="ABS0, ABS1, ABS2",
+                meaning="Position within one revolution",
+                unit="counts",
+            ),
+            FieldFacts(name="singleturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+        "multiturn_reply": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="status_info",
+                printed_name="EI_3 ... EI_0",
+                meaning="Encoder information",
+                constant=0,
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_st_error",
+                printed_name="EE_0",
+                active="high",
+                when_active="ST error",
+                when_inactive="no ST error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_other_error",
+                printed_name="EE_1",
+                active="high",
+                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(
+                name="multiturn",
+                printed_name="ABM0, ABM1, ABM2",
+                meaning="Number of revolutions",
+                unit="revolutions",
+            ),
+            FieldFacts(name="multiturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+        "encoder_id_reply": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="status_info",
+                printed_name="EI_3 ... EI_0",
+                meaning="Encoder information",
+                constant=0,
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_st_error",
+                printed_name="EE_0",
+                active="high",
+                when_active="ST error",
+                when_inactive="no ST error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_other_error",
+                printed_name="EE_1",
+                active="high",
+                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="encoder_id", printed_name="ENID", meaning="Encoder ID", constant=35),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+        "complete_reply": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="status_info",
+                printed_name="EI_3 ... EI_0",
+                meaning="Encoder information",
+                constant=0,
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_st_error",
+                printed_name="EE_0",
+                active="high",
+                when_active="ST error",
+                when_inactive="no ST error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(
+                name="status_other_error",
+                printed_name="EE_1",
+                active="high",
+                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
+                source="7.3.2 p.42; it: 7.3.2 p.43",
+            ),
+            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(
+                name="singleturn",
+                printed_name="ABS0, ABS1, ABS2",
+                meaning="Position within one revolution",
+                unit="counts",
+            ),
+            FieldFacts(name="singleturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="encoder_id", printed_name="ENID", meaning="Encoder ID", constant=35),
+            FieldFacts(
+                name="multiturn",
+                printed_name="ABM0, ABM1, ABM2",
+                meaning="Number of revolutions",
+                unit="revolutions",
+            ),
+            FieldFacts(name="multiturn_padding", meaning="always zero", constant=0),
+            FieldFacts(name="alarm_zero_0", constant=0, source="7.4 p.43"),
+            FieldFacts(
+                name="busy",
+                printed_name="BUSY",
+                active="high",
+                when_active="not ready after power-on or during a reset; all position data are 0",
+                when_inactive="ready",
+                names={"it": "Flag OCCUPATO"},
+                source="7.4 p.43",
+            ),
+            FieldFacts(
+                name="st_error",
+                printed_name="STERR",
+                active="high",
+                when_active="counted and calculated data disagree",
+                when_inactive="no ST error",
+                names={"it": "Errore ST"},
+                source="7.4 p.43",
+            ),
+            FieldFacts(name="alarm_zero_3_4", constant=0, source="7.4 p.43"),
+            FieldFacts(
+                name="ps_error",
+                printed_name="PSERR",
+                active="high",
+                when_active="singleturn and multiturn count out of step, or a counting error",
+                when_inactive="no PS error",
+                names={"it": "Errore PS"},
+                source="7.4 p.43",
+            ),
+            FieldFacts(
+                name="mt_error",
+                printed_name="MTERR",
+                active="high",
+                when_active="external battery below 3.05 V",
+                when_inactive="no MT error",
+                names={"it": "Errore MT"},
+                source="7.4 p.43",
+            ),
+            FieldFacts(
+                name="battery_alarm",
+                printed_name="BATT",
+                active="high",
+                when_active="external battery below 3.15 V",
+                when_inactive="no battery alarm",
+                names={"it": "Allarme batteria"},
+                source="7.4 p.43",
+            ),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+        "eeprom_write_reply": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="mem_busy",
+                printed_name="MEM BUSY",
+                active="high",
+                when_active="writing, request not executed",
+                when_inactive="request accepted",
+            ),
+            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address of the request"),
+            FieldFacts(name="data", printed_name="EDF", meaning="Byte of the request, or 00h while busy"),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+        "eeprom_read_reply": (
+            FieldFacts(
+                name="sync",
+                meaning="Start of a frame, binary 010",
+                constant=2,
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(
+                name="data_id",
+                printed_name="Data ID",
+                meaning="What is asked for",
+                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+            ),
+            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(
+                name="mem_busy",
+                printed_name="MEM BUSY",
+                active="high",
+                when_active="reading, request not executed",
+                when_inactive="byte read",
+            ),
+            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address of the request"),
+            FieldFacts(name="data", printed_name="EDF", meaning="Byte read, or 00h while busy"),
+            FieldFacts(name="crc", printed_name="CRC"),
+        ),
+    }
+)
+
 
 # Registers
 
@@ -1762,6 +2169,13 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             opened_by="preset_setting_enable",
             opened_by_value="enable",
             volatile=True,
+            fields=(
+                FieldFacts(name="zero_above_multiturn", meaning="always zero", constant=0),
+                FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
+                FieldFacts(name="zero_below_multiturn", meaning="always zero", constant=0),
+                FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
+                FieldFacts(name="zero_below_singleturn", meaning="always zero", constant=0),
+            ),
             names={"it": "Preset"},
             meaning=(
                 "Position that the encoder shows, from the activation on, at the place where its shaft stands at that "
@@ -1783,6 +2197,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access="write_only",
             byte_order="high_byte_first",
             default=b"\x00",
+            fields=(FieldFacts(name="state"),),
             names={"it": "Abilitazione impostazione preset"},
             meaning="Opens and closes the Preset registers for writing",
             note="The list of defaults (section 10) gives 00, although the register cannot be read.",
@@ -1795,6 +2210,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             length=4,
             access="read_only",
             byte_order="high_byte_first",
+            fields=(FieldFacts(name="serial"),),
             names={"it": "Numero di serie"},
             meaning="Year and week of production and a running number, as decimal digits of one binary number",
             source="6.4 p.38; it: 6.4 p.39",
@@ -1809,6 +2225,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             default=b"\x00",
             clears_itself=True,
             wait_ms=30,
+            fields=(FieldFacts(name="function"),),
             names={"it": "Comando"},
             meaning="Saves the parameters or activates the preset",
             note="After a command the register goes back to 00 by itself.",
@@ -1821,6 +2238,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             length=6,
             access="read_only",
             byte_order="high_byte_first",
+            fields=(
+                FieldFacts(name="name", meaning="Name of the device, 41 4D 4D 35 in hexadecimal"),
+                FieldFacts(name="release", meaning="Hardware-software release, printed as xx xx"),
+            ),
             names={"it": "ID dispositivo"},
             meaning="Name of the device and its hardware-software release",
             source="6.4 p.39",
@@ -1832,6 +2253,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             length=2,
             access="read_only",
             byte_order="high_byte_first",
+            fields=(FieldFacts(name="name", meaning="Lika Electronic, 4C 69 in hexadecimal"),),
             names={"it": "ID costruttore"},
             meaning="Manufacturer",
             source="6.4 p.39; it: 6.4 p.40",
@@ -1854,9 +2276,6 @@ class Preset(NamedTuple):
 
     Erratum preset_limit, settled (6.4; it: 6.4). Printed: English: less than the total hardware resolution. Italian:
     less than or equal to it (minore o uguale). Used: At most 2^position_bits − 1.
-
-    Erratum preset_byte_11, settled (6.4). Printed: Bytes 11h to 14h are used for singleturn information. Used: No
-    singleturn bit lies in byte 11h.
 
     Erratum preset_revolutions, settled (6.4; it: 6.4). Printed: English: the number of revolutions is always 65,536 in
     all models. Italian: in all multiturn models. Used: Singleturn models have no multiturn bits; their bits 48:33 are
@@ -2173,6 +2592,32 @@ class ManufacturerId(NamedTuple):
     def bit_fields() -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         return (BitField("name", 0, 16),)
+
+
+def identify(read: Mapping[int, int] | Mapping[str, bytes]) -> tuple[str, ...]:
+    """The order codes of the encoders that can have sent what was read from an encoder's registers.
+
+    What was not read, or is not documented, excludes nothing; a register counts only when all its bytes are there.
+
+    Args:
+        read: Bytes by address, or the bytes of whole registers by name.
+
+    Raises:
+        ValueError: There is no such register, or it has another length.
+    """
+    held = held_bytes(read, REGISTERS)
+    return tuple(
+        variant.code
+        for variant in VARIANTS.values()
+        if variant.interface is Interface.BISS and _can_hold(variant, held)
+    )
+
+
+def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
+    return (
+        agrees(held, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        and agrees(held, Address.MANUFACTURER_ID, 2, lambda data: ManufacturerId.decode(data).is_as_documented)
+    )
 
 
 # Procedures
@@ -2838,6 +3283,55 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
 )
 
+#: What only figures show that the text at hand does not contain.
+LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
+    LostFigure(
+        (
+            "Figures 1 and 2: dimensions of shaft and flange, with pilot and with pins. Which of AMM5A and AMM5B "
+            "takes which is not said in words."
+        ),
+        source="3.1 p.12",
+    ),
+    LostFigure("Figures 3, 4 and 5: encumbrance sizes of AMM5A, AMM5B and the code disk.", source="3.2 p.14"),
+    LostFigure(
+        (
+            "Pictures of the mounting steps, and step 1 in words: neither text has it. The English text also lacks "
+            "step 2 and most of step 3; they are taken from the Italian one."
+        ),
+        source="3.3 p.16; 3.4; it: 3.3 p.16",
+    ),
+    LostFigure("Pictures of steps 3 to 8, among them the position of the mark on the disk.", source="3.4"),
+    LostFigure("Picture of the connector with its pin numbers.", source="4.1 p.20"),
+    LostFigure("Pictures beside the two battery replacement procedures.", source="4.3 p.23"),
+    LostFigure("Figure 6: standard counting direction, given in words as well.", source="4.6 p.26"),
+    LostFigure(
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm, described in words as well.",
+        source="5.1",
+    ),
+    LostFigure("What stands after the pause Tp, probably its picture.", source="5.3"),
+    LostFigure("Recommended SSI input circuit.", source="5.4 p.30"),
+    LostFigure(
+        "Logic circuit of the 6-bit CRC; the start value, not in the text, is that of public documents.",
+        source="6.2.1 p.33",
+    ),
+    LostFigure(
+        "Logic circuit of the 4-bit CRC; the start value, not in the text, is that of public documents.",
+        source="6.3 p.34",
+    ),
+    LostFigure("Bit structure of the Preset registers; taken from the list of bits below it.", source="6.4"),
+    LostFigure(
+        "Tables of steps 2 and 3 of the preset example, bits and bytes; taken from the list of register writes.",
+        source="6.4",
+    ),
+    LostFigure("Recommended BiSS input circuit.", source="6.6 p.40"),
+    LostFigure("Waveforms of sine and cosine.", source="8 p.49"),
+    LostFigure(
+        "Voltage levels of the sine and cosine signals, and the recommended input circuit with R1 and R2.",
+        source="8.1",
+    ),
+    LostFigure("Place of the two LEDs.", source="9 p.51"),
+)
+
 #: Where the manual cannot be taken literally, and what is used instead.
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
@@ -3278,6 +3772,19 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="omission",
         affects=("registers.preset",),
         source="10 p.52; it: 10 p.53",
+    ),
+    Erratum(
+        name="led_list_numbers",
+        printed="Both items of each list of LED meanings have the number 2.",
+        used="The items as two meanings of the same light, without numbers",
+        why=(
+            "Nothing precedes them, and the list of the bits Error and Warning (6.2.1) has the same two items as 1 "
+            "and 2."
+        ),
+        status="settled",
+        severity="wording",
+        affects=("leds.led_1_error", "leds.led_2_warning"),
+        source="9 p.51; it: 9 p.51",
     ),
 )
 

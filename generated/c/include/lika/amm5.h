@@ -135,7 +135,7 @@ static inline uint32_t lika_amm5_revolutions(const lika_amm5_variant *variant)
  */
 static inline uint64_t lika_amm5_positions(const lika_amm5_variant *variant)
 {
-    return ((uint64_t)1U << lika_amm5_position_bits(variant));
+    return (uint64_t)1U << lika_amm5_position_bits(variant);
 }
 
 /* An order code as printed, without what may follow it on the label. */
@@ -190,18 +190,27 @@ static inline const lika_amm5_order_code *lika_amm5_order_codes(size_t *count)
     return codes;
 }
 
-/* The order code that a label shows, for one chosen at run time; NULL where there is none. */
-static inline const lika_amm5_order_code *lika_amm5_find_order_code(const char *label)
+/*
+ * The order code that a label shows, for one chosen at run time; NULL where there is none.
+ * No part of this family's order codes is left open by the manual, so that unlisted gets 0.
+ */
+static inline const lika_amm5_order_code *lika_amm5_find_order_code(
+    const char *label, uint32_t *unlisted)
 {
     size_t count;
     size_t index;
+    size_t longest = 0U;
     const lika_amm5_order_code *const codes = lika_amm5_order_codes(&count);
+    const lika_amm5_order_code *found = NULL;
+    *unlisted = 0U;
     for (index = 0U; index < count; index++) {
-        if (lika_label_matches(label, codes[index].text)) {
-            return &codes[index];
+        const size_t length = lika_label_match(label, codes[index].text);
+        if (length > longest) {
+            longest = length;
+            found = &codes[index];
         }
     }
-    return NULL;
+    return found;
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -218,11 +227,9 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 {
     uint64_t wide = data;
     uint32_t v;
-    wide = (wide & UINT64_C(0xFFFFFFFFFFFF)) ^ (wide >> 48U) ^ ((wide >> 48U) << 8U);
+    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
     wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
     v = (uint32_t)wide;
-    v = (v & 0xFFFFFFU) ^ (v >> 24U) ^ ((v >> 24U) << 4U);
-    v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
@@ -245,11 +252,9 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
     uint64_t wide = data;
     uint32_t v;
     wide = (wide & 0xFFFFFFFFU) ^ (wide >> 32U) ^ ((wide >> 32U) << 8U);
-    wide = (wide & 0xFFFFFFFFU) ^ (wide >> 32U) ^ ((wide >> 32U) << 8U);
+    wide = (wide & 0xFFFFU) ^ (wide >> 16U) ^ ((wide >> 16U) << 4U);
     v = (uint32_t)wide;
     v = (v & 0xFFFFU) ^ (v >> 16U) ^ ((v >> 16U) << 4U);
-    v = (v & 0xFFFFU) ^ (v >> 16U) ^ ((v >> 16U) << 4U);
-    v = (v & 0xFFU) ^ (v >> 8U) ^ ((v >> 8U) << 2U);
     v = (v & 0xFFU) ^ (v >> 8U) ^ ((v >> 8U) << 2U);
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
@@ -336,8 +341,8 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
  * In the manual: Structure of the position information.
  * As many bits as the position has, 17 to 39, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC.
- *   multiturn_bits from bit singleturn_bits up  multiturn   Number of revolutions
- *   singleturn_bits from bit 0 up               singleturn  Position within one revolution
+ *   multiturn_bits from bit singleturn_bits up  multiturn
+ *   singleturn_bits from bit 0 up               singleturn
  * Erratum (settled): printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2:
  *                    the output code is BINARY, see the order code. Used: Binary. [5.1; 5.2]
  * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
@@ -370,8 +375,8 @@ static inline lika_result lika_amm5_ssi_word_set_position(
     }
     out->position = position;
     out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
-    out->multiturn = (uint16_t)lika_field(position, variant->singleturn_bits,
-        variant->multiturn_bits);
+    out->multiturn =
+        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
     return LIKA_OK;
 }
 
@@ -382,8 +387,8 @@ static inline lika_result lika_amm5_ssi_word_decode(
     if ((word & ~lika_mask(lika_amm5_ssi_word_bits(variant))) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint16_t multiturn = (uint16_t)lika_field(word, variant->singleturn_bits,
-        variant->multiturn_bits);
+    const uint16_t multiturn =
+        (uint16_t)lika_field(word, variant->singleturn_bits, variant->multiturn_bits);
     const uint32_t singleturn = (uint32_t)lika_field(word, 0U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
@@ -468,12 +473,10 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * In the manual: Single Cycle Data SCD.
  * Multiturn and singleturn together are what the manual calls Position (it: Posizione): 17 to 39
  * bits, most significant bit first.
- *   multiturn_bits from bit singleturn_bits + 8 up  multiturn   Number of revolutions
- *   singleturn_bits from bit 8 up                   singleturn  Position within one revolution
- *   bit 7                                           error       Error, nE; 0 = error active in the
- *                                                               system
- *   bit 6                                           warning     Warning, nW; 0 = warning active in
- *                                                               the system
+ *   multiturn_bits from bit singleturn_bits + 8 up  multiturn
+ *   singleturn_bits from bit 8 up                   singleturn
+ *   bit 7                                           error       0 when so
+ *   bit 6                                           warning     0 when so
  *   bits 5:0                                        crc         CRC; CRC biss_6 over everything
  *                                                               before it
  * Erratum (open): printed: Only "17 + 16 bits" and the like; no words on which of singleturn and
@@ -485,8 +488,18 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 typedef struct lika_amm5_single_cycle_data {
     uint16_t multiturn; /* Number of revolutions [revolutions] */
     uint32_t singleturn; /* Position within one revolution [counts] */
-    bool error; /* Error, nE: error active in the system */
-    bool warning; /* Warning, nW: warning active in the system */
+    /*
+     * Error, nE: error active in the system. Set, for instance, when circuitry and disk are not
+     * aligned (gap out of tolerance, circuitry not installed properly), and when the battery is
+     * spent; the encoder cannot operate then and the battery has to be replaced (4.3.2).
+     */
+    bool error;
+    /*
+     * Warning, nW: warning active in the system. Set after an error in the magnetic multiturn
+     * system, and when the battery is low; the battery has to be replaced as soon as possible then
+     * (4.3.1).
+     */
+    bool warning;
     uint64_t position; /* multiturn and singleturn as one number */
 } lika_amm5_single_cycle_data;
 
@@ -508,7 +521,6 @@ static inline uint8_t lika_amm5_single_cycle_data_crc(uint64_t word)
     v = (uint32_t)wide;
     v = (v & 0xFFFFFFU) ^ (v >> 24U) ^ ((v >> 24U) << 4U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
-    v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     return (uint8_t)v;
@@ -523,8 +535,8 @@ static inline lika_result lika_amm5_single_cycle_data_set_position(
     }
     out->position = position;
     out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
-    out->multiturn = (uint16_t)lika_field(position, variant->singleturn_bits,
-        variant->multiturn_bits);
+    out->multiturn =
+        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
     return LIKA_OK;
 }
 
@@ -535,8 +547,8 @@ static inline lika_result lika_amm5_single_cycle_data_decode(
     if ((word & ~lika_mask(lika_amm5_single_cycle_data_bits(variant))) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint16_t multiturn = (uint16_t)lika_field(word, 8U + variant->singleturn_bits,
-        variant->multiturn_bits);
+    const uint16_t multiturn =
+        (uint16_t)lika_field(word, 8U + variant->singleturn_bits, variant->multiturn_bits);
     const uint32_t singleturn = (uint32_t)lika_field(word, 8U, variant->singleturn_bits);
     const uint8_t error = (uint8_t)((word >> 7U) & 0x01U);
     const uint8_t warning = (uint8_t)((word >> 6U) & 0x01U);
@@ -658,14 +670,14 @@ typedef enum lika_amm5_data_id {
  * data request, sent by the master: 1 byte; data ID 0, 1, 2, 3, 7, 8, C [7.2.1 p.41].
  * In the manual: Master -> Encoder: CF.
  * One byte, without a CRC.
- *   byte 0 bits 2:0  sync     always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id  Data ID; What is asked for
- *   byte 0 bit 7     parity   even parity of data_id
+ *   bits 2:0  sync     always 0x2; Start of a frame, binary 010
+ *   bits 6:3  data_id
+ *   bit 7     parity   even parity of data_id
  */
 #define LIKA_AMM5_DATA_REQUEST_LENGTH 1U
 
 typedef struct lika_amm5_data_request {
-    lika_amm5_data_id data_id; /* Data ID: What is asked for */
+    lika_amm5_data_id data_id;
 } lika_amm5_data_request;
 
 /* Decodes 1 byte. */
@@ -725,9 +737,9 @@ static inline lika_result lika_amm5_data_request_encode(
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0x6
  *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  MEM BUSY; always 0; Bit 0 of ADF, always 0 from the master
- *   byte 1 bits 7:1  address   ADD6 ... ADD0; EEPROM address, bits 7:1 of ADF
- *   byte 2           data      EDF; Byte to write
+ *   byte 1 bit 0     mem_busy  MEM BUSY; always 0
+ *   byte 1 bits 7:1  address
+ *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
  *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
@@ -797,8 +809,8 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0xd
  *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  MEM BUSY; always 0; Bit 0 of ADF, always 0 from the master
- *   byte 1 bits 7:1  address   ADD6 ... ADD0; EEPROM address, bits 7:1 of ADF
+ *   byte 1 bit 0     mem_busy  MEM BUSY; always 0
+ *   byte 1 bits 7:1  address
  *   byte 2           crc       CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
  *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
@@ -864,14 +876,13 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  * position = (DF2 << 16) + (DF1 << 8) + DF0; bits above the resolution are 0: bit 23, bits 23:21 or
  * bits 23:17.
  *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id             Data ID; What is asked for
+ *   byte 0 bits 6:3  data_id
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     EE_0; 1 = ST error
- *   byte 1 bit 5     status_other_error  EE_1; 1 = BUSY flag, PS error, battery alarm or MT error
+ *   byte 1 bit 4     status_st_error     1 when so
+ *   byte 1 bit 5     status_other_error  1 when so
  *   byte 1 bits 7:6  status_zero         always 0
- *   bytes 2 to 4     singleturn          ABS0, ABS1, ABS2; singleturn_bits, those above always 0;
- *                                        Position within one revolution
+ *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
  *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
  * Erratum (settled): printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF,
  *                    DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for
@@ -880,7 +891,7 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
 #define LIKA_AMM5_SINGLETURN_REPLY_LENGTH 6U
 
 typedef struct lika_amm5_singleturn_reply {
-    lika_amm5_data_id data_id; /* Data ID: What is asked for */
+    lika_amm5_data_id data_id;
     bool status_st_error; /* EE_0: ST error */
     bool status_other_error; /* EE_1: BUSY flag, PS error, battery alarm or MT error */
     uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
@@ -963,11 +974,10 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
  *   byte 0 bits 6:3  data_id             Data ID; always 0x1
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     EE_0; 1 = ST error
- *   byte 1 bit 5     status_other_error  EE_1; 1 = BUSY flag, PS error, battery alarm or MT error
+ *   byte 1 bit 4     status_st_error     1 when so
+ *   byte 1 bit 5     status_other_error  1 when so
  *   byte 1 bits 7:6  status_zero         always 0
- *   bytes 2 to 4     multiturn           ABM0, ABM1, ABM2; multiturn_bits, those above always 0;
- *                                        Number of revolutions
+ *   bytes 2 to 4     multiturn           multiturn_bits, those above always 0
  *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
  */
 #define LIKA_AMM5_MULTITURN_REPLY_LENGTH 6U
@@ -1044,8 +1054,8 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
  *   byte 0 bits 6:3  data_id             Data ID; always 0x2
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     EE_0; 1 = ST error
- *   byte 1 bit 5     status_other_error  EE_1; 1 = BUSY flag, PS error, battery alarm or MT error
+ *   byte 1 bit 4     status_st_error     1 when so
+ *   byte 1 bit 5     status_other_error  1 when so
  *   byte 1 bits 7:6  status_zero         always 0
  *   byte 2           encoder_id          ENID; always 0x23; Encoder ID
  *   byte 3           crc                 CRC; CRC rs485_8 over everything before it
@@ -1117,23 +1127,19 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
  *   byte 0 bits 6:3  data_id             Data ID; always 0x3
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     EE_0; 1 = ST error
- *   byte 1 bit 5     status_other_error  EE_1; 1 = BUSY flag, PS error, battery alarm or MT error
+ *   byte 1 bit 4     status_st_error     1 when so
+ *   byte 1 bit 5     status_other_error  1 when so
  *   byte 1 bits 7:6  status_zero         always 0
- *   bytes 2 to 4     singleturn          ABS0, ABS1, ABS2; singleturn_bits, those above always 0;
- *                                        Position within one revolution
+ *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
  *   byte 5           encoder_id          ENID; always 0x23; Encoder ID
- *   bytes 6 to 8     multiturn           ABM0, ABM1, ABM2; multiturn_bits, those above always 0;
- *                                        Number of revolutions
+ *   bytes 6 to 8     multiturn           multiturn_bits, those above always 0
  *   byte 9 bit 0     alarm_zero_0        always 0
- *   byte 9 bit 1     busy                BUSY; 1 = not ready after power-on or during a reset; all
- *                                        position data are 0
- *   byte 9 bit 2     st_error            STERR; 1 = counted and calculated data disagree
+ *   byte 9 bit 1     busy                1 when so
+ *   byte 9 bit 2     st_error            1 when so
  *   byte 9 bits 4:3  alarm_zero_3_4      always 0
- *   byte 9 bit 5     ps_error            PSERR; 1 = singleturn and multiturn count out of step, or
- *                                        a counting error
- *   byte 9 bit 6     mt_error            MTERR; 1 = external battery below 3.05 V
- *   byte 9 bit 7     battery_alarm       BATT; 1 = external battery below 3.15 V
+ *   byte 9 bit 5     ps_error            1 when so
+ *   byte 9 bit 6     mt_error            1 when so
+ *   byte 9 bit 7     battery_alarm       1 when so
  *   byte 10          crc                 CRC; CRC rs485_8 over everything before it
  */
 #define LIKA_AMM5_COMPLETE_REPLY_LENGTH 11U
@@ -1160,8 +1166,8 @@ static inline lika_result lika_amm5_complete_reply_set_position(
     }
     out->position = position;
     out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
-    out->multiturn = (uint16_t)lika_field(position, variant->singleturn_bits,
-        variant->multiturn_bits);
+    out->multiturn =
+        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
     return LIKA_OK;
 }
 
@@ -1267,9 +1273,9 @@ static inline lika_result lika_amm5_complete_reply_encode(
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0x6
  *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  MEM BUSY; 1 = writing, request not executed
- *   byte 1 bits 7:1  address   ADD6 ... ADD0; EEPROM address of the request
- *   byte 2           data      EDF; Byte of the request, or 00h while busy
+ *   byte 1 bit 0     mem_busy  1 when so
+ *   byte 1 bits 7:1  address
+ *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
  *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
@@ -1339,9 +1345,9 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0xd
  *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  MEM BUSY; 1 = reading, request not executed
- *   byte 1 bits 7:1  address   ADD6 ... ADD0; EEPROM address of the request
- *   byte 2           data      EDF; Byte read, or 00h while busy
+ *   byte 1 bit 0     mem_busy  1 when so
+ *   byte 1 bits 7:1  address
+ *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
  *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
@@ -1527,6 +1533,43 @@ static inline lika_result lika_amm5_rs485_reply_frame(
     return lika_amm5_rs485_reply_for((uint8_t)((bytes[0] >> 3U) & 0x0FU), frame);
 }
 
+/* -- positions --------------------------------------------------------------------------------- */
+
+/* Counts of one revolution [Preliminary information p.7]. */
+static inline uint64_t lika_amm5_steps_per_turn(const lika_amm5_variant *variant)
+{
+    return (uint64_t)1U << variant->singleturn_bits;
+}
+
+/* The position starts again at 0 after so many counts: those of all revolutions. */
+static inline uint64_t lika_amm5_modulus(const lika_amm5_variant *variant)
+{
+    return lika_amm5_steps_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
+}
+
+/*
+ * How far the position has moved since it was before, the shorter way round. Added up, it counts on
+ * where the position starts again.
+ */
+static inline int64_t lika_amm5_position_difference(
+    const lika_amm5_variant *variant, uint64_t now, uint64_t before)
+{
+    return lika_difference(now, before, lika_amm5_modulus(variant));
+}
+
+/* A position in revolutions. */
+static inline double lika_amm5_turns(const lika_amm5_variant *variant, uint64_t position)
+{
+    return (double)position / (double)lika_amm5_steps_per_turn(variant);
+}
+
+/* A position in degrees within its revolution, from 0 to below 360. */
+static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_t position)
+{
+    const uint64_t steps = lika_amm5_steps_per_turn(variant);
+    return (double)(position % steps) * 360.0 / (double)steps;
+}
+
 /* -- registers --------------------------------------------------------------------------------- */
 
 /*
@@ -1546,9 +1589,9 @@ static inline lika_result lika_amm5_rs485_reply_frame(
  * once; at a standstill, the manual suggests. It serves, for instance, to bring the zero points of
  * encoder and application together.
  *   bits 55:49                                        -           always 0
- *   multiturn_bits from bit 49 - multiturn_bits up    multiturn   Number of revolutions
+ *   multiturn_bits from bit 49 - multiturn_bits up    multiturn
  *   16 - multiturn_bits from bit 33 up                -           always 0
- *   singleturn_bits from bit 33 - singleturn_bits up  singleturn  Position within one revolution
+ *   singleturn_bits from bit 33 - singleturn_bits up  singleturn
  *   33 - singleturn_bits from bit 0 up                -           always 0
  * Erratum (settled): printed: English: less than the total hardware resolution. Italian: less than
  *                    or equal to it (minore o uguale). Used: At most 2^position_bits - 1. [6.4; it:
@@ -1594,7 +1637,7 @@ static inline uint64_t lika_amm5_reg_preset_singleturn_mask(const lika_amm5_vari
     return lika_mask(variant->singleturn_bits) << (33U - variant->singleturn_bits);
 }
 
-/* Greatest value of position: 2^position_bits - 1. */
+/* Greatest position: 2^position_bits - 1. */
 static inline uint64_t lika_amm5_reg_preset_max(const lika_amm5_variant *variant)
 {
     return lika_mask(lika_amm5_position_bits(variant));
@@ -1615,8 +1658,8 @@ static inline lika_result lika_amm5_reg_preset_set_position(
     }
     out->position = position;
     out->singleturn = (uint32_t)lika_field(position, 0U, variant->singleturn_bits);
-    out->multiturn = (uint16_t)lika_field(position, variant->singleturn_bits,
-        variant->multiturn_bits);
+    out->multiturn =
+        (uint16_t)lika_field(position, variant->singleturn_bits, variant->multiturn_bits);
     return LIKA_OK;
 }
 
@@ -1636,10 +1679,10 @@ static inline lika_result lika_amm5_reg_preset_decode(
         ((uint64_t)bytes[4] << 32U) |
         ((uint64_t)bytes[5] << 40U) |
         ((uint64_t)bytes[6] << 48U);
-    const uint16_t multiturn = (uint16_t)lika_field(word, 49U - variant->multiturn_bits,
-        variant->multiturn_bits);
-    const uint32_t singleturn = (uint32_t)lika_field(word, 33U - variant->singleturn_bits,
-        variant->singleturn_bits);
+    const uint16_t multiturn =
+        (uint16_t)lika_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
+    const uint32_t singleturn =
+        (uint32_t)lika_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
     if (((word >> 49U) & 0x7FU) != 0x00U) { /* zero above multiturn */
         return LIKA_FAULT_CONSTANT;
     }
@@ -1810,8 +1853,8 @@ typedef enum lika_amm5_command {
  * Device ID, read only, over BiSS C-mode [6.4 p.39].
  * Name of the device and its hardware-software release.
  * The lowest address holds the high byte.
- *   bytes 0 to 3  name     Name of the device, 41 4D 4D 35 in hexadecimal
- *   bytes 4 to 5  release  Hardware-software release, printed as xx xx
+ *   bytes 0 to 3  name
+ *   bytes 4 to 5  release
  * Erratum (open): printed: One device ID, AMM5 with the release, for all models. Used: As printed.
  *                 [6.4 p.39; prot: p.14-15]
  */
@@ -1819,7 +1862,7 @@ typedef enum lika_amm5_command {
 #define LIKA_AMM5_REG_DEVICE_ID_LENGTH 6U /* bytes, 78h to 7Dh */
 #define LIKA_AMM5_REG_DEVICE_ID_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_AMM5_REG_DEVICE_ID_RELEASE_SHIFT 0U
-#define LIKA_AMM5_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU /* bits 15:0 */
+#define LIKA_AMM5_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU
 
 typedef struct lika_amm5_reg_device_id {
     /* Name of the device, 41 4D 4D 35 in hexadecimal: characters without a terminator */
@@ -1880,7 +1923,7 @@ static inline bool lika_amm5_reg_device_id_is_expected(
  * Manufacturer ID, read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
  * Manufacturer.
  * The lowest address holds the high byte.
- *   bytes 0 to 1  name  Lika Electronic, 4C 69 in hexadecimal
+ *   bytes 0 to 1  name
  */
 #define LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH 2U /* bytes, 7Eh to 7Fh */
@@ -1927,6 +1970,51 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
     (void)variant;
     return (in->name[0] == LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED[0]) &&
         (in->name[1] == LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
+}
+
+/* -- identification ---------------------------------------------------------------------------- */
+
+/* The registers that tell what an encoder is, as read over BiSS C-mode. */
+typedef struct lika_amm5_identity {
+    uint8_t device_id[6]; /* from 78h: Device ID */
+    uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
+} lika_amm5_identity;
+
+/* Whether an encoder of this order code reads so. */
+static inline bool lika_amm5_could_be(
+    const lika_amm5_variant *variant, const lika_amm5_identity *read)
+{
+    lika_amm5_reg_device_id device_id;
+    lika_amm5_reg_manufacturer_id manufacturer_id;
+    if ((lika_amm5_reg_device_id_decode(variant, read->device_id, sizeof(read->device_id),
+        &device_id) != LIKA_OK) || !lika_amm5_reg_device_id_is_expected(variant, &device_id)) {
+        return false;
+    }
+    if ((lika_amm5_reg_manufacturer_id_decode(variant, read->manufacturer_id,
+        sizeof(read->manufacturer_id), &manufacturer_id) != LIKA_OK) ||
+        !lika_amm5_reg_manufacturer_id_is_expected(variant, &manufacturer_id)) {
+        return false;
+    }
+    return true;
+}
+
+/*
+ * The order codes that read so, one with each call; NULL when there are no more. Start with 0 in
+ * next, which keeps the place.
+ */
+static inline const lika_amm5_order_code *lika_amm5_next_candidate(
+    const lika_amm5_identity *read, size_t *next)
+{
+    size_t count;
+    const lika_amm5_order_code *const codes = lika_amm5_order_codes(&count);
+    while (*next < count) {
+        const lika_amm5_order_code *const code = &codes[*next];
+        (*next)++;
+        if ((code->connection == LIKA_INTERFACE_BISS) && lika_amm5_could_be(&code->variant, read)) {
+            return code;
+        }
+    }
+    return NULL;
 }
 
 /* -- procedures -------------------------------------------------------------------------------- */

@@ -166,6 +166,26 @@ static inline uint32_t lika_parity(uint32_t value)
     return v & 1U;
 }
 
+/* -- positions --------------------------------------------------------------------------------- */
+
+/*
+ * How far a position has moved that starts again at 0 after modulus counts, the shorter way round;
+ * half way round counts as backwards. 0 without a modulus.
+ */
+static inline int64_t lika_difference(uint64_t now, uint64_t before, uint64_t modulus)
+{
+    uint64_t forward;
+    uint64_t backward;
+    if (modulus == 0U) {
+        return 0;
+    }
+    forward = now % modulus;
+    backward = before % modulus;
+    forward = (forward >= backward) ? (forward - backward) : (modulus - (backward - forward));
+    backward = modulus - forward;
+    return (forward < backward) ? (int64_t)forward : -(int64_t)backward;
+}
+
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /* The capital of a letter a to z, every other character as it is. */
@@ -174,34 +194,87 @@ static inline char lika_capital(char letter)
     return ((letter >= 'a') && (letter <= 'z')) ? (char)(letter - ('a' - 'A')) : letter;
 }
 
+/* Whether a character is a digit, or a letter or digit. */
+static inline bool lika_is_digit(char letter)
+{
+    return (letter >= '0') && (letter <= '9');
+}
+
+static inline bool lika_is_letter_or_digit(char letter)
+{
+    const char capital = lika_capital(letter);
+    return lika_is_digit(letter) || ((capital >= 'A') && (capital <= 'Z'));
+}
+
 /*
- * Whether the text of a label means this order code. Small letters will do. What may follow the
- * code: nothing, a hyphen with any text, or /S with letters and digits (a special model, which may
- * differ from the manual).
+ * What may follow an order code on a label: nothing, a hyphen with any text, or /S with letters
+ * and digits (a special model, which may differ from the manual).
  */
-static inline bool lika_label_matches(const char *label, const char *code)
+static inline bool lika_label_ends(const char *label)
+{
+    size_t at = 2U;
+    if ((label[0] == '\0') || (label[0] == '-')) {
+        return true;
+    }
+    if ((label[0] != '/') || (lika_capital(label[1]) != 'S') || (label[2] == '\0')) {
+        return false;
+    }
+    while (lika_is_letter_or_digit(label[at])) {
+        at++;
+    }
+    return label[at] == '\0';
+}
+
+/*
+ * How many characters of a label are this order code, 0 where it is another. Small letters will
+ * do. In the code # stands for a digit, ~ for a digit or nothing, @ for a letter, % for a letter or
+ * digit.
+ */
+static inline size_t lika_label_match(const char *label, const char *code)
 {
     size_t at = 0U;
-    while (code[at] != '\0') {
-        if (lika_capital(label[at]) != lika_capital(code[at])) {
-            return false;
+    for (; *code != '\0'; code++) {
+        const char letter = label[at];
+        const bool digit = lika_is_digit(letter);
+        const bool either = lika_is_letter_or_digit(letter);
+        bool fits;
+        switch (*code) {
+        case '#':
+            fits = digit;
+            break;
+        case '~':
+            if (!digit) {
+                continue;
+            }
+            fits = true;
+            break;
+        case '@':
+            fits = either && !digit;
+            break;
+        case '%':
+            fits = either;
+            break;
+        default:
+            fits = lika_capital(letter) == lika_capital(*code);
+            break;
+        }
+        if (!fits) {
+            return 0U;
         }
         at++;
     }
-    if ((label[at] == '\0') || (label[at] == '-')) {
-        return true;
-    }
-    if ((label[at] != '/') || (lika_capital(label[at + 1U]) != 'S') || (label[at + 2U] == '\0')) {
-        return false;
-    }
-    for (at += 2U; label[at] != '\0'; at++) {
-        const char letter = lika_capital(label[at]);
-        if (!(((letter >= '0') && (letter <= '9')) || ((letter >= 'A') && (letter <= 'Z')))) {
-            return false;
-        }
-    }
-    return true;
+    return lika_label_ends(&label[at]) ? at : 0U;
 }
+
+/* A pattern for labels: the order code that it stands for, by index, and the parts left open. */
+typedef struct lika_open_code {
+    const char *pattern;
+    uint16_t code;
+    uint16_t unlisted;
+} lika_open_code;
+
+/* In place of an index: there is no such order code. */
+#define LIKA_NO_CODE 0xFFFFU
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,29 @@
+"""Rules on registers in banks: an address in a banked area means nothing until the bank has been selected."""
+
+from __future__ import annotations
+
+from ..problems import DocumentReport, quoted
+from .walk import Fields, Spec, by_name, expanded, items, mapping
+
+
+def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A procedure writes the bank before it touches a register of it."""
+    registers, select = by_name(raw, "registers"), mapping(raw, "interfaces", "biss").get("bank_select")
+    numbers = _numbers(registers.get(str(select), {}), raw)
+    for path, procedure in items(spec, "procedures"):
+        selected: object = None
+        for below, step in items(procedure, "steps"):
+            register = registers.get(step.get("register", ""), {})
+            bank = register.get("bank")
+            if step["do"] == "write" and step.get("register") == select:
+                # An argument stands for any bank.
+                selected = numbers.get(step.get("value", ""), "any")
+            elif isinstance(bank, int) and selected not in (bank, "any"):
+                how = f"write that to {quoted(select)} before it" if isinstance(select, str) else "name the register that selects banks with 'bank_select' under 'biss'"
+                report.add("bank-not-selected", (*path, *below, "register"), f"{quoted(step['register'])} is in bank {bank}; {how}")
+
+
+def _numbers(register: Spec, raw: Spec) -> dict[str, object]:
+    """The numbers of a register's named values."""
+    fields = expanded(Fields("register", register, (), ""), by_name(raw, "field_groups"))
+    return {name: mapping(value).get("value") for _, field in fields for name, value in mapping(field, "values").items()}

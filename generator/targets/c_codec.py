@@ -1,0 +1,122 @@
+"""A struct with its decoder and encoder, for a frame or a register."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from ..expressions import Expression
+from ..model import Crc, Field, Join
+from .c_crc import crc_view, fold_lines
+from .c_decode import Decoder
+from .c_encode import Encoder
+from .c_layout import LayoutSource
+from .c_source import Paragraph, bracketed, c_name, needs_variant, number, string, unsigned
+from .c_views import CodecView, CrcView, Limits, Line, Setter
+
+
+def codec(source: LayoutSource, about: Sequence[Paragraph], limited: str = "", limits: Limits = Limits()) -> CodecView:
+    """The codec of a layout; ``limits`` bound the member ``limited`` of what is encoded."""
+    layout = source.layout
+    decoder, encoder = Decoder(source), Encoder(source, limited, limits)
+    locals_, checks, fills = tuple(decoder.locals()), tuple(decoder.checks()), tuple(decoder.fills())
+    encode_checks, puts, crc_lines = tuple(encoder.checks()), tuple(encoder.puts()), tuple(encoder.crc_lines())
+    order = range(source.length) if layout.byte_order == "low_byte_first" else range(source.length - 1, -1, -1)
+    terms = [f"(uint64_t)bytes[{byte}]" if place == 0 else f"((uint64_t)bytes[{byte}] << {8 * place}U)" for place, byte in enumerate(order)]
+    expected, expected_checks = _expected(source)
+    return CodecView(
+        name=source.name,
+        about=tuple(about),
+        members=tuple(source.members()) or (Line("uint8_t no_data;", "this layout carries no data"),),
+        carried_as=layout.carried_as,
+        length_macro=source.length_macro,
+        length=source.length,
+        bits=source.scope.text(layout.bits),
+        bits_largest=layout.widest,
+        uses_word=source.by_word,
+        word_from_bytes=" |\n        ".join(terms),
+        bytes_from_word=tuple(f"bytes[{byte}] = (uint8_t)(word >> {8 * place}U);" if place else f"bytes[{byte}] = (uint8_t)word;" for place, byte in enumerate(order)),
+        locals=locals_,
+        decode_checks=checks,
+        fills=fills,
+        encode_checks=encode_checks,
+        puts=puts,
+        crc_line=crc_lines,
+        decode_needs_variant=layout.carried_as == "bits" or needs_variant(locals_, checks, fills),
+        encode_needs_variant=needs_variant(encode_checks, puts, crc_lines),
+        setters=tuple(_setters(source)),
+        expected=tuple(expected),
+        expected_checks=" && ".join(f"({item})" for item in expected_checks),
+        expected_needs_variant=needs_variant(expected_checks),
+        fold=_fold(source),
+    )
+
+
+def _fold(source: LayoutSource) -> CrcView | None:
+    """The function that finds the CRC of a whole word without a table."""
+    crc_field = source.layout.crc_field
+    if not source.folds or crc_field is None:
+        return None
+    crc = source.device.crc(crc_field.crc)
+    about = (f"CRC {crc.name} of a whole word, without a table: 0 when the word is sound. For a word with 0 in place of its CRC, the CRC to send.",)
+    return replace(crc_view(source.device, crc, "fold", f"{source.name}_crc"), about=about, folds=_fold_body(source, crc))
+
+
+def _fold_body(source: LayoutSource, crc: Crc) -> tuple[str, ...]:
+    """The remainder of a whole word; the final XOR is taken out of the CRC bits first, so that it is 0 for a sound one."""
+    start = f"word ^ {number(crc.xorout, True)}" if crc.xorout else "word"
+    return (*fold_lines(source.layout.fold, source.layout.widest, start), f"return ({unsigned(crc.width)})v;")
+
+
+def _setters(source: LayoutSource) -> Iterable[Setter]:
+    for join in source.layout.joins:
+        yield _join_setter(source, join)
+    for field in source.layout.fields:
+        if field.digits:
+            yield _digits_setter(source, field)
+
+
+def _join_setter(source: LayoutSource, join: Join) -> Setter:
+    assignments, offset = [], Expression(0)
+    for name in reversed(join.fields):
+        field = source.layout.field(name)
+        low, width = source.scope.text(offset), source.scope.text(field.width)
+        assignments.append(f"out->{c_name(name)} = ({unsigned(field.widest)}){source.maker}_field({c_name(join.name)}, {low}, {width});")
+        offset += field.width
+    about = f"Sets {join.name} and with it {' and '.join(join.fields)}."
+    limit = f"{source.maker}_mask({source.scope.text(offset)})"
+    return Setter(f"{source.name}_set_{join.name}", source.join_type(join), c_name(join.name), limit, tuple(assignments), about, needs_variant(limit, assignments))
+
+
+def _digits_setter(source: LayoutSource, field: Field) -> Setter:
+    kind, name = source.member_type(field), c_name(field.name)
+    assignments = []
+    for run in field.digits:
+        divided = f"{name} / {number(run.divisor)}" if run.divisor > 1 else name
+        whole = divided if run is field.digits[0] else f"{divided} % {number(run.modulus)}"
+        assignments.append(f"out->{c_name(run.name)} = ({unsigned((run.modulus - 1).bit_length())})({whole});")
+    limit = number(field.digits[0].divisor * field.digits[0].modulus - 1)
+    about = f"Sets {field.name} and with it {', '.join(run.name for run in field.digits)}."
+    return Setter(f"{source.name}_set_{field.name}", kind, name, limit, tuple(assignments), about, False)
+
+
+def _expected(source: LayoutSource) -> tuple[list[Line], list[str]]:
+    """Macros for what fields are always read as, and the conditions that compare them."""
+    macros: list[Line] = []
+    checks: list[str] = []
+    for field in source.member_fields:
+        if field.equals is None:
+            continue
+        name = f"in->{c_name(field.name)}"
+        equals = field.equals.constant if isinstance(field.equals, Expression) and field.equals.is_constant else field.equals
+        if isinstance(equals, Expression):
+            checks.append(f"{name} == {bracketed(source.scope.text(equals))}")
+            continue
+        macro = source.view.unique(f"{source.name.upper()}_{field.name.upper()}_EXPECTED")
+        if isinstance(equals, str):
+            macros.append(Line(f"#define {macro} {string(equals)}", f"what {field.name} always reads"))
+            checks += [f"{name}[{index}] == {macro}[{index}]" for index in range(len(equals.encode("ascii", "replace")))]
+        else:
+            macros.append(Line(f"#define {macro} {number(equals, True)}", f"what {field.name} always reads"))
+            checks.append(f"{name} == {macro}")
+    return macros, checks

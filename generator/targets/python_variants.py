@@ -1,0 +1,243 @@
+"""Order codes in Python source: the table of parts, the class of the variants, and what their positions measure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..expressions import Expression
+from ..model import Interface, Measurement, Parameter, Sources, Variant, cite
+from .python_facts import constant
+from .python_source import Block, Call, Code, Literal, attribute, bare, call, docstring, expression, grouped, literal, operand, quoted, record, sentence
+from .python_views import Codec, Measure
+
+if TYPE_CHECKING:
+    from .python_module import Module
+
+
+def _only(allowed: Mapping[str, tuple[str, ...]]) -> Code | None:
+    """Which values of other parts go with one, as a literal."""
+    if not allowed:
+        return None
+    return Code("{" + ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items()) + "}")
+
+
+class Variants:
+    """What the template prints of the order codes of one module."""
+
+    def __init__(self, module: Module) -> None:
+        self.module = module
+        self.device = module.device
+        self.names = module.parameter_names
+
+    @property
+    def order_code(self) -> str:
+        code = self.device.order_code
+        parts = tuple(
+            record(
+                "Part",
+                {"name": part.name, "meaning": part.meaning,
+                 "values": tuple(record("PartValue", {"text": value.text}, meaning=value.meaning, source=cite(value.source)) for value in part.values)},
+                open=part.open, open_only_with=_only(part.open_only_with), source=cite(part.source),
+            )
+            for part in code.parts
+        )
+        made = record("OrderCode", {"pattern": code.pattern, "parts": parts}, special=code.special, note=code.note, source=cite(code.source))
+        return constant("ORDER_CODE", made)
+
+    @property
+    def variant_doc(self) -> str:
+        set_here = []
+        for item in self.device.set_parameters:
+            text = self._parameter_text(item.meaning, item.unit, item.source)
+            if item.interface and len(self.device.interfaces) > 1:
+                text += f" Over {self.device.interface(item.interface).title} only."
+            if item.read_from:
+                text += f" The default of {item.read_from}, unless with_registers() gives another."
+            set_here.append((self.names[item.name], text))
+        parts = ", ".join(part.name for part in self.device.order_code.parts)
+        return docstring(
+            "An encoder as its order code describes it.",
+            ("Attributes", [
+                ("code", "Order code, without what may follow it on the label."),
+                ("interface", "How the encoder is connected."),
+                ("parts", f"The parts of the order code: {parts}."),
+                *set_here,
+                ("unlisted", "Parts of the order code that the manual leaves open."),
+                ("tail", "What followed the order code on the label."),
+                ("special", f"Whether the label ends in /Sxxx. {sentence(self.device.order_code.special)}".strip()),
+            ]),
+            indent=4,
+        )
+
+    @staticmethod
+    def _parameter_text(meaning: str, unit: str, source: Sources) -> str:
+        more = ", ".join(item for item in (unit, cite(source)) if item)
+        return sentence(f"{meaning.rstrip('.')} ({more})" if more else meaning)
+
+    @property
+    def set_parameters(self) -> list[str]:
+        return [self.names[item.name] for item in self.device.set_parameters]
+
+    @property
+    def derived_parameters(self) -> list[tuple[str, str, str]]:
+        """Parameters that follow from others: name, docstring, expression."""
+        return [
+            (
+                self.names[item.name],
+                docstring(self._parameter_text(item.meaning, item.unit, item.source), indent=8),
+                bare(expression(item.equals, self.names, "self")),
+            )
+            for item in self.device.parameters
+            if item.equals is not None
+        ]
+
+    @property
+    def measured(self) -> str:
+        """What the position is called whose counts are turned into turns or lengths."""
+        found = next((item for item in map(self._measurement, self.device.interfaces) if item is not None), None)
+        return attribute(found.of, ("previous", "self")) if found is not None else ""
+
+    @property
+    def measures(self) -> list[Measure]:
+        """Methods that turn counts into something else."""
+        counts = self.measured
+        kinds = (
+            ("turns", "float", f"``{counts}``, in counts, as revolutions.", "steps_per_turn", f"{counts} / {{}}"),
+            ("degrees", "float", f"``{counts}``, in counts, as degrees within one revolution.", "steps_per_turn", f"{counts} % {{0}} * 360 / {{0}}"),
+            ("micrometres", "int", f"``{counts}``, in counts, as micrometres.", "step_um", f"{counts} * {{}}"),
+            ("millimetres", "float", f"``{counts}``, in counts, as millimetres.", "step_um", f"{counts} * {{}} / 1000"),
+        )
+        found = []
+        for name, kind, doc, part, text in kinds:
+            values = {item.kind: getattr(self._measurement(item), part, None) for item in self.device.interfaces}
+            branches = [(interface, text.format(operand(self._of_self(value)))) for interface, value in values.items() if value is not None]
+            if branches:
+                found.append(self._measure(name, kind, doc, branches, f"{counts}: int"))
+        return found
+
+    @property
+    def modulus(self) -> Measure | None:
+        """The count at which the position starts again."""
+        counts = self.measured
+        branches = []
+        for interface in self.device.interfaces:
+            measurement = self._measurement(interface)
+            if measurement is not None and measurement.steps is not None:
+                branches.append((interface.kind, bare(self._of_self(measurement.steps))))
+            elif measurement is not None and measurement.steps_per_turn is not None and measurement.turns is not None:
+                factors = [item for item in (measurement.steps_per_turn, measurement.turns) if item != Expression(1)]
+                whole = " * ".join(operand(self._of_self(item)) for item in factors) or "1"
+                branches.append((interface.kind, bare(whole) if len(factors) == 1 else whole))
+        doc = f"Counts after which ``{counts}`` starts again: the highest one is 1 less."
+        return self._measure("modulus", "int", doc, branches) if branches else None
+
+    def _measure(self, name: str, kind: str, doc: str, branches: list[tuple[str, str]], arguments: str = "") -> Measure:
+        """A method; where not every interface has a value, or not all the same one, it tells them apart."""
+        everywhere = len(branches) == len(self.device.interfaces)
+        kinds: dict[str, list[str]] = {}
+        for interface, value in branches:
+            kinds.setdefault(value, []).append(f"Interface.{interface.upper()}")
+        # The value that most interfaces share comes last, where it needs no condition.
+        made = tuple(
+            (f"is {names[0]}" if len(names) == 1 else f"in ({', '.join(names)})", value) for value, names in sorted(kinds.items(), key=lambda item: len(item[1]))
+        )
+        raises: Block = "" if everywhere else ("Raises", [("ValueError", "The manual does not say over this interface.")])
+        return Measure(name, arguments, kind, docstring(doc, raises, indent=8), made, "" if everywhere else f"no {name.replace('_', ' ')} over {{self.interface.name}}")
+
+    def _measurement(self, interface: Interface) -> Measurement | None:
+        return self.device.measurement_of(interface.kind)
+
+    def _of_self(self, value: Expression) -> str:
+        return grouped(value.constant) if value.is_constant else expression(value, self.names, "self")
+
+    @property
+    def held(self) -> list[str]:
+        """The parameters that registers hold at run time, as records."""
+        return [literal(self._held(item), 4, 4, 1) for item in self.device.run_time_parameters]
+
+    def _held(self, item: Parameter) -> Call:
+        register = self.device.register(item.register)
+        field = register.layout.field(item.field)
+        order = "little" if register.byte_order == "low_byte_first" else "big"
+        largest = item.max if item.max is not None else field.zero_means or (1 << field.widest) - 1
+        return record(
+            "Held",
+            {"parameter": self.names[item.name], "interface": Code(f"Interface.{register.interface.upper()}"), "address": Code(f"Address.{register.name.upper()}"),
+             "default": register.default_bytes() or bytes(register.length), "order": order, "low": field.low.constant, "width": field.widest,
+             "min": item.min or 0, "max": largest},
+            zero_means=field.zero_means or None,
+        )
+
+    @property
+    def held_names(self) -> list[str]:
+        return [self.names[item.name] for item in self.device.run_time_parameters]
+
+    @property
+    def held_doc(self) -> str:
+        """The docstring of ``with_registers``."""
+        registers = {item.register: self.device.register(item.register) for item in self.device.run_time_parameters}
+        listed = ", ".join(f"{item.name} at {item.address:02X}h" for item in registers.values())
+        return docstring(
+            "The encoder as it is when its registers hold these bytes, by address.",
+            f"These change how a frame is read: {listed}. Registers that are left out stay as they are here, as delivered at first.",
+            ("Raises", [("RangeError", "A register holds a value that cannot be."), ("ValueError", "A register changes nothing for this encoder.")]),
+            indent=8,
+        )
+
+    @property
+    def identity(self) -> list[tuple[str, str]]:
+        """The registers by which an encoder is known: the interface, and the condition that one holds what is documented."""
+        found = []
+        for register in dict.fromkeys(register.name for register, _ in self.device.identity):
+            item = self.device.register(register)
+            view = self.module.classes[f"register {register}"]
+            codec = next(entry for entry in self.module.registers if entry.name == view)
+            more = ", variant" if isinstance(codec, Codec) and codec.takes_variant else ""
+            check = Code(f"lambda data: {view}.decode(data{more}).is_as_documented")
+            condition = call("agrees", Code("held"), Code(f"Address.{item.name.upper()}"), item.length, check)
+            found.append((item.interface.upper(), literal(condition, 8, 12)))
+        return found
+
+    @property
+    def identity_interfaces(self) -> str:
+        """The condition that an encoder has registers to be known by."""
+        kinds = list(dict.fromkeys(kind for kind, _ in self.identity))
+        if len(kinds) == 1:
+            return f"variant.interface is Interface.{kinds[0]}"
+        return f"variant.interface in ({', '.join(f'Interface.{kind}' for kind in kinds)})"
+
+    @property
+    def variants(self) -> list[str]:
+        return [self._variant(item) for item in self.device.variants]
+
+    def _variant(self, variant: Variant) -> str:
+        parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
+        named = {self.names[item.name]: variant.parameters[item.name] for item in self.device.set_parameters}
+        positional: tuple[tuple[str, Literal], ...] = (("", variant.code), ("", Code(f"Interface.{variant.interface.upper()}")), ("", parts))
+        arguments = (*positional, *named.items())
+        return literal(Call("Variant", arguments), 12, 12, 1)
+
+    @property
+    def frame_kinds(self) -> list[tuple[str, str, str]]:
+        """By interface what ``Variant.decode`` does: the interface, the function or class, and how the frame is given."""
+        found = []
+        for interface, section in zip(self.device.interfaces, self.module.sections):
+            name = next((item.name for item in section.dispatches if item.name.endswith("reply")), "")
+            if not name:
+                first = next((item for item in section.codecs if item.layout.sender == "encoder"), None)
+                if first is None:
+                    continue
+                name = f"{first.name}.decode"
+                takes = first.takes_variant
+                carried = first.layout.carried_as
+            else:
+                takes, carried = True, "bytes"
+            convert = "as_bytes" if carried == "bytes" else "as_number"
+            found.append((interface.kind.upper(), name, f"{convert}(frame){', self' if takes else ''}"))
+        return found
+
+    @property
+    def frame_union(self) -> list[str]:
+        """The classes of everything that the encoder sends."""
+        return [item.name for section in self.module.sections for item in section.codecs if item.layout.sender == "encoder"]

@@ -1,0 +1,113 @@
+"""The page on transcribing: what it quotes from the manual, from the spec and from the tool is what they say."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from codewheel.load import load_library
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+EXAMPLE = DOCS / "example"
+PAGE = (DOCS / "how-to-transcribe.md").read_text(encoding="utf-8")
+MANUAL = (EXAMPLE / "manual.md").read_text(encoding="utf-8")
+SPEC = (EXAMPLE / "tolvarn" / "tv62.yaml").read_text(encoding="utf-8")
+
+#: Slips that the page speaks of: what stands in the spec, what is typed instead, and what the tool says.
+SLIPS = {
+    "padding": ("padded_to: 31", "padded_to: 32", "example 'ssi_before_preset' does not hold: 'ssi_word' has 33 bits; this has 32"),
+    "length": ("    length: 4\n    byte_order: high_byte_first\n    access: read_write", "    length: 5\n    byte_order: high_byte_first\n    access: read_write",
+               "duplicate-address: address 0x04 overlaps 'preset' on line 163, which has addresses 0x00 to 0x04"),
+    "signed": ("padded_to: 31\n            signed: true\n", "padded_to: 31\n", "example 'ssi_before_preset' does not hold: position is 33553432, not -1000"),
+    "no_order": ("    byte_order: high_byte_first\n    access: read_write\n", "    access: read_write\n",
+                 "byte-order-missing: 'preset' has 4 bytes, so it needs 'byte_order': low_byte_first or high_byte_first"),
+    "swapped": ("byte_order: low_byte_first\n    access: read_write\n    default: 0x03B6", "byte_order: high_byte_first\n    access: read_write\n    default: 0x03B6",
+                "example 'upper_limit_delivered' does not hold: upper_limit is -18941, not 950"),
+    "top_bit": ("poly: 0x05", "poly: 0x25", "crc-impossible: the polynomial 0x25 does not fit into 5 bits; leave the top bit out: 0x5"),
+    "start": ("init: 0x5A3C", "init: 0", "example 'position_channel' does not hold: the CRC is 0x4587; over these bits it has to be 0x5e9a"),
+    "bank": ("      - {do: write, register: bank, value: position}\n", "", "bank-not-selected: 'preset' is in bank 1; write that to 'bank' before it"),
+    "bits_from_1": ("at: 2:1, values", "at: 3:2, values", ""),
+}
+
+
+def fences(word: str) -> list[str]:
+    return re.findall(rf"^```{word}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def quotes() -> list[str]:
+    return ["\n".join(line[2:] for line in found.splitlines()) for found in re.findall(r"(?:^> .*\n)+", PAGE, re.MULTILINE)]
+
+
+def flat(text: str) -> str:
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize("snippet", fences("yaml"), ids=lambda text: text.split("\n")[0][:40])
+def test_yaml_is_that_of_the_spec(snippet: str) -> None:
+    wanted = textwrap.dedent(snippet).rstrip("\n").splitlines()
+    lines = SPEC.splitlines()
+    for start, line in enumerate(lines):
+        depth = len(line) - len(line.lstrip())
+        piece = [item[depth:] if not item[:depth].strip() else item for item in lines[start : start + len(wanted)]]
+        # An item of a list or a map may be shown without what stands before it on its line.
+        if piece == wanted or (len(wanted) == 1 and line.strip().endswith(wanted[0])):
+            return
+    pytest.fail(f"not in the spec:\n{snippet}")
+
+
+@pytest.mark.parametrize("quote", quotes(), ids=lambda text: text[:40])
+def test_quotes_are_from_the_manual(quote: str) -> None:
+    assert flat(quote) in flat(MANUAL)
+
+
+def test_there_is_something_to_compare() -> None:
+    assert len(fences("yaml")) >= 15 and len(quotes()) >= 15 and len(fences("text")) >= 8
+
+
+def test_what_the_tool_says_is_in_a_slip_or_in_a_frame(capsys: pytest.CaptureFixture[str]) -> None:
+    from codewheel.cli import main
+
+    said = [message for _, _, message in SLIPS.values()]
+    assert main(["decode", "--specs", str(EXAMPLE), "TV62-M17-B1", "--as", "lower_limit", "06 FF"]) == 0
+    said.append(capsys.readouterr().out)
+    for text in fences("text"):
+        assert any(text.rstrip("\n") in item for item in said), text
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_slips_are_found_in_the_words_shown(slip: str, tmp_path: Path) -> None:
+    right, wrong, message = SLIPS[slip]
+    assert right in SPEC
+    shutil.copy(EXAMPLE / "tolvarn" / "manufacturer.yaml", tmp_path)
+    (tmp_path / "tv62.yaml").write_text(SPEC.replace(right, wrong, 1), encoding="utf-8")
+    _, report = load_library([tmp_path / "tv62.yaml"])
+    found = [f"{item.rule}: {item.message}" for item in report.problems]
+    if message:
+        assert any(message in item for item in found), found
+    else:
+        assert not found  # The page says so: no program can see it.
+
+
+def test_commands_of_the_page_work(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    import shlex
+
+    from codewheel.cli import main
+
+    monkeypatch.chdir(DOCS.parent)
+    commands = [line.removeprefix("$ ") for text in fences("") for line in text.splitlines()]
+    commands += [found for found in re.findall(r"`(codewheel [^`]+)`", PAGE) if "--specs" in found]
+    ours = [shlex.split(line) for line in commands if "docs/example" in line]
+    assert len(ours) >= 7
+    for words in ours:
+        assert main([item if item != "/tmp/tv62" else str(tmp_path) for item in words[1:]]) == 0, words
+    capsys.readouterr()
+
+
+def test_links_lead_somewhere() -> None:
+    for name, text in (("how-to-transcribe.md", PAGE), ("example/manual.md", MANUAL)):
+        for target in re.findall(r"\]\(([^)#\s]+)", text):
+            assert ((DOCS / name).parent / target).exists(), f"{name}: {target}"

@@ -1,0 +1,43 @@
+"""Loading: manufacturers, families beside each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from codewheel.load import load_library
+
+MINIMAL = (Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml").read_text()
+MAKER = 'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n'
+
+
+def problems(folder: Path, **files: str) -> list[str]:
+    for name, text in files.items():
+        (folder / f"{name}.yaml").write_text(text)
+    return [f"{Path(item.file).name}:{item.line}: {item.rule}: {item.message}" for item in load_library([folder])[1].problems]
+
+
+def test_a_manufacturer_file_beside_the_device_is_found(tmp_path: Path) -> None:
+    (tmp_path / "manufacturer.yaml").write_text(MAKER)
+    (tmp_path / "minimal.yaml").write_text(MINIMAL)
+    devices, report = load_library([tmp_path / "minimal.yaml"])
+    assert not report and [device.manufacturer.title for device in devices] == ["Acme"]
+
+
+def test_a_missing_manufacturer_file(tmp_path: Path) -> None:
+    assert problems(tmp_path, minimal=MINIMAL) == ["minimal.yaml:3: undefined-reference: there is no manufacturer file for 'acme'"]
+
+
+def test_a_broken_manufacturer_file_is_told_once(tmp_path: Path) -> None:
+    assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER.replace('title: Acme\n', "")) == [
+        "manufacturer.yaml:1: missing-key: 'title' is missing; a manufacturer file needs it"
+    ]
+
+
+def test_two_manufacturer_files_of_one_name(tmp_path: Path) -> None:
+    found = problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER, another=MAKER)
+    assert found == ["manufacturer.yaml:2: duplicate-name: there is another manufacturer file for 'acme'"]
+
+
+def test_an_order_code_of_two_families(tmp_path: Path) -> None:
+    found = problems(tmp_path, minimal=MINIMAL, other=MINIMAL.replace("device: minimal", "device: other"), manufacturer=MAKER)
+    assert found == ["other.yaml:10: order-code-ambiguous: the order code MIN12SC belongs to 'minimal' as well"]

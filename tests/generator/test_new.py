@@ -1,0 +1,65 @@
+"""A spec to start from passes check, and every output comes of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from codewheel.cli import main
+from codewheel.load import load_library
+from codewheel.read import read_document
+from codewheel.problems import Report
+from codewheel.targets import Library, biss, docs
+
+
+def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "my_encoder", "-o", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"written    {tmp_path}/my_encoder.yaml\nwritten    {tmp_path}/manufacturer.yaml\n"
+    found, report = load_library([tmp_path])
+    assert not report.problems
+    (device,) = found
+    assert [item.code for item in device.variants] == ["MY-ENCODER-13-SC", "MY-ENCODER-17-SC"]
+    assert device.layout("single_cycle_data").place(device.variants[1].parameters).bits == 17 + 1 + 1 + 6
+    assert "docs/my_encoder.md" in docs.generate(Library(found)) and "biss/maker-my_encoder.xml" in biss.generate(Library(found))
+    # 13 bits of 1000, error and warning bit high (not active), and the inverted remainder of the division of these 15 bits by x^6 + x + 1.
+    assert main(["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", str(tmp_path)]) == 0
+    assert "no fault" in capsys.readouterr().out
+
+
+def test_the_schemas_named_for_editors_exist(tmp_path: Path) -> None:
+    assert main(["new", "demo", "-o", str(tmp_path / "demo.yaml")]) == 0
+    for name in ("demo.yaml", "manufacturer.yaml"):
+        first = (tmp_path / name).read_text(encoding="utf-8").splitlines()[0]
+        assert (tmp_path / first.partition("$schema=")[2]).is_file()
+
+
+def test_a_manufacturer_that_is_there_is_used(tmp_path: Path) -> None:
+    (tmp_path / "manufacturer.yaml").write_text('codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n', encoding="utf-8")
+    assert main(["new", "demo", "-o", str(tmp_path)]) == 0
+    document = read_document(tmp_path / "demo.yaml", Report())
+    assert document is not None and document.data["manufacturer"] == "acme"
+    assert not load_library([tmp_path])[1].problems
+    assert "Acme" in (tmp_path / "manufacturer.yaml").read_text(encoding="utf-8")
+
+
+def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "demo.yaml").write_text("mine", encoding="utf-8")
+    assert main(["new", "demo", "-o", str(tmp_path)]) == 1
+    assert capsys.readouterr().err == f"codewheel: {tmp_path}/demo.yaml is there already; nothing is overwritten\n"
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["demo.yaml"]
+    assert (tmp_path / "demo.yaml").read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize("name", ["My Encoder", "1x", "", "../x", "class", "manufacturer", "x" * 41])
+def test_names_that_cannot_be(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    assert main(["new", name, "-o", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.startswith("codewheel: '")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_is_named_like_its_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "demo", "-o", str(tmp_path / "other.yaml")]) == 2
+    assert "a spec is named like its family" in capsys.readouterr().err
+    assert main(["new", "demo", "-o", str(tmp_path / "nowhere" / "demo.yaml")]) == 1
+    assert "cannot be written: No such file or directory" in capsys.readouterr().err

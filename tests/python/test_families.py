@@ -1,0 +1,377 @@
+"""What the generated package holds of every family: worked examples, order codes, meanings of counts, identification, data."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from codewheel import order_codes
+from codewheel.model import Device, Example
+from codewheel.targets.python_expressions import CLASS_NAMES
+from codewheel.targets.python_module import Module
+from codewheel.targets.python_source import attribute
+
+ERRORS = {"length": "LengthError", "crc": "CrcError", "constant": "ConstantError", "range": "RangeError"}
+
+
+@pytest.fixture(scope="session")
+def lika(generated_python: tuple[Path, ModuleType]) -> Any:
+    return generated_python[1]
+
+
+def examples(lika: Any, devices: Mapping[str, Device], *kinds: str) -> Iterator[tuple[Device, Any, dict[str, str], Example]]:
+    """The worked examples of all families, each with the family, its module and the names of the classes."""
+    found = False
+    for device in devices.values():
+        classes = Module(device).classes
+        for example in device.examples:
+            if example.kind in kinds:
+                found = True
+                yield device, getattr(lika, device.name), classes, example
+    assert found
+
+
+def values(found: Any, names: Mapping[str, object]) -> dict[str, object]:
+    """Attributes as the specs write them: a named value by its name."""
+    made = {name: getattr(found, attribute(name, CLASS_NAMES)) for name in names}
+    return {name: value.name.lower() if hasattr(value, "name") and isinstance(names[name], str) else value for name, value in made.items()}
+
+
+# ----------------------------------------------------------------------------------------------------------- worked examples
+
+
+def test_register_examples(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device, module, classes, example in examples(lika, devices, "register"):
+        register = getattr(module, classes[f"register {example.register}"])
+        takes_variant = "variant" in getattr(register, "_fields", ())
+        found = register.decode(example.bytes, lika.lookup(example.order_code)) if takes_variant else register.decode(example.bytes)
+        if hasattr(found, "_fields"):
+            assert values(found, example.values) == example.values, (device.name, example.name)
+        else:
+            assert [found.name.lower()] == list(example.values.values()), (device.name, example.name)
+        assert found.encode() == example.bytes, (device.name, example.name)
+
+
+def test_procedure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device, module, _, example in examples(lika, devices, "procedure"):
+        procedure = getattr(module, example.procedure)
+        takes_variant = procedure.__code__.co_varnames[:1] == ("variant",)
+        steps = procedure(*([lika.lookup(example.order_code)] if takes_variant else []), *example.arguments.values())
+        held = {item.address + index: byte for item in module.REGISTERS.values() for index, byte in enumerate(item.default or b"")}
+        writes = []
+        for step in steps:
+            if isinstance(step, lika.Write):
+                writes.append((step.address, step.value))
+            elif isinstance(step, lika.Modify):
+                assert step.length == 1
+                writes.append((step.address, held[step.address] & ~step.mask | step.value))
+            held |= dict(writes)
+        assert writes == [(item.address, item.value) for item in example.writes], (device.name, example.name)
+
+
+def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device, module, classes, example in examples(lika, devices, "frame"):
+        variant = lika.lookup(example.order_code)
+        frame = int(example.bits, 2) if example.bits else example.bytes
+
+        def decode() -> Any:
+            return variant.decode(frame) if example.sender == "encoder" else module.decode_request(frame, variant)
+
+        if example.refused:
+            with pytest.raises(getattr(lika, ERRORS[example.refused])):
+                decode()
+            continue
+        found = decode()
+        assert not example.layout or type(found).__name__ == classes[f"layout {example.layout}"]
+        assert values(found, example.values) == example.values, (device.name, example.name)
+        assert found.encode() == frame, (device.name, example.name)
+
+
+def test_crc_examples(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device, module, _, example in examples(lika, devices, "crc"):
+        function = getattr(module, f"crc_{example.crc}")
+        made = function(example.bytes) if device.crc(example.crc).width % 8 == 0 else function(int.from_bytes(example.bytes, "big"), 8 * len(example.bytes))
+        assert made == example.check, (device.name, example.name)
+
+
+def test_measure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device, _, _, example in examples(lika, devices, "measure"):
+        variant = lika.lookup(example.order_code)
+        assert variant.micrometres(example.counts) == example.micrometres, (device.name, example.name)
+        assert variant.millimetres(example.counts) == (example.micrometres or 0) / 1000
+
+
+# --------------------------------------------------------------------------------------------------------------- order codes
+
+
+def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device]) -> None:
+    """Each is found in any case and with a tail, has what the model says, and with one part wrong or missing is refused."""
+    assert {item.name for item in lika.FAMILIES} == set(devices)
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        names = {item.name: attribute(item.name, ("class",)) for item in device.parameters}
+        assert list(module.VARIANTS) == [item.code for item in device.variants]
+        for variant in device.variants:
+            for label, tail, special in ((variant.code, "", False), (variant.code.lower(), "", False), (f" {variant.code}-ABC/S123 ", "-ABC", True)):
+                made = lika.lookup(label)
+                assert made == module.VARIANTS[variant.code]
+                assert (made.interface.value, made.tail, made.special, made.unlisted) == (variant.interface, tail, special, ())
+                assert {name: getattr(made, names[name]) for name in variant.parameters} == variant.parameters
+            for part in device.order_code.parts:
+                for wrong in ("", "ZZ9"):
+                    code = re.sub(r"\{(\w+)\}", lambda brace: wrong if brace[1] == part.name else variant.parts[brace[1]], device.order_code.pattern)
+                    with pytest.raises(lika.OrderCodeError) as caught:
+                        lika.lookup(code)
+                    assert caught.value.part == part.name, code
+                    assert part.values[0].text in str(caught.value) and caught.value.label == code
+                    assert set(caught.value.nearest) <= set(module.VARIANTS) and len(caught.value.nearest) == 3
+                    assert caught.value.nearest[0] in str(caught.value)
+
+
+def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str, Device]) -> None:
+    """Every combination of listed and open values, with what may follow."""
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        labels = []
+        for variant in device.variants:
+            for part in device.order_code.parts:
+                for text in [value.text for value in part.values] + (["9", "17", "8192", "x"] if part.open else ["x"]):
+                    labels.append(re.sub(r"\{(\w+)\}", lambda brace: text if brace[1] == part.name else variant.parts[brace[1]], device.order_code.pattern))
+        for label in [text + tail for text in dict.fromkeys(labels) for tail in ("", "-R2", "/S1", "-X/S77")]:
+            try:
+                match = order_codes.find(device, label)
+            except order_codes.UnknownOrderCode:
+                with pytest.raises(lika.OrderCodeError):
+                    module.lookup(label)
+                continue
+            made = module.lookup(label)
+            assert (made.code, made.unlisted, made.tail, made.special) == (match.variant.code, match.unlisted, match.tail, match.special), label
+            assert made.parts == tuple(match.variant.parts.values())
+            assert made.interface.value == match.variant.interface
+
+
+@pytest.mark.parametrize(
+    ("label", "part", "words"),
+    [
+        ("AM3617/4096-GG", "singleturn", "has singleturn '17' and output 'GG', which do not go together"),
+        ("SMA21-JP4-0050", "output", "has output 'JP' and supply '4', which do not go together; the nearest order codes are SMA21-JP1-0050"),
+        ("ASC8529/SC1", "resolution", "'ASC8529/SC1' has resolution '29'; valid are 20, 21, 22, 23, 24, 25; the nearest order codes are ASC8520/SC1"),
+    ],
+)
+def test_parts_that_do_not_go_together(lika: Any, label: str, part: str, words: str) -> None:
+    with pytest.raises(lika.OrderCodeError) as caught:
+        lika.lookup(label)
+    assert words in str(caught.value)
+    assert caught.value.part == part
+
+
+def test_what_looks_like_a_special_code(lika: Any) -> None:
+    found = lika.lookup("ASC8525/SC2")
+    assert (found.code, found.special) == ("ASC8525/SC2", False)
+    found = lika.lookup("asc8525/sc2-x/s12")
+    assert (found.code, found.tail, found.special) == ("ASC8525/SC2", "-X", True)
+
+
+# ------------------------------------------------------------------------------------------------------- registers at run time
+
+
+def test_frames_follow_registers(lika: Any) -> None:
+    encoder = lika.lookup("AM3616/4096-I7")
+    smaller = encoder.with_registers({0x56: 16, 0x57: 12})
+    assert (encoder.used_position_bits, smaller.used_position_bits) == (36, 28)
+    assert smaller.with_registers({0x49: 0x00}).used_position_bits == 28
+    word = lika.am36.SingleCycleData.from_position(smaller, 0xABCDEF1).encode()
+    assert word < 1 << 36 and smaller.decode(word).position == 0xABCDEF1
+    with pytest.raises(lika.LengthError):
+        smaller.decode(lika.am36.SingleCycleData.from_position(encoder, 1 << 35).encode())
+    gray = encoder.with_registers({0x49: 0x00})
+    assert lika.am36.SingleCycleData.from_position(gray, 3).encode() >> 8 == 2
+    assert encoder.with_registers({0x4E: 0x07, 0x4F: 0xD0}).modulus == 2000 << 20
+    assert encoder.with_registers({0x4F: 0}).used_revolutions == 65536
+
+
+def test_registers_that_cannot_be(lika: Any) -> None:
+    encoder = lika.lookup("AM3616/4096-I7")
+    with pytest.raises(lika.RangeError, match="0 to 20"):
+        encoder.with_registers({0x56: 21})
+    with pytest.raises(ValueError, match="register 0x42 does not change .* 0x49, 0x4E, 0x56, 0x57"):
+        encoder.with_registers({0x42: 0})
+    with pytest.raises(ValueError, match="those that do: none"):
+        lika.lookup("AM3616/4096-GG").with_registers({0x56: 16})
+    assert not hasattr(lika.lookup("AMM5A21/65KSC1"), "with_registers")
+
+
+def test_a_register_given_whole(lika: Any) -> None:
+    am36 = lika.am36
+    as_object = am36.Configuration(am36.EnablePreset.ENABLE, am36.OutputCode.BINARY, am36.CountingDirection.CCW)
+    by_name = am36.Configuration(enable_preset=am36.EnablePreset.ENABLE, output_code=am36.OutputCode.BINARY, counting_direction=am36.CountingDirection.CCW)
+    assert am36.set_configuration(by_name) == am36.set_configuration(0x60)
+    assert isinstance(as_object, am36.Configuration)
+    for wrong in (0x100, -1):
+        with pytest.raises(lika.RangeError):
+            am36.set_configuration(wrong)
+
+
+def test_limits_by_meaning(lika: Any) -> None:
+    sma21 = lika.sma21
+    coarse, fine = lika.lookup("SMA21-SC1-0050"), lika.lookup("SMA21-SC1-0001")
+    assert sma21.PresetOffset.preset_limits(coarse) == (0, 0xFFFFF)
+    assert sma21.PresetOffset.offset_limits(coarse) == (0, 0xF00000)
+    assert sma21.PresetOffset.offset_limits(fine) == (0, 0)
+    sma21.set_offset(coarse, 0xF00000)
+    for build, variant, value in ((sma21.set_offset, coarse, 0xF00001), (sma21.set_offset, fine, 1), (sma21.set_preset, coarse, 1 << 20)):
+        with pytest.raises(lika.RangeError):
+            build(variant, value)
+    meanings = sma21.REGISTERS["preset_offset"].meanings
+    assert [(item.name, item.min, item.max) for item in meanings] == [
+        ("preset", "0", "2^position_bits - 1"), ("offset", "0", "2^scd_position_bits - 2^position_bits"),
+    ]
+
+
+def test_powers_of_two(lika: Any) -> None:
+    assert lika.am36.InformationPerRevolution(4096).encode() == b"\x00\x10\x00"
+    for wrong in (1000, 0, 1 << 21):
+        with pytest.raises(lika.RangeError):
+            lika.am36.InformationPerRevolution(wrong).encode()
+
+
+# ------------------------------------------------------------------------------------------------------------ what counts mean
+
+
+def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        for variant in device.variants:
+            measurement = device.measurement_of(variant.interface)
+            assert measurement is not None
+            made, parameters = lika.lookup(variant.code), variant.parameters
+            if measurement.step_um is not None:
+                step = measurement.step_um.value(parameters)
+                assert (made.micrometres(1), made.micrometres(-3), made.millimetres(7)) == (step, -3 * step, 7 * step / 1000)
+                assert measurement.steps is not None and made.modulus == measurement.steps.value(parameters)
+            else:
+                assert measurement.steps_per_turn is not None and measurement.turns is not None
+                steps, turns = measurement.steps_per_turn.value(parameters), measurement.turns.value(parameters)
+                assert made.modulus == steps * turns
+                assert (made.turns(steps), made.turns(steps // 2), made.turns(-steps)) == (1.0, 0.5, -1.0)
+                assert (made.degrees(steps // 4), made.degrees(steps), made.degrees(-steps // 4)) == (90.0, 0.0, 270.0)
+                assert made.degrees(steps - 1) < 360
+
+
+def test_counts_go_on_where_the_position_starts_again(lika: Any, devices: Mapping[str, Device]) -> None:
+    encoders = [lika.lookup(variant.code) for device in devices.values() for variant in device.variants]
+    encoders.append(lika.lookup("AM3616/4096-I7").with_registers({0x4E: 0x07, 0x4F: 0xD0, 0x57: 11}))
+    for encoder in encoders:
+        size, step = encoder.modulus, encoder.modulus // 2 - 1
+        assert step > 0
+        for direction in (1, -1):
+            count = true = size - 5
+            for _ in range(9):
+                true += direction * step
+                count = encoder.unwrap(count, true % size)
+                assert count == true
+        with pytest.raises(lika.RangeError):
+            encoder.unwrap(0, size)
+        with pytest.raises(lika.RangeError):
+            encoder.unwrap(0, -1)
+
+
+# -------------------------------------------------------------------------------------------------------------- identification
+
+
+def test_encoders_are_known_by_their_registers(lika: Any, devices: Mapping[str, Device]) -> None:
+    """What an encoder is documented to hold names it, and whatever holds the same."""
+    for device in devices.values():
+        for variant in device.variants:
+            if not any(register.interface == variant.interface for register, _ in device.identity):
+                continue
+            held: dict[int, int] = {}
+            for register in {register.name: register for register, _ in device.identity}.values():
+                number = 0
+                for item in register.layout.place(variant.parameters).fields:
+                    expected = item.field.equals
+                    if expected is not None:
+                        value = expected if isinstance(expected, (int, str)) else expected.value(variant.parameters)
+                        number |= (int.from_bytes(value.encode(), "big") if isinstance(value, str) else value) << item.low
+                    elif item.field.kind == "text":
+                        number |= int.from_bytes(b"0" * (item.width // 8), "big") << item.low
+                data = number.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
+                held |= {register.address + index: byte for index, byte in enumerate(data)}
+            found = lika.identify(held)
+            assert variant.code in found
+            assert set(found) <= {item.code for item in device.variants}
+
+
+def test_identification(lika: Any) -> None:
+    device_id = b"SM21\x00\x01"
+    assert lika.identify({"device_id": device_id, "profile_id": b"\x28\x14"}) == ("SMA21-SC1-0050", "SMA21-SC4-0050")
+    assert lika.sma21.identify({0x4D: 1}) == ("SMA21-SC1-0001", "SMA21-SC4-0001")
+    assert lika.sma21.identify({0x78: 0x53}) == lika.sma21.identify({})
+    assert lika.identify({"manufacturer_id": b"XX"}) == ()
+    assert {code[:3] for code in lika.identify({"manufacturer_id": b"Li"})} == {"AMM", "AM3", "AMC", "ASC", "SMA"}
+    for wrong in ({"device_id": b"SM21"}, {"nonsense": b""}, {0x78: 256}):
+        with pytest.raises(ValueError):
+            lika.identify(wrong)
+    with pytest.raises(TypeError):
+        lika.identify({"device_id": 5})
+
+
+# ------------------------------------------------------------------------------------------------------------------------ data
+
+
+def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        for register in device.registers:
+            made = module.REGISTERS[register.name]
+            assert module.Address[register.name.upper()] == made.address == register.address
+            assert (made.length, made.access, made.byte_order, made.default) == (register.length, register.access, register.byte_order, register.default_bytes())
+            assert (made.opened_by, made.opened_by_field, made.opened_by_value) == (register.opened_by, register.opened_by_field, register.opened_by_value)
+            assert (made.above_max, made.write_clears, made.reserved) == (register.above_max, register.write_clears, register.reserved)
+            if made.fields:
+                check_fields(made.fields, register.layout.fields)
+        for _, layout in device.layouts():
+            check_fields(module.FRAMES[layout.name], layout.fields)
+
+
+def check_fields(made: Any, fields: Any) -> None:
+    assert [item.name for item in made] == [item.name for item in fields]
+    for item, field in zip(made, fields):
+        for name in ("meaning", "unit", "zero_means", "power_of_two", "implemented", "reserved", "explained_by", "default", "signed", "names", "printed_name"):
+            assert getattr(item, name) == getattr(field, name), (field.name, name)
+
+
+def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device]) -> None:
+    tables = ("alarms", "timings", "connectors", "leds", "characteristics", "errata", "inputs", "tables")
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        for table in tables:
+            assert [item.name for item in getattr(module, table.upper(), ())] == [item.name for item in getattr(device, table)], (device.name, table)
+        assert [item.content for item in getattr(module, "LOST_FIGURES", ())] == [item.content for item in device.lost_figures]
+        for made, alarm in zip(module.ALARMS, device.alarms):
+            assert (made.register, made.field, made.implemented) == (alarm.register, alarm.field, alarm.implemented)
+        timeout = next((item.timeout for item in device.interfaces if item.timeout is not None), None)
+        if timeout is not None:
+            assert module.BISS.timeout.printed == tuple((item.clock_hz, item.timeout_ns) for item in timeout.printed)
+            for item in timeout.printed:
+                assert module.BISS.timeout.nanoseconds(item.clock_hz) == item.timeout_ns
+
+
+def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        module, classes = getattr(lika, device.name), Module(device).classes
+        for variant in device.variants:
+            views = [(item, classes[f"layout {item.name}"]) for item in device.interface(variant.interface).layouts]
+            views += [(item.layout, classes[f"register {item.name}"]) for item in device.registers if item.interface == variant.interface]
+            for layout, name in views:
+                view = getattr(module, name)
+                if not hasattr(view, "bit_fields"):
+                    continue
+                fields = view.bit_fields(module.VARIANTS[variant.code]) if "variant" in view._fields else view.bit_fields()
+                assert {item.name: (item.low, item.width) for item in fields if item.width} == {
+                    item.name: (item.low, item.width) for item in layout.place(variant.parameters).fields
+                }
