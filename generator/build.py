@@ -17,7 +17,7 @@ from .crc import form, polynomial_text
 from .examples import check_examples
 from .expressions import Expression, ExpressionError
 from .layouts import Context, Raw, bit_range, build_layout, build_values
-from .limits import bounded_width, bounds, representable
+from .limits import bounded, bounded_width, bounds, representable
 from .model import (
     Alarm, Argument, CableLength, Characteristic, CodePart, CodeValue, Connector, Contact, ControlField, Crc, DataId, Device, Document, Edition,
     Erratum, Example, FieldGroup, Input, Interface, Led, LedState, LostFigure, Manual, Manufacturer, Measurement, MemoryAccess, Network, OrderCode,
@@ -335,11 +335,9 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
     report = context.report
     for parameters in context.parameter_sets.get(register.interface, ()):
         placed = register.layout.place(parameters)
-        join = next((item for item in register.layout.joins if item.name == register.limits_of), None)
-        names = join.fields if join is not None else (register.limits_of,)
-        parts = [item for item in (placed.field(name) for name in names) if item is not None]
-        width, signed = bounded_width(register, placed), len(parts) == 1 and parts[0].field.signed
-        zero_means = parts[0].field.zero_means if len(parts) == 1 else 0
+        join = next((item for item in register.layout.joins if item.name == bounded(register)), None)
+        item = placed.field(bounded(register))
+        width, zero_means = bounded_width(register, placed), item.field.zero_means if item is not None else 0
         lowest, highest = representable(register, placed)
         low, high = bounds(register, placed, (register.min, register.max), parameters)
         if high == zero_means:
@@ -356,12 +354,11 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
         if register.default >> (8 * register.length):
             report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} does not fit into {8 * register.length} bits")
             return
-        value = codec.join_value(placed, join, register.default) if join is not None else register.default
-        if join is not None or register.limits_of == register.name:
-            value -= 1 << width if signed and value > highest else 0
-            if not low <= (value or zero_means) <= max(high, zero_means):
-                report.add("default-does-not-fit", (*path, "default"), f"the default {value} is outside the limits {low} to {high}")
-                return
+        value = codec.join_value(placed, join, register.default) if join is not None else register.default >> (item.low if item is not None else 0) & ((1 << width) - 1)
+        value -= 1 << width if value > highest else 0
+        if not low <= (value or zero_means) <= max(high, zero_means):
+            report.add("default-does-not-fit", (*path, "default"), f"the default {value} is outside the limits {low} to {high}")
+            return
         if register.values and register.default not in [item.value for item in register.values] and not register.clears_itself:
             listed = ", ".join(f"{item.value:#x}" for item in register.values)
             report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} is none of the values {listed}")

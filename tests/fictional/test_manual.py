@@ -10,8 +10,10 @@ import pytest
 
 from codewheel import codec
 from codewheel.cli import main
+from codewheel.limits import representable
 from codewheel.load import load_library
 from codewheel.model import Device
+from codewheel.procedures import register_writes
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
 
@@ -55,6 +57,7 @@ def test_the_manual_keeps_to_its_own_arithmetic() -> None:
     assert "wait at least 5 ms" in " ".join(text.split()) and "wait at least 50 ms" in text
     assert (-1000 & (1 << 25) - 1).to_bytes(4, "big").hex(" ").upper() == "01 FF FC 18" and "`01 FF FC 18`" in text
     assert (1 << 31 | 4660).to_bytes(4, "big").hex(" ").upper() == "80 00 12 34" and "`80 00 12 34`" in text
+    assert (800).to_bytes(2, "little") == b"\x20\x03" and (-300 & 0xFFFF).to_bytes(2, "little") == b"\xd4\xfe" and "20h and 03h" in text and "D4h and FEh" in text
     assert (950).to_bytes(2, "little").hex(" ").upper() == "B6 03" and (-250 & 0xFFFF).to_bytes(2, "little").hex(" ").upper() == "06 FF"
 
 
@@ -71,7 +74,7 @@ def test_it_is_no_part_of_the_library() -> None:
 def test_every_page_of_a_source_is_in_the_contents() -> None:
     text = (EXAMPLE / "manual.md").read_text(encoding="utf-8")
     pages = dict(re.findall(r"^\| ([0-9.]+) [^|]+\| ([0-9]+) \|$", text.partition("\n## ")[0], re.MULTILINE))
-    assert len(pages) == 13
+    assert len(pages) == 14
     spec = (EXAMPLE / "tolvarn" / "tv62.yaml").read_text(encoding="utf-8")
     cited = {piece.strip() for found in re.findall(r"\bsource: \"?([^\",}\n]+)", spec) for piece in found.split(";")}
     assert len(cited) > 10
@@ -123,6 +126,24 @@ def test_every_crc_by_division_on_paper(device: Device, code: str) -> None:
         values = {"multiturn": fill * (2 ** parameters["multiturn_bits"] - 1), "singleturn": fill * (2 ** parameters["singleturn_bits"] - 1), "error": False, "warning": True, "life_counter": 1}
         made = f"{codec.encode(device, placed, values):0{placed.bits}b}"
         assert made[-16:] == remainder(made[:-16], POSITION, 0x5A3C)
+
+
+@pytest.mark.parametrize(("lower", "written"), [(-300, "D4 FE"), (-400, "70 FE"), (-1, "FF FF"), (1200, "B0 04")])
+def test_arguments_below_zero(device: Device, lower: int, written: str) -> None:
+    made = register_writes(device, device.procedure("set_temperature_limits"), device.variant("TV62-M17-B1"), {"upper": 800, "lower": lower})
+    assert bytes(item.value for item in made[3:5]).hex(" ").upper() == written
+
+
+@pytest.mark.parametrize("lower", [-401, 1201])
+def test_arguments_beyond_signed_limits(device: Device, lower: int) -> None:
+    with pytest.raises(codec.EncodeError, match=f"{lower} is outside -400 to 1200"):
+        register_writes(device, device.procedure("set_temperature_limits"), device.variant("TV62-M17-B1"), {"upper": 800, "lower": lower})
+
+
+def test_what_a_signed_register_without_limits_can_hold(device: Device) -> None:
+    for name, expected in (("correction", (-128, 127)), ("serial_number", (0, 0xFFFFFFFF)), ("lower_limit", (-32768, 32767))):
+        register = device.register(name)
+        assert representable(register, register.layout.place(device.variant("TV62-M17-B1").parameters)) == expected
 
 
 def test_decode_names_another_channel(capsys: pytest.CaptureFixture[str]) -> None:

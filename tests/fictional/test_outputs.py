@@ -71,6 +71,11 @@ def test_python_registers_and_procedure(tv62: ModuleType) -> None:
     writes = [(int(step.address), step.value) for step in steps if type(step).__name__ == "Write"]
     assert writes == [(0x40, 0x01), (0x00, 0x00), (0x01, 0x0F), (0x02, 0x42), (0x03, 0x40), (0x48, 0x01)]
     assert [step.microseconds for step in steps if type(step).__name__ == "Wait"] == [50_000]
+    steps = [step for step in tv62.set_temperature_limits(800, -300)]
+    writes = [(int(step.address), step.value) for step in steps if type(step).__name__ == "Write"]
+    assert writes == [(0x40, 0x02), (0x00, 0x20), (0x01, 0x03), (0x02, 0xD4), (0x03, 0xFE), (0x48, 0x02)]
+    with pytest.raises(ValueError, match="-400"):
+        tv62.set_temperature_limits(800, -401)
 
 
 # --------------------------------------------------------------------------------------------------------------------- C
@@ -89,6 +94,8 @@ int main(void)
     static const uint8_t upper_bytes[2] = { 0xB6U, 0x03U };
     static const uint8_t lower_bytes[2] = { 0x06U, 0xFFU };
     static const uint8_t written[6][2] = { { 0x40U, 0x01U }, { 0x00U, 0x00U }, { 0x01U, 0x0FU }, { 0x02U, 0x42U }, { 0x03U, 0x40U }, { 0x48U, 0x01U } };
+    static const uint8_t limits[6][2] = { { 0x40U, 0x02U }, { 0x00U, 0x20U }, { 0x01U, 0x03U }, { 0x02U, 0xD4U }, { 0x03U, 0xFEU }, { 0x48U, 0x02U } };
+    static const uint8_t minus_one = 0xFFU;
     int failures = 0;
     tolvarn_tv62_ssi_word word;
     tolvarn_tv62_position_data position;
@@ -96,6 +103,8 @@ int main(void)
     tolvarn_tv62_reg_upper_limit upper;
     tolvarn_tv62_reg_lower_limit lower;
     tolvarn_step steps[TOLVARN_TV62_SET_PRESET_STEPS_COUNT];
+    tolvarn_step more[TOLVARN_TV62_SET_TEMPERATURE_LIMITS_STEPS_COUNT];
+    tolvarn_tv62_reg_correction correction;
     uint8_t bytes[2];
     uint64_t raw = 0U;
     size_t count = 0U;
@@ -130,6 +139,16 @@ int main(void)
         }
     }
     CHECK(writes == 6U);
+    CHECK(tolvarn_tv62_set_temperature_limits_steps(&m17, 800, -300, more, TOLVARN_TV62_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == TOLVARN_OK);
+    for (index = 0U, writes = 0U; index < count; index++) {
+        if (more[index].kind == TOLVARN_STEP_WRITE) {
+            CHECK(writes < 6U && more[index].address == limits[writes][0] && more[index].value == limits[writes][1]);
+            writes++;
+        }
+    }
+    CHECK(writes == 6U);
+    CHECK(tolvarn_tv62_set_temperature_limits_steps(&m17, 800, -401, more, TOLVARN_TV62_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == TOLVARN_FAULT_RANGE);
+    CHECK(tolvarn_tv62_reg_correction_decode(&m17, &minus_one, 1U, &correction) == TOLVARN_OK && correction.correction == -1);
     return failures == 0 ? 0 : 1;
 }
 """
@@ -174,7 +193,7 @@ def test_idbiss_is_valid(generated: Path) -> None:
     root = etree.fromstring(data, etree.XMLParser(load_dtd=False, no_network=True))
     assert checker.validate(root), checker.error_log
     assert root.findtext(".//SCDS/CrcPoly") == "0x190D9"
-    assert b"start value" in data and b"emperature" in data  # the second channel, which has no place in the format, is told in a comment
+    assert b"data channel 2" in data and b"temperature_data" in data  # the format has no place for it, so a comment tells
 
 
 # ------------------------------------------------------------------------------------------------------------------ docs

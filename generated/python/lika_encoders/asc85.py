@@ -1722,6 +1722,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
             "data, bits 2, 3, 6 and 7, tell which."
         ),
         printed_name="Control error",
+        register="error_register",
+        field="control_error",
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -1733,6 +1735,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
             "threshold; diagnostic data, bits 0, 1, 4 and 5, tell which."
         ),
         printed_name="Signal error",
+        register="error_register",
+        field="signal_error",
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -1741,6 +1745,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         name="synchronization_error",
         meaning="The internal synchronisation between the cycle counter and the interpolator failed.",
         printed_name="Synchronization error",
+        register="error_register",
+        field="synchronization_error",
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -1754,6 +1760,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
             "the verification by command 04."
         ),
         printed_name="Configuration error",
+        register="error_register",
+        field="configuration_error",
         detected="At power-on, after a software reset, when the configuration is written to the EEPROM or verified",
         remedy=(
             "Goes by itself at the end of a writing or verification that succeeds, not of one that fails. For all "
@@ -1766,6 +1774,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         name="interpolation_error",
         meaning="The conversion had not been carried out at the time of the read access.",
         printed_name="Interpolation error",
+        register="error_register",
+        field="interpolation_error",
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.31",
@@ -1777,6 +1787,8 @@ ALARMS: Final[tuple[Alarm, ...]] = (
             "Always 0 where the absolute data interface is not configured."
         ),
         printed_name="Absolute data error",
+        register="error_register",
+        field="absolute_data_error",
         detected="When the absolute data interface reads, for example after command 02",
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),

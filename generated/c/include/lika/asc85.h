@@ -1502,6 +1502,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
+#define LIKA_ASC85_ALARM_CONTROL_ERROR_MASK 0x01U /* in the register Error register */
 
 /*
  * Signal error: The AC amplitude of a differential signal or the DC voltage of an analogue signal
@@ -1509,6 +1510,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
+#define LIKA_ASC85_ALARM_SIGNAL_ERROR_MASK 0x02U /* in the register Error register */
 
 /*
  * Synchronization error: The internal synchronisation between the cycle counter and the
@@ -1516,6 +1518,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
+#define LIKA_ASC85_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U /* in the register Error register */
 
 /*
  * Configuration error: One of: power-on without EEPROM; CRC error at power-on with EEPROM; error
@@ -1529,6 +1532,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
  * lasts.
  * Procedures that clear it: reset_errors.
  */
+#define LIKA_ASC85_ALARM_CONFIGURATION_ERROR_MASK 0x10U /* in the register Error register */
 
 /*
  * Interpolation error: The conversion had not been carried out at the time of the read access. [6.4
@@ -1536,6 +1540,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
+#define LIKA_ASC85_ALARM_INTERPOLATION_ERROR_MASK 0x20U /* in the register Error register */
 
 /*
  * Absolute data error: The absolute data interface received BiSS data with a CRC error, or with the
@@ -1544,6 +1549,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
+#define LIKA_ASC85_ALARM_ABSOLUTE_DATA_ERROR_MASK 0x40U /* in the register Error register */
 
 #ifdef __cplusplus
 }
