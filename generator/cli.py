@@ -202,16 +202,14 @@ def _find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     """
     from .order_codes import UnknownOrderCode, find, nearest_codes
 
-    reasons = []
+    explanation = ""
     for device in devices:
         try:
             return device, find(device, text)
         except UnknownOrderCode as reason:
-            reasons.append((device, str(reason)))
-    for device, explanation in reasons:
-        fixed = device.order_code.pattern.split("{")[0].upper()
-        if fixed and text.strip().upper().startswith(fixed):
-            raise Stop(explanation, 2)
+            explanation = explanation or (str(reason) if reason.close else "")
+    if explanation:
+        raise Stop(explanation, 2)
     raise Stop(f"'{text}' is no known order code; the nearest are {', '.join(nearest_codes(list(devices), text))}", 2)
 
 

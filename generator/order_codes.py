@@ -12,11 +12,17 @@ from types import MappingProxyType
 from .model import CodePart, Device, OrderCode, Variant
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
-_SPECIAL = re.compile(r"/S[A-Za-z0-9]+$")
 
 
 class UnknownOrderCode(ValueError):
-    """No such order code; the message says which part is wrong and what would be right."""
+    """No such order code; the message says which part is wrong and what would be right.
+
+    ``close`` says that the text is an order code of the family but for a part of it.
+    """
+
+    def __init__(self, message: str, close: bool) -> None:
+        super().__init__(message)
+        self.close = close
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,40 +59,43 @@ def find(device: Device, text: str) -> Match:
     """
     code = text.strip().upper()
     # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
-    match = re.fullmatch(_regex(device.order_code, {}) + r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?", code, re.IGNORECASE)
+    match = re.fullmatch(_regex(device.order_code) + r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?", code, re.IGNORECASE)
     if match is None:
-        raise UnknownOrderCode(_explain(device, _SPECIAL.sub("", code)))
+        raise _explain(device, code)
     return _resolve(device, {part.name: match[part.name] for part in device.order_code.parts}, match["tail_"] or "", match["special_"] is not None, code)
 
 
 def _resolve(device: Device, parts: Mapping[str, str], tail: str, special: bool, code: str) -> Match:
-    listed = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
-    unlisted = [name for name, known in listed.items() if known is None]
-    # What is not listed is taken as the first listed value that goes with the rest.
-    fits = (item for item in device.variants if all(known in (None, item.parts[name]) for name, known in listed.items()))
-    variant = next((item for item in fits if _open_here(device, unlisted, item)), None)
+    known = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
+    variant = _fitting(device, known)
     if variant is None:
-        raise UnknownOrderCode(f"'{code}' combines parts that do not go together; the nearest are {_nearest(device, code)}")
+        raise UnknownOrderCode(_clash(device, code, parts, known), close=True)
+    unlisted = tuple(name for name, value in known.items() if value is None)
     if unlisted:
-        shown = {name: known or parts[name] for name, known in listed.items()}
+        shown = {name: value or parts[name] for name, value in known.items()}
         printed = _BRACES.sub(lambda brace: shown[brace[1]], device.order_code.pattern)
         variant = Variant(printed, MappingProxyType(shown), variant.interface, variant.parameters)
-    return Match(variant, tuple(unlisted), tail, special)
+    return Match(variant, unlisted, tail, special)
 
 
 def _listed(part: CodePart, text: str) -> str | None:
     return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
 
-def _open_here(device: Device, unlisted: Sequence[str], variant: Variant) -> bool:
-    """Whether every unlisted part may be open together with the listed ones."""
-    parts = [part for part in device.order_code.parts if part.name in unlisted]
-    return all(other in unlisted or variant.parts[other] in allowed for part in parts for other, allowed in part.open_only_with.items())
+def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
+    """The first enumerated code that has these parts, where None stands for a part that is not listed."""
+    unlisted = [part for part in device.order_code.parts if known[part.name] is None]
+    for variant in device.variants:
+        if all(value in (None, variant.parts[name]) for name, value in known.items()) and all(
+            known[other] is None or known[other] in allowed for part in unlisted for other, allowed in part.open_only_with.items()
+        ):
+            return variant
+    return None
 
 
-def _regex(order_code: OrderCode, instead: Mapping[str, str]) -> str:
-    """A regular expression for the whole code; ``instead`` replaces the expression of single parts."""
-    parts = {part.name: instead.get(part.name) or _alternatives(part) for part in order_code.parts}
+def _regex(order_code: OrderCode, anything: str = "") -> str:
+    """A regular expression for the whole code; the part ``anything`` may be any text."""
+    parts = {part.name: "[A-Z0-9]*" if part.name == anything else _alternatives(part) for part in order_code.parts}
     pieces = _BRACES.split(order_code.pattern)
     return "".join(f"(?P<{piece}>{parts[piece]})" if index % 2 else re.escape(piece) for index, piece in enumerate(pieces))
 
@@ -96,23 +105,40 @@ def _alternatives(part: CodePart) -> str:
     return "|".join([*map(re.escape, texts), *([part.open] if part.open else [])])
 
 
-def _explain(device: Device, code: str) -> str:
-    """What is wrong with ``code``: the one part that is not listed, or else the nearest codes."""
+def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[str, str | None]) -> str:
+    """What is wrong with parts that are right one by one but not together: those of which another value would do."""
+    names = [part.name for part in device.order_code.parts if any(_fitting(device, {**known, part.name: value.text}) for value in part.values)]
+    listed = " and ".join(f"{name} '{known[name] or parts[name]}'" for name in names) or "its parts"
+    return f"'{code}' has {listed}, which do not go together; the nearest codes are {_nearest(device, code)}"
+
+
+def _explain(device: Device, code: str) -> UnknownOrderCode:
+    """The error that says what is wrong with ``code``: the one part that is missing or not listed, or else the nearest codes."""
+    found = []
     for part in device.order_code.parts:
-        match = re.fullmatch(_regex(device.order_code, {part.name: "[A-Z0-9]*"}) + "(-.*)?", code, re.IGNORECASE)
-        if match:
-            valid = ", ".join(value.text for value in part.values)
-            wrong = f"has no {part.name}" if not match[part.name] else f"has {part.name} '{match[part.name]}'"
-            return f"'{code}' {wrong}; valid are {valid}. The nearest codes are {_nearest(device, code)}"
-    return f"'{code}' is no order code of {device.name.upper()}; the nearest are {_nearest(device, code)}"
+        match = re.fullmatch(_regex(device.order_code, part.name) + r"(-.*?)?(/S[A-Z0-9]+)?", code, re.IGNORECASE)
+        if match is not None:
+            others = [other for other in device.order_code.parts if other is not part]
+            found.append((sum(_listed(other, match[other.name]) is None for other in others), match[part.name] != "", part, match[part.name]))
+    if not found:
+        wrong = f"'{code}' is no order code of {device.name.upper()}; the nearest are {_nearest(device, code)}"
+        return UnknownOrderCode(wrong, close=False)
+    # Rather a part that leaves the others with listed values, and rather a missing one.
+    _, _, part, given = min(found, key=lambda item: item[:2])
+    valid = ", ".join(value.text for value in part.values)
+    wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
+    return UnknownOrderCode(f"'{code}' {wrong}; valid are {valid}. The nearest codes are {_nearest(device, code)}", close=True)
 
 
 def _nearest(device: Device, code: str) -> str:
     return ", ".join(nearest_codes([device], code))
 
 
-def nearest_codes(devices: list[Device], code: str) -> list[str]:
-    """The three enumerated codes that look most like ``code``."""
-    codes = [variant.code for device in devices for variant in device.variants]
-    head = code.split("-")[0] if "-" in code and code not in codes else code
-    return difflib.get_close_matches(head.upper(), codes, n=3, cutoff=0.0)
+def nearest_codes(devices: Sequence[Device], text: str) -> list[str]:
+    """The three enumerated codes that look most like ``text``, or like as much of it as comes before a tail."""
+    pieces = text.upper().split("-")
+
+    def likeness(code: str) -> float:
+        return difflib.SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
+
+    return sorted((variant.code for device in devices for variant in device.variants), key=likeness, reverse=True)[:3]

@@ -171,12 +171,11 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
         lines.append(f"  {', '.join(item.codes)}: {parts} = {item.data_bits} bits; with status bits {item.with_status}; with CRC {item.total}")
     status = status_fields(layout)
     states = {"flag": {True: "low active", False: "high active"}, "constant": {False: "not used, always 1"}}
-    flags = [f"{field.name} ({states[field.kind][field.active_low]})" for field in status]
-    order = ", ".join(field.name for field in layout.fields if field not in status and field.kind != "crc")
-    lines.append(f"  sent in this order, most significant bit first: {order}; status bits {', '.join(flags) or 'none'}; CRC")
+    order = [f"{field.name} ({states[field.kind][field.active_low]})" if field in status else field.name for field in layout.fields if field.kind != "crc"]
+    lines.append(f"  sent in this order, most significant bit first: {', '.join(order)}, CRC" + ("" if status else "; no status bits"))
     lines.append(f"  code: {_code(device, layout)}")
-    sent = "sent inverted" if crc.xorout == crc.mask else f"XORed with 0x{crc.xorout:X}" if crc.xorout else "sent as it is"
-    lines.append(f"  CRC: {crc.width} bits, {crc.polynomial}, start value {crc.init}, {sent}; CrcPoly is the polynomial with its top bit")
+    lines.append(f"  CRC: {_crc_words(crc)}; CrcPoly is the polynomial with its top bit")
+    lines += _other_channels(device, layout)
     lines += _clock(device.interface("biss"))
     profiles = profile_ids(device)
     if len(profiles) == 1:
@@ -186,6 +185,22 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     lines += [f"  erratum of the manual, {item.name} ({item.status}). Printed: {_sentence(item.printed)} Used: {_sentence(item.used)}" for item in errata]
     lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
+
+
+def _crc_words(crc: Crc) -> str:
+    sent = "sent inverted" if crc.xorout == crc.mask else f"XORed with 0x{crc.xorout:X}" if crc.xorout else "sent as it is"
+    return f"{crc.width} bits, {crc.polynomial}, start value {f'0x{crc.init:X}' if crc.init else 0}, {sent}"
+
+
+def _other_channels(device: Device, layout: Layout) -> list[str]:
+    """The data channels besides that of the position, for which the format has no publicly known place."""
+    lines = []
+    for other in device.interface("biss").layouts:
+        if other is layout or other.channel is None or other.crc_field is None:
+            continue
+        parts = ", ".join(f"{field.name} {field.width.render()}" for field in other.fields if field.kind != "crc")
+        lines.append(f"  data channel {other.channel} besides, {other.name}: {parts} bits; CRC of {_crc_words(device.crc(other.crc_field.crc))}")
+    return lines
 
 
 def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:

@@ -118,7 +118,8 @@ class RegisterSource:
             if field.low.is_constant and field.width.is_constant:
                 stem = f"{self.name}_{field.name}".upper()
                 bits = ((1 << field.width.constant) - 1) << field.low.constant
-                shift, mask = self.view.unique(f"{stem}_SHIFT"), self.view.unique(f"{stem}_MASK")
+                # A flag is taken by its mask; a shift would be of no use.
+                shift, mask = "" if field.kind == "flag" else self.view.unique(f"{stem}_SHIFT"), self.view.unique(f"{stem}_MASK")
                 yield Mask(shift, mask, number(field.low.constant), number(bits, True), "", False, span_text(field.low, field.width))
             else:
                 low = self.scope.text(field.low)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+import shlex
 import shutil
 import textwrap
 from pathlib import Path
 
 import pytest
 
+from codewheel.cli import main
 from codewheel.load import load_library
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -35,7 +37,8 @@ SLIPS = {
 
 
 def fences(word: str) -> list[str]:
-    return re.findall(rf"^```{word}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    """The fenced blocks that are marked with this word, or with none."""
+    return [text for found, text in re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if found == word]
 
 
 def quotes() -> list[str]:
@@ -68,11 +71,14 @@ def test_there_is_something_to_compare() -> None:
     assert len(fences("yaml")) >= 15 and len(quotes()) >= 15 and len(fences("text")) >= 8
 
 
-def test_what_the_tool_says_is_in_a_slip_or_in_a_frame(capsys: pytest.CaptureFixture[str]) -> None:
-    from codewheel.cli import main
-
+def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = [message for _, _, message in SLIPS.values()]
     assert main(["decode", "--specs", str(EXAMPLE), "TV62-M17-B1", "--as", "lower_limit", "06 FF"]) == 0
+    said.append(capsys.readouterr().out)
+    shutil.copy(EXAMPLE / "tolvarn" / "manufacturer.yaml", tmp_path)
+    revised = tmp_path / "tv62.yaml"
+    revised.write_text(SPEC.replace('revision: "1.1"', 'revision: "1.2"').replace("max: 1200", "max: 1250"), encoding="utf-8")
+    assert main(["diff", str(EXAMPLE / "tolvarn" / "tv62.yaml"), str(revised)]) == 1
     said.append(capsys.readouterr().out)
     for text in fences("text"):
         assert any(text.rstrip("\n") in item for item in said), text
@@ -93,15 +99,13 @@ def test_slips_are_found_in_the_words_shown(slip: str, tmp_path: Path) -> None:
 
 
 def test_commands_of_the_page_work(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    import shlex
-
-    from codewheel.cli import main
-
     monkeypatch.chdir(DOCS.parent)
     commands = [line.removeprefix("$ ") for text in fences("") for line in text.splitlines()]
     commands += [found for found in re.findall(r"`(codewheel [^`]+)`", PAGE) if "--specs" in found]
     ours = [shlex.split(line) for line in commands if "docs/example" in line]
     assert len(ours) >= 7
+    (tmp_path / "new").mkdir()
+    assert "codewheel new tv62" in commands and main(["new", "tv62", "-o", str(tmp_path / "new" / "tv62.yaml")]) == 0
     for words in ours:
         assert main([item if item != "/tmp/tv62" else str(tmp_path) for item in words[1:]]) == 0, words
     capsys.readouterr()

@@ -67,3 +67,36 @@ def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, mes
         find(amm5, label)
     assert message in str(caught.value)
     assert "nearest" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("family", "label", "message"),
+    [
+        ("asc85", "ASC8529/SC1", "has resolution '29'; valid are 20, 21, 22, 23, 24, 25."),
+        ("am36", "AM36/4096-I7", "has no singleturn; valid are 16, 19."),
+        ("am36", "AM3617/4096-GG", "has singleturn '17' and output 'GG', which do not go together; the nearest codes are AM3616/4096-GG"),
+        ("sma21", "SMA21-G1-0050", "has no supply; valid are 1, 4."),
+        ("sma21", "SMA21-JP4-0050", "has output 'JP' and supply '4', which do not go together; the nearest codes are SMA21-JP1-0050"),
+    ],
+)
+def test_wrong_codes_of_the_other_families(devices: Mapping[str, Device], family: str, label: str, message: str) -> None:
+    with pytest.raises(UnknownOrderCode) as caught:
+        find(devices[family], label)
+    assert message in str(caught.value) and caught.value.close
+
+
+@pytest.mark.parametrize(
+    ("family", "label", "code", "unlisted"),
+    [
+        ("asc85", "ASC8525/SC2", "ASC8525/SC2", ()),
+        ("asc85", "ASC8525/SC2/S123", "ASC8525/SC2", ()),
+        ("asc85", "ASC8525/SC7", "ASC8525/SC7", ("supply",)),
+        ("am36", "AMC3616/4096-GG-M12", "AMC3616/4096-GG", ()),
+        ("am36", "AM3620/65536-I7", "AM3620/65536-I7", ("singleturn", "turns")),
+        ("sma21", "sma21-sc4-0050-x", "SMA21-SC4-0050", ()),
+        ("sma21", "SMA21-SC2-0050", "SMA21-SC2-0050", ("supply",)),
+    ],
+)
+def test_labels_of_the_other_families(devices: Mapping[str, Device], family: str, label: str, code: str, unlisted: tuple[str, ...]) -> None:
+    match = find(devices[family], label)
+    assert (match.variant.code, match.unlisted) == (code, unlisted)
