@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ..model import Device
 from ..render import render
 from . import Library
 from .c_device import DeviceView
@@ -20,13 +19,15 @@ from .c_source import c_name, code, comment, comment_lines, in_comment, noted, s
 def generate(library: Library) -> dict[str, str]:
     """The headers and their README."""
     files = {}
+    guides = {}
     for maker, devices in library.by_manufacturer():
         shared = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
         files[f"c/include/{maker.name}/encoder.h"] = _render(library, "encoder.h.jinja", shared)
         for device in devices:
             view = DeviceView(device)
+            guides[device.name] = Guide(view)
             files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**shared, "d": view})
-    files["c/README.md"] = _render(library, "README.md.jinja", {"guides": [Guide(device) for device in library.devices]})
+    files["c/README.md"] = _render(library, "README.md.jinja", {"guides": [guides[device.name] for device in library.devices]})
     return files
 
 
@@ -38,10 +39,9 @@ def _render(library: Library, template: str, values: Mapping[str, object]) -> st
 class Guide:
     """What the README says about a device: names that exist, so that its example compiles."""
 
-    def __init__(self, device: Device) -> None:
-        self.device = device
+    def __init__(self, view: DeviceView) -> None:
+        device = self.device = view.device
         self.maker = device.manufacturer
-        view = DeviceView(device)
         self.prefix, self.PREFIX = view.prefix, view.PREFIX
         self.title = device.title
         ordered = sorted(device.interfaces, key=lambda item: ("biss", "ssi", "rs485").index(item.kind))

@@ -46,7 +46,7 @@ def codec(source: LayoutSource, about: Sequence[Paragraph], limited: str = "", l
         encode_needs_variant=needs_variant(encode_checks, puts, crc_lines),
         setters=tuple(_setters(source)),
         expected=tuple(expected),
-        expected_checks=" && ".join(f"({item})" for item in expected_checks),
+        expected_checks=" && ".join(f"({item})" for item in expected_checks) if len(expected_checks) > 1 else "".join(expected_checks),
         expected_needs_variant=needs_variant(expected_checks),
         fold=_fold(source),
     )

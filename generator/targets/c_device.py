@@ -14,7 +14,7 @@ from .c_order_codes import OpenCode, open_codes, unknown_parts
 from .c_procedure import ProcedureSource
 from .c_register import RegisterSource
 from .c_run_time import held_in, takers
-from .c_source import Paragraph, Scope, bracketed, c_name, described, errata_at, errata_text, needs_variant, number, sentence, string, unbracketed, unsigned, words
+from .c_source import Paragraph, Scope, bracketed, c_name, described, errata_at, errata_text, needs_variant, number, printed, sentence, string, title, unbracketed, unsigned
 from .c_views import AlarmView, Choice, CrcView, Function, Line, RegisterView
 
 
@@ -155,7 +155,11 @@ class DeviceView:
         about += [sentence(code.note), sentence(code.special)]
         if unknown_parts(self.device):
             about.append(f"Known here only as listed: {', '.join(unknown_parts(self.device))}.")
-        return about + [errata_text(item) for item in errata_at(self.device, "order_code")]
+        return about + self.errata("order_code", "parameters")
+
+    def errata(self, *paths: str) -> list[Paragraph]:
+        """The errata of these parts of the spec, each once."""
+        return list(dict.fromkeys(errata_text(item) for path in paths for item in errata_at(self.device, path)))
 
     # -- enumerations
 
@@ -174,7 +178,7 @@ class DeviceView:
             for field in register.layout.fields:
                 if field.kind == "choice":
                     known = self._register_choices.setdefault(register.name, [])
-                    sole = (register.printed_name or register.name) if len(register.layout.fields) == 1 else ""
+                    sole = title(register) if len(register.layout.fields) == 1 else ""
                     self._add_choice(f"reg_{register.name}", field, known, register.name, sole)
 
     def _add_choice(self, owner: str, field: Field, group: list[Choice], about: str, sole: str = "") -> None:
@@ -194,7 +198,7 @@ class DeviceView:
             entries.append(Line(f"{entry} = 0x{item.value:0{width}X}" if is_enum else f"#define {entry} {number(item.value, True)}", self._value_note(item)))
         if is_enum and entries:
             entries = [*(Line(item.code + ",", item.note) for item in entries[:-1]), entries[-1]]
-        choice = Choice(type_name, (f"Values of {sole}." if sole else "") or described(field.printed_name, field.meaning) or field.name.replace("_", " "), tuple(entries), names, is_enum)
+        choice = Choice(type_name, (f"Values of {sole}." if sole else "") or described(printed(field), field.meaning) or title(field), tuple(entries), names, is_enum)
         if known is None and not sole:
             self._shared_choices[field.name] = (field.values, choice)
         self.choices[owner, field.name] = choice
@@ -202,7 +206,7 @@ class DeviceView:
 
     @staticmethod
     def _value_note(item: Value) -> str:
-        note = described(item.printed_name if item.printed_name.lower().replace(" ", "_") != item.name else "", item.meaning)
+        note = described(printed(item) if printed(item).lower().replace(" ", "_") != item.name else "", item.meaning)
         return f"{note} [{cite(item.source)}]" if item.source and note else note
 
     # -- CRCs
@@ -226,12 +230,12 @@ class DeviceView:
 
     def _input(self, item: Input) -> list[Paragraph]:
         """A hardware input, in words: nothing in the frames or registers tells its level."""
-        about: list[Paragraph] = [f"{described(item.printed_name or words(item.name), item.meaning)} [{cite(item.source)}]"]
+        about: list[Paragraph] = [f"{described(title(item), item.meaning)} [{cite(item.source)}]"]
         about += [("  low: ", sentence(item.low)), ("  high: ", sentence(item.high))]
         if item.pulse_at_least_us is not None:
-            about.append(f"  A pulse of {item.pulse_at_least_us} us at least.")
-        about += [("  Inverts ", sentence(item.inverts)), ("  Works as the register field says: ", sentence(item.needs))]
-        about += [("  Unused: ", sentence(f"connect it to {item.when_unused}") if item.when_unused else "")]
+            about.append(("  pulse: ", f"{item.pulse_at_least_us} us at least."))
+        about += [("  inverts: ", sentence(item.inverts)), ("  subject to: ", sentence(item.needs))]
+        about += [("  unused: ", sentence(f"connect it to {item.when_unused}") if item.when_unused else "")]
         about += [sentence(item.note)]
         return about + [errata_text(erratum) for erratum in errata_at(self.device, f"inputs.{item.name}")]
 
@@ -246,14 +250,14 @@ class DeviceView:
             register = self.device.register(alarm.register)
             item = register.layout.field(alarm.field) if alarm.field else register.layout.fields[0]
             bits = ((1 << item.widest) - 1) << item.low.constant
-            macros.append(self.macro(f"{stem}_MASK", number(bits, True), f"in the register {register.printed_name or register.name}"))
+            macros.append(self.macro(f"{stem}_MASK", number(bits, True), f"in the register {title(register)}"))
         if alarm.below_mv is not None:
             macros.append(self.macro(f"{stem}_BELOW_MV", number(alarm.below_mv), "threshold in millivolts"))
         latch = "" if alarm.latch is None else "Stays until it is reset." if alarm.latch else "Goes when its cause goes."
         cleared = ", ".join(alarm.cleared_by)
         about: list[Paragraph] = [
-            f"{described(alarm.printed_name or alarm.name, alarm.meaning)} [{cite(alarm.source)}]",
-            " ".join(part for part in (f"Detected: {sentence(alarm.detected)}" if alarm.detected else "", latch, "" if alarm.implemented else "Not implemented in this encoder.") if part),
+            f"{described(title(alarm), alarm.meaning)} [{cite(alarm.source)}]",
+            " ".join(part for part in (f"Detected: {sentence(alarm.detected)}" if alarm.detected else "", latch, "" if alarm.implemented or alarm.meaning.lower() == "not implemented" else "Not implemented in this encoder.") if part),
             f"Remedy: {sentence(alarm.remedy)}" if alarm.remedy else "",
             f"Procedures that clear it: {cleared}." if cleared else "",
         ]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Register
 from . import TargetError
-from .c_source import bracketed, c_name, number, words
+from .c_source import bracketed, c_name, number, title
 from .c_views import Check, IdentityView, Line
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def identities(view: DeviceView) -> tuple[IdentityView, ...]:
 
 def _identity(view: DeviceView, kind: str, registers: list[Register], alone: bool) -> IdentityView:
     prefix = view.prefix if alone else f"{view.prefix}_{kind}"
-    title = view.device.interface(kind).title
+    interface = view.device.interface(kind)
     locals_, checks = [], []
     for register in registers:
         codec = view.register_view(register).codec
@@ -43,8 +43,8 @@ def _identity(view: DeviceView, kind: str, registers: list[Register], alone: boo
         function=view.unique(f"{prefix}_could_be"),
         next=view.unique(f"{prefix}_next_candidate"),
         connection=f"{view.maker.name.upper()}_INTERFACE_{kind.upper()}",
-        title=title,
-        members=tuple(Line(f"uint8_t {c_name(item.name)}[{item.length}];", f"from {item.address:02X}h: {item.printed_name or words(item.name)}") for item in registers),
+        title=interface.title,
+        members=tuple(Line(f"uint8_t {c_name(item.name)}[{item.length}];", f"from {item.address:02X}h: {title(item)}") for item in registers),
         locals=tuple(locals_),
         checks=tuple(checks),
         uses_variant=bool(locals_) or any("variant" in item.condition for item in checks),
@@ -56,5 +56,5 @@ def _of_byte(view: DeviceView, register: Register, read: str) -> str:
     equals = register.layout.fields[0].equals
     if isinstance(equals, str) or equals is None:
         raise TargetError(f"{view.device.name}: '{register.name}' is compared with something other than a number, which the C target cannot express")
-    value = number(equals, True) if isinstance(equals, int) else bracketed(view.scope.text(equals)) if isinstance(equals, Expression) else ""
+    value = f"{view.PREFIX}_REG_{register.name.upper()}_EXPECTED" if isinstance(equals, int) else bracketed(view.scope.text(equals)) if isinstance(equals, Expression) else ""
     return f"{read}[0] != {value}"

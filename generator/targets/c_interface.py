@@ -9,7 +9,7 @@ from ..model import Erratum, Interface, Layout, Port, cite
 from . import TargetError
 from .c_codec import codec
 from .c_layout import LayoutSource
-from .c_source import Paragraph, described, errata_at, errata_text, number, plain_expression, sentence, words
+from .c_source import Paragraph, described, errata_at, errata_text, number, plain_expression, printed, sentence, words
 from .c_views import CodecView, InterfaceView, Line, Selector
 
 if TYPE_CHECKING:
@@ -57,8 +57,9 @@ class InterfaceSource:
         layouts = [f"{self.path}.{layout.name}" for layout in self.interface.layouts]
         below = [item for path in layouts for item in errata_at(self.device, path)]
         errata = [item for item in errata_at(self.device, self.path, layouts) if item not in below]
-        groups = list(dict.fromkeys(field.group for layout in self.interface.layouts for field in layout.fields if field.group))
-        return errata + [item for group in groups for item in errata_at(self.device, f"field_groups.{group}") if item not in errata]
+        groups = dict.fromkeys(field.group for layout in self.interface.layouts for field in layout.fields if field.group)
+        errata += [item for group in groups for item in errata_at(self.device, f"field_groups.{group}")]
+        return [item for index, item in enumerate(errata) if item not in errata[:index]]
 
     def _about(self) -> Iterable[Paragraph]:
         interface = self.interface
@@ -129,10 +130,10 @@ class InterfaceSource:
     def _control_data(self) -> Iterable[Line]:
         for field in self.interface.control_data:
             stem = f"{self.upper}_CONTROL_{field.name.upper()}"
-            about = described(field.printed_name, field.meaning)
+            about = described(printed(field), field.meaning)
             yield self.view.macro(f"{stem}_BITS", number(field.bits), f"{about} [{cite(field.source)}]" if field.source else about)
             for item in field.values:
-                yield self.view.macro(f"{stem}_{item.name.upper()}", number(item.value, True), described(item.printed_name, item.meaning))
+                yield self.view.macro(f"{stem}_{item.name.upper()}", number(item.value, True), described(printed(item), item.meaning))
 
     def _controls(self) -> Iterable[Line]:
         for item in self.interface.data_ids:
@@ -170,9 +171,10 @@ class InterfaceSource:
         size = f"{plain_expression(layout.bits)} bits" if layout.carried_as == "bits" else f"{layout.widest // 8} byte{'s' if layout.widest > 8 else ''}"
         if layout.selects:
             size += f"; {words(layout.selector)} " + ", ".join(f"{value:X}" for value in layout.selects)
+        name = words(layout.name)
         if layout.channel is not None:
             by += f" over data channel {layout.channel}"
-        about: list[Paragraph] = [f"{layout.name.replace('_', ' ')}, {by}: {size} [{cite(layout.source)}].", ("In the manual: ", sentence(layout.printed_name)), sentence(layout.note)]
+        about: list[Paragraph] = [f"{name[0].upper() + name[1:]}, {by}: {size} [{cite(layout.source)}].", ("In the manual: ", sentence(layout.printed_name)), sentence(layout.note)]
         about += source.table()
         about += [errata_text(item) for item in errata_at(self.device, f"{self.path}.{layout.name}")]
         return codec(source, about)

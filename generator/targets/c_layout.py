@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..model import Field, Join, Layout, Piece, Register
 from . import TargetError
-from .c_source import Paragraph, bracketed, c_name, described, mask, number, plain_expression, sentence, size_of, span_text, unsigned, words
+from .c_source import Paragraph, bracketed, c_name, described, mask, number, plain_expression, printed, sentence, size_of, span_text, title, unsigned
 from .c_views import Choice, Line
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class LayoutSource:
 
     def members(self) -> Iterable[Line]:
         for field in self.member_fields:
-            about = self._about(field)
+            about = self.about(field)
             if field.kind == "text":
                 yield Line(f"char {c_name(field.name)}[{field.widest // 8}];", described(about, "characters without a terminator"))
                 continue
@@ -90,7 +90,7 @@ class LayoutSource:
         for join in self.layout.joins:
             yield Line(f"{self.join_type(join)} {c_name(join.name)};", " and ".join(join.fields) + " as one number")
 
-    def _about(self, field: Field) -> str:
+    def about(self, field: Field) -> str:
         """What a member says: its printed name, its meaning, its unit, and what the manual says of its use."""
         meaning = field.when_active if field.kind == "flag" and field.when_active else field.meaning
         if field.kind == "flag" and field.when_active and field.meaning:
@@ -98,10 +98,10 @@ class LayoutSource:
         if field.digits:
             meaning = described(meaning, "the digits below as one number")
         choice = self.choice(field)
-        if choice is not None and choice.is_enum and choice.about == described(field.printed_name, field.meaning):
+        if choice is not None and choice.is_enum and choice.about == described(printed(field), field.meaning):
             return field.note
         unit = f" [{field.unit}]" if field.unit else ""
-        return "; ".join(part for part in (described(field.printed_name, meaning) + unit, *self._use(field)) if part)
+        return "; ".join(part for part in (described(printed(field), meaning) + unit, *self._use(field)) if part)
 
     def _use(self, field: Field) -> Iterable[str]:
         if not field.implemented and field.meaning.lower() != "not implemented":
@@ -114,7 +114,7 @@ class LayoutSource:
             yield f"0 in the register stands for {field.zero_means}" if self.register is not None else f"0 on the line stands for {field.zero_means}"
         if field.explained_by:
             register = field.explained_by[0].partition(".")[0]
-            yield f"{self.device.register(register).printed_name or words(register)} tells why: {', '.join(item.partition('.')[2] or item for item in field.explained_by)}"
+            yield f"{title(self.device.register(register))} tells why: {', '.join(item.partition('.')[2] or item for item in field.explained_by)}"
         yield field.note
 
     # -- expressions
@@ -217,7 +217,7 @@ class LayoutSource:
     def _holds(self, field: Field) -> str:
         """What is fixed about a field; the meaning of a member stands in the struct."""
         if field.name == self.fixed_selector:
-            return "; ".join(part for part in (field.printed_name, f"always {self.layout.selects[0]:#x}") if part)
+            return "; ".join(part for part in (printed(field), f"always {self.layout.selects[0]:#x}") if part)
         width = plain_expression(field.width)
         fixed = {
             "constant": f"always {field.constant:#x}" if field.constant else "always 0",
@@ -231,7 +231,7 @@ class LayoutSource:
         if field.signed:
             fixed = "two's complement"
         explains = field.kind == "constant" and not field.name.startswith("zero_") and not field.padding_of
-        outside = () if self.is_member(field) else (field.printed_name,)
+        outside = () if self.is_member(field) else (printed(field),)
         return "; ".join(part for part in (*outside, fixed, field.meaning if explains and "always" not in field.meaning.lower() else "") if part)
 
     def _where(self, field: Field) -> str:

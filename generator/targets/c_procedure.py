@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .. import codec
 from ..model import Field, Procedure, Register, Step, cite
 from . import TargetError
-from .c_source import Paragraph, c_name, errata_at, errata_text, mask, needs_variant, number, sentence, size_of, unsigned, words
+from .c_source import Paragraph, c_name, errata_at, errata_text, mask, needs_variant, number, sentence, size_of, title, unsigned, words
 from .c_views import ArgumentView, Check, CodecView, Line, ProcedureView, StepGroup
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class ProcedureSource:
                 self._write_argument(step)
                 continue
             for call, initialiser, note in self._step_rows(step):
-                self._add(call, Line(f"{{ {initialiser} }}", note))
+                self._add(call, note, f"{{ {initialiser} }}")
         return ProcedureView(
             name=self.view.unique(name),
             about=tuple(self._about()),
@@ -62,9 +62,9 @@ class ProcedureSource:
         yield sentence(procedure.note)
         yield from (errata_text(item) for item in errata_at(self.device, f"procedures.{procedure.name}"))
 
-    def _add(self, call: str, row: Line = Line("")) -> None:
-        self.groups.append(StepGroup(f"steps[{len(self.rows)}] = {self.maker}_step_{call};"))
-        self.rows.append(row)
+    def _add(self, call: str, note: str = "", initialiser: str = "") -> None:
+        self.groups.append(StepGroup(f"steps[{len(self.rows)}] = {self.maker}_step_{call};", note))
+        self.rows.append(Line(initialiser, note))
 
     # -- steps that write an argument
 
@@ -88,10 +88,10 @@ class ProcedureSource:
         name = self.names[step.value_name]
         self.types.setdefault(step.value_name, unsigned(field.widest))
         self.checks += self._field_checks(register, field, name)
-        for piece in field.pieces:
+        for index, piece in enumerate(field.pieces):
             value = f"({name} >> {piece.left}U)" if piece.left else name
             value = f"(({value} & {number(piece.mask, True)}) << {piece.right}U)" if piece.right or piece.mask != 0xFF else value
-            self._add(f"write({number(register.address + piece.byte, True)}, {number(piece.mask << piece.right, True)}, (uint8_t){value})")
+            self._add(f"write({number(register.address + piece.byte, True)}, {number(piece.mask << piece.right, True)}, (uint8_t){value})", step.meaning if index == 0 else "")
 
     def _field_checks(self, register: Register, field: Field, name: str) -> Iterable[Check]:
         if not field.pieces:
@@ -112,7 +112,7 @@ class ProcedureSource:
         for index in range(register.length):
             place = 8 * (index if register.byte_order == "low_byte_first" else register.length - 1 - index)
             value = f"(uint8_t)({name} >> {place}U)" if place else name if register.length == 1 else f"(uint8_t){name}"
-            self._add(f"write({number(register.address + index, True)}, 0xFFU, {value})")
+            self._add(f"write({number(register.address + index, True)}, 0xFFU, {value})", step.meaning if index == 0 else "")
 
     def _write_member(self, step: Step, register: Register, member: str, codec_view: CodecView) -> None:
         """The argument is a member of the register's struct, or one that sets others."""
@@ -124,7 +124,7 @@ class ProcedureSource:
             setter = next((setter.name for setter in codec_view.setters if setter.member == c_name(member)), "")
             setting = f"result = {setter}(variant, {name}, &{value});" if setter else f"{value}.{c_name(member)} = {name};"
             self.filled[argument] = ArgumentView(codec_view, value, f"{name}_bytes", setting)
-        self.groups.append(StepGroup("", f"{self.view.PREFIX}_REG_{register.name.upper()}_ADDRESS", len(self.rows), self.filled[argument].bytes))
+        self.groups.append(StepGroup("", step.meaning, f"{self.view.PREFIX}_REG_{register.name.upper()}_ADDRESS", len(self.rows), self.filled[argument].bytes))
         self.rows += [Line("")] * register.length
 
     # -- steps that are the same every time
@@ -141,15 +141,15 @@ class ProcedureSource:
             yield f"send({byte}, {step.times}U, {time})", f"{kind}SEND, 0U, 0xFFU, {byte}, {step.times}U, {time}", step.meaning or f"data ID {words(step.data_id)}"
             return
         register = self.device.register(step.register)
-        title = register.printed_name or words(register.name)
-        about = step.meaning or (f"{title}: {words(step.value_name)}" if step.value_name else title)
-        for offset, bits, value in self._step_bytes(register, step):
+        about = step.meaning or (f"{title(register)}: {words(step.value_name)}" if step.value_name else title(register))
+        for index, (offset, bits, value) in enumerate(self._step_bytes(register, step)):
+            note = about if index == 0 else ""
             address = number(register.address + offset, True)
             values = f"{address}, {number(bits, True)}, {number(value, True)}"
             if step.do == "read":
-                yield f"read({address})", f"{kind}READ, {address}, 0xFFU, 0U, 1U, 0U", about
+                yield f"read({address})", f"{kind}READ, {address}, 0xFFU, 0U, 1U, 0U", note
             else:
-                yield f"{step.do}({values})", f"{kind}{step.do.upper()}, {values}, 1U, 0U", about
+                yield f"{step.do}({values})", f"{kind}{step.do.upper()}, {values}, 1U, 0U", note
 
     def _step_bytes(self, register: Register, step: Step) -> Iterable[tuple[int, int, int]]:
         """The bytes of a register that a step touches: offset, the bits concerned, their value."""

@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from ..expressions import Expression
-from ..model import Register, RegisterMeaning, cite
+from ..model import Field, Register, RegisterMeaning, cite
+from . import TargetError
 from .c_codec import codec
 from .c_layout import LayoutSource
-from .c_source import Paragraph, bracketed, errata_at, errata_text, needs_variant, number, sentence, span_text, unbracketed, unsigned, words
+from .c_source import Paragraph, bracketed, errata_at, errata_text, needs_variant, number, sentence, signed_number, span_text, title, unbracketed, unsigned, words
 from .c_views import Function, Limits, Line, Mask, MeaningView, RegisterView
 
 if TYPE_CHECKING:
@@ -25,14 +26,15 @@ class RegisterSource:
         self.layout = register.layout
         self.name = f"{view.prefix}_reg_{register.name}"
         self.stem = self.name.upper()
-        fields = self.layout.fields
         #: Whether the byte itself says all, so that it needs no struct.
-        self.is_plain = register.length == 1 and len(fields) == 1 and not self.layout.joins and fields[0].kind in ("choice", "number")
+        self.is_plain = register.length == 1 and len(self.layout.fields) == 1 and not self.layout.joins and _is_byte(self.layout.fields[0])
         self.source = LayoutSource(view, self.layout, self.name, f"{self.stem}_LENGTH", register)
 
     def build(self) -> RegisterView:
         macros, limits = tuple(self._macros()), self.limits()
         about = list(self._about())
+        if self.is_plain and self.layout.fields[0].kind == "number":
+            about.append(sentence(self.source.about(self.layout.fields[0])))
         masks = () if self.is_plain else tuple(self._masks())
         if not self.is_plain and len([mask for mask in masks if not mask.variable]) < len(self.layout.fields):
             about += self.source.table()
@@ -55,13 +57,16 @@ class RegisterSource:
         yield macro(f"{self.stem}_ACCESS", f"{self.view.maker.name.upper()}_ACCESS_{register.access.upper()}")
         if register.default is not None:
             yield macro(f"{self.stem}_DEFAULT", number(register.default, True, 2 * min(register.length, 8)), "value as delivered")
+        equals = self.layout.fields[0].equals if self.is_plain else None
+        if isinstance(equals, int):
+            yield macro(f"{self.stem}_EXPECTED", number(equals, True), "what it always reads")
         if register.wait_at_least_ms is not None:
             yield macro(f"{self.stem}_WAIT_AT_LEAST_MS", number(register.wait_at_least_ms), "after a write, before the next command")
 
     def _about(self) -> Iterable[Paragraph]:
         register = self.register
         access = register.access.replace("_", " ").replace("read write", "read and write")
-        yield f"{register.printed_name or register.name.replace('_', ' ')}, {access}, over {self.device.interface(register.interface).title} [{cite(register.source)}]."
+        yield f"{title(register)}{self._elsewhere()}, {access}, over {self.device.interface(register.interface).title} [{cite(register.source)}]."
         yield sentence(register.meaning)
         if register.length > 1:
             yield "The lowest address holds the low byte." if register.byte_order == "low_byte_first" else "The lowest address holds the high byte."
@@ -73,7 +78,7 @@ class RegisterSource:
         register = self.register
         twin = next((item for item in self.device.registers if item is not register and (item.address, item.bank) == (register.address, register.bank)), None)
         if twin is not None:
-            yield f"The same address is another register when {'read' if register.access == 'write_only' else 'written'}: {twin.printed_name or twin.name}."
+            yield f"The same address is another register when {'read' if register.access == 'write_only' else 'written'}: {title(twin)}."
         if register.bank is not None:
             yield f"In bank {register.bank}, which {self.device.interface(register.interface).bank_select or 'the master'} selects."
         if register.reserved:
@@ -89,9 +94,13 @@ class RegisterSource:
         if register.write_clears:
             yield f"A write clears {' and '.join(self._title(name) for name in register.write_clears)}."
 
+    def _elsewhere(self) -> str:
+        """The names of the register in the manual's editions."""
+        names = "; ".join(f"{language}: {name}" for language, name in self.register.names.items() if name != title(self.register))
+        return f" ({names})" if names else ""
+
     def _title(self, name: str) -> str:
-        register = self.device.register(name)
-        return register.printed_name or words(register.name)
+        return title(self.device.register(name))
 
     def _opened_by(self) -> str:
         opener = self.device.register(self.register.opened_by)
@@ -100,14 +109,13 @@ class RegisterSource:
         meant = words(self.register.opened_by_value)
         if not self.register.opened_by_field:
             return f"Can be written only while {self._title(opener.name)} holds {value:0{2 * opener.length}X}h ({meant})."
-        return f"Can be written only while {field.printed_name or words(field.name)} of {self._title(opener.name)} is {value} ({meant})."
+        return f"Can be written only while {title(field)} of {self._title(opener.name)} is {value} ({meant})."
 
     def _meaning(self, meaning: RegisterMeaning) -> Iterable[Paragraph]:
         register, _, name = meaning.when.partition(".")
         field = self.device.register(register).layout.field(name)
         value = next((item.value for item in field.values if item.name == meaning.value), 0)
-        title = field.printed_name or words(field.name)
-        yield f"As {words(meaning.name)}, while {title} of {self._title(register)} is {value} [{cite(meaning.source)}]: {sentence(meaning.meaning)}"
+        yield f"As {words(meaning.name)}, while {title(field)} of {self._title(register)} is {value} [{cite(meaning.source)}]: {sentence(meaning.meaning)}"
 
     def _masks(self) -> Iterable[Mask]:
         if self.register.length > 8:
@@ -159,12 +167,15 @@ class RegisterSource:
                 continue
             if expression.is_constant:
                 texts[side] = f"{stem}_{side}".upper()
-                macros.append(Line(f"#define {texts[side]} {number(expression.constant)}"))
+                macros.append(Line(f"#define {texts[side]} {signed_number(expression.constant) if self._is_signed else number(expression.constant)}"))
+            elif self._is_signed:
+                raise TargetError(f"{self.device.name}: '{self.register.name}' has signed limits that depend on the order code, which the C target cannot express")
             else:
                 functions.append(self._limit_function(f"{stem}_{side}", f"{'Least' if side == 'min' else 'Greatest'} {bounded}", expression))
                 texts[side] = f"{stem}_{side}(variant)"
-        binding_min = low is not None and any(low.value(parameters) > 0 for parameters in self._parameters)
-        binding_max = high is not None and any(high.value(parameters) < (1 << self._limited_width(parameters)) - 1 for parameters in self._parameters)
+        ranges = [(parameters, *self._range(parameters)) for parameters in self._parameters]
+        binding_min = low is not None and any(low.value(parameters) > least for parameters, least, _ in ranges)
+        binding_max = high is not None and any(high.value(parameters) < most for parameters, _, most in ranges)
         return Limits(texts["min"], texts["max"], tuple(macros), tuple(functions), binding_min, binding_max)
 
     @property
@@ -172,10 +183,16 @@ class RegisterSource:
         """The parameters of each order code that has the register."""
         return [variant.parameters for variant in self.device.variants if variant.interface == self.register.interface]
 
-    def _limited_width(self, parameters: Mapping[str, int]) -> int:
-        """The bits of what the limits bound."""
+    @property
+    def _is_signed(self) -> bool:
+        """Whether the limits bound a signed number."""
+        return any(field.signed for field in self.layout.fields if field.name == self.limited_member)
+
+    def _range(self, parameters: Mapping[str, int]) -> tuple[int, int]:
+        """What the bits that the limits bound can hold."""
         name = self.limited_member
-        return self.layout.place(parameters).place_of(name)[1] if name else 8 * self.register.length
+        width = self.layout.place(parameters).place_of(name)[1] if name else 8 * self.register.length
+        return (-(1 << width - 1), (1 << width - 1) - 1) if self._is_signed else (0, (1 << width) - 1)
 
     def _limit_function(self, name: str, bounded: str, expression: Expression) -> Function:
         largest = max((expression.value(parameters) for parameters in self._parameters), default=0)
@@ -183,3 +200,8 @@ class RegisterSource:
         text = self.scope.text(expression)
         body = text if kind == "uint64_t" or not any(term.power for term in expression.terms) else f"({kind}){bracketed(text)}"
         return Function(name, kind, "", (f"return {unbracketed(body)};",), f"{bounded}: {expression.render()}.", needs_variant(body))
+
+
+def _is_byte(field: Field) -> bool:
+    """Whether a field is no more and no less than the number in a byte."""
+    return field.kind in ("choice", "number") and field.width == Expression(8) and not (field.signed or field.zero_means or field.power_of_two)

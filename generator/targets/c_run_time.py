@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..model import Parameter, Register
 from . import TargetError
 from .c_layout import LayoutSource
-from .c_source import bracketed, c_name, number, unsigned
+from .c_source import bracketed, c_name, number, title, unsigned
 from .c_views import Check, TakeView
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def held_in(view: DeviceView, parameter: Parameter) -> str:
     if not parameter.read_from:
         return ""
     register = view.device.register(parameter.register)
-    return f"held at run time in {register.printed_name or register.name}, {register.address:02X}h: {view.prefix}_take_{register.name}()"
+    return f"held at run time in {title(register)}, {register.address:02X}h: {view.prefix}_take_{register.name}()"
 
 
 def _taker(view: DeviceView, register: Register, parameters: list[Parameter]) -> TakeView:
@@ -46,7 +46,7 @@ def _taker(view: DeviceView, register: Register, parameters: list[Parameter]) ->
             locals_ += [f"const {source.raw(field)[0]} {name}_raw = {raw};", f"const {kind} {name} = ({kind})(({name}_raw == 0U) ? {number(field.zero_means)} : {name}_raw);"]
         else:
             locals_.append(f"const {kind} {name} = {raw};")
-        condition = _outside(name, item, max((1 << field.widest) - 1, field.zero_means))
+        condition = _outside(name, item, 1 if field.zero_means else 0, max((1 << field.widest) - 1, field.zero_means))
         checks += [Check(condition, "RANGE")] if condition else []
         member = f"variant->{c_name(item.name)}"
         cast = view.member_type(item)
@@ -54,15 +54,15 @@ def _taker(view: DeviceView, register: Register, parameters: list[Parameter]) ->
     return TakeView(
         name=view.unique(f"{view.prefix}_take_{register.name}"),
         length=f"{view.PREFIX}_REG_{register.name.upper()}_LENGTH",
-        about=f"Takes over into the variant what the register {register.printed_name or register.name} holds: {', '.join(item.name for item in parameters)}.",
+        about=f"Takes over into the variant what the register {title(register)} holds: {', '.join(item.name for item in parameters)}.",
         locals=tuple(locals_),
         checks=tuple(checks),
         fills=tuple(fills),
     )
 
 
-def _outside(name: str, item: Parameter, largest: int) -> str:
+def _outside(name: str, item: Parameter, least: int, largest: int) -> str:
     """When a value is none that the parameter can have."""
-    conditions = [f"{name} < {number(item.min)}"] if item.min else []
+    conditions = [f"{name} < {number(item.min)}"] if item.min and item.min > least else []
     conditions += [f"{name} > {number(item.max)}"] if item.max is not None and item.max < largest else []
     return conditions[0] if len(conditions) == 1 else " || ".join(map(bracketed, conditions))

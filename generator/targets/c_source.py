@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 import textwrap
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from ..expressions import Expression
 from ..model import Device, Erratum, cite
@@ -14,6 +15,8 @@ from ..render import plain
 from . import TargetError
 
 COLUMNS = 100
+#: The least width that a text beside its lead gets.
+_NARROWEST = 36
 
 #: A paragraph of a comment; a pair is a paragraph with what stands before it, under which its other lines are indented.
 Paragraph = str | tuple[str, str]
@@ -70,6 +73,10 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
     for item in items:
         lead, text = ("", item) if isinstance(item, str) else item
         lead = in_comment_lead(lead)
+        if len(lead) > COLUMNS - indent - _NARROWEST:
+            # No room beside it: the text goes below.
+            lines.append(_apart(lead.rstrip()))
+            lead = "        "
         width = COLUMNS - indent - 3 - len(lead)
         wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False) or [""]
         lines += [_apart((lead if index == 0 else " " * len(lead)) + line) for index, line in enumerate(wrapped)]
@@ -85,8 +92,8 @@ def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
     return f" * {inner[0][3:-3]}" if len(inner) == 1 else "\n".join(inner[1:-1])
 
 
-#: Where a long line of code may be broken.
-_BREAK = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])")
+#: Where a long line of code may be broken, the better places first.
+_BREAKS = (re.compile(r"(?<= &&) |(?<= \|\|) "), re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])"))
 
 
 def code(line: str, indent: int = 0, hang: int = 4) -> str:
@@ -94,18 +101,30 @@ def code(line: str, indent: int = 0, hang: int = 4) -> str:
     margin = " " * indent
     if len(margin) + len(line) <= COLUMNS:
         return margin + line
-    for mark in (" = ", " ? "):
-        # After the assignment or the question where the rest fits on one line.
-        at = line.find(mark)
-        if at >= 0 and len(margin) + hang + len(line) - at - 3 <= COLUMNS and len(margin) + at + 2 <= COLUMNS and (mark == " ? " or " ? " not in line) and " | " not in line:
-            return f"{margin}{line[: at + 2]}\n{margin}{' ' * hang}{line[at + 3 :]}"
+    return _broken_once(line, margin, hang) or _broken(line, margin, hang, _BREAKS[0]) or _broken(line, margin, hang, _BREAKS[1], at_any_rate=True)
+
+
+def _broken_once(line: str, margin: str, hang: int) -> str:
+    """The line broken after an assignment or a question, where that is enough."""
+    if " | " in line:
+        return ""
+    mark = " ? " if " ? " in line else " = "
+    at = line.find(mark)
+    if at < 0 or len(margin) + hang + len(line) - at - 3 > COLUMNS or len(margin) + at + 2 > COLUMNS:
+        return ""
+    return f"{margin}{line[: at + 2]}\n{margin}{' ' * hang}{line[at + 3 :]}"
+
+
+def _broken(line: str, margin: str, hang: int, places: re.Pattern[str], at_any_rate: bool = False) -> str:
+    """The line broken at these places as late as possible; empty where a part is still too long."""
     lines, current = [], margin
-    for piece in _BREAK.split(line):
+    for piece in places.split(line):
         if current.strip() and len(current) + len(piece) + 1 > COLUMNS:
             lines.append(current)
             current = margin + " " * hang
         current += piece if not current.strip() else f" {piece}"
-    return "\n".join([*lines, current])
+    lines.append(current)
+    return "\n".join(lines) if at_any_rate or max(map(len, lines)) <= COLUMNS else ""
 
 
 def in_comment_lead(text: str) -> str:
@@ -132,7 +151,13 @@ def c_name(name: str, taken: Iterable[str] = ()) -> str:
 def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
     """``value`` as an unsigned constant."""
     text = f"0x{value:0{digits}X}" if hexadecimal else str(value)
-    return f"UINT64_C({text})" if value > 0xFFFFFFFF else f"{text}U"
+    return f"UINT64_C({text})" if value > 0xFFFFFFFF or (hexadecimal and digits > 8) else f"{text}U"
+
+
+def signed_number(value: int) -> str:
+    """``value`` as a signed constant."""
+    text = f"INT64_C({abs(value)})" if abs(value) > 0x7FFF else str(abs(value))
+    return f"(-{text})" if value < 0 else text
 
 
 def mask(width: int) -> str:
@@ -164,7 +189,32 @@ def described(printed_name: str, meaning: str) -> str:
 
 def words(name: str) -> str:
     """A name as running text."""
-    return name.replace("_", " ").replace("data id", "data ID")
+    return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
+
+
+_ACRONYMS = {"id": "ID", "ssi": "SSI", "biss": "BiSS", "crc": "CRC", "eeprom": "EEPROM", "led": "LED"}
+
+
+class Named(Protocol):
+    """Something of the spec with a name of its own, and what the manual calls it."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def printed_name(self) -> str: ...
+    @property
+    def names(self) -> Mapping[str, str]: ...
+
+
+def title(item: Named) -> str:
+    """What to call it in running text."""
+    text = words(item.name)
+    return item.printed_name or text[0].upper() + text[1:]
+
+
+def printed(item: Named) -> str:
+    """The manual's own name, in whatever language; empty where the manual has none."""
+    return item.printed_name or ", ".join(item.names.values())
 
 
 def errata_text(erratum: Erratum) -> Paragraph:
@@ -245,7 +295,7 @@ def plain_expression(expression: Expression) -> str:
 
 
 def errata_at(device: Device, path: str, without: Sequence[str] = ()) -> list[Erratum]:
-    """The errata of exactly this part of the spec or of something inside it, but not of the parts ``without``."""
+    """The errata of exactly this part of the spec or of something inside it, but not of the parts ``without``; those of wording alone are for the docs."""
 
     def inside(other: str, place: str) -> bool:
         return other == place or other.startswith(place + ".")
@@ -253,5 +303,5 @@ def errata_at(device: Device, path: str, without: Sequence[str] = ()) -> list[Er
     return [
         item
         for item in device.errata
-        if any(inside(other, path) and not any(inside(other, place) for place in without) for other in item.affects)
+        if item.severity != "wording" and any(inside(other, path) and not any(inside(other, place) for place in without) for other in item.affects)
     ]

@@ -201,6 +201,7 @@ class StepGroup:
     """Steps of a procedure with arguments: a fixed one, or the bytes of the register that holds an argument."""
 
     code: str
+    note: str = ""
     address: str = ""
     at: int = 0
     bytes: str = ""

@@ -12,7 +12,7 @@ from codewheel.model import Device
 
 #: The families of the library, and specs that use what none of them does.
 FAMILIES = ("am36", "amm5", "asc85", "sma21")
-MADE_UP = ("bits22", "words")
+MADE_UP = ("bits22", "tv62", "words")
 
 
 @pytest.fixture(scope="session")
@@ -27,8 +27,9 @@ def include(c_devices: tuple[Device, ...], tmp_path_factory: pytest.TempPathFact
 
 @pytest.fixture(scope="session")
 def every_device(c_devices: tuple[Device, ...]) -> Mapping[str, Device]:
-    (bits22,), (words,) = devices_of(SPECS / "bits22.yaml"), devices_of(Path(__file__).parent / "specs" / "words.yaml")
-    return {device.name: device for device in (*c_devices, bits22, words)}
+    here = Path(__file__).resolve().parent
+    made_up = (SPECS / "bits22.yaml", here.parents[1] / "docs" / "example", here / "specs" / "words.yaml")
+    return {device.name: device for device in (*c_devices, *(device for path in made_up for device in devices_of(path)))}
 
 
 @pytest.fixture(scope="session")

@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 from c_harness import compile_c, devices_of, source, write
 from conftest import FAMILIES
+from codewheel.cli import main
 from codewheel.model import Device
-from codewheel.targets import Library
+from codewheel.targets import Library, TargetError
 from codewheel.targets.c import generate
 from codewheel.targets.c_device import DeviceView
 from codewheel.targets.c_source import RESERVED, c_name, comment, in_comment, noted, string
@@ -228,8 +229,8 @@ def test_every_register_alarm_and_limit_is_there(family: str, every_device: Mapp
     for item in device.inputs:
         assert in_comment(item.printed_name) in comments and in_comment(item.high)[:60] in comments
     for erratum in device.errata:
-        shown = [path for path in erratum.affects if path.split(".")[0] in ("registers", "procedures", "crcs", "alarms", "inputs", "order_code")]
-        if shown:
+        parts = {path.split(".")[0] for path in erratum.affects}
+        if erratum.severity != "wording" and parts & {"registers", "procedures", "crcs", "alarms", "inputs", "order_code", "parameters", "interfaces", "field_groups", "measurement"}:
             assert in_comment(erratum.used)[:60] in comments, erratum.name
 
 
@@ -269,3 +270,23 @@ int main(void)
         "30000", "7500", "150", "0", "400000", "300000", "0",
         "16", "1ffff0000", "1ffffffff", "12", "1fffff000", "1fffffffff", "10", "1fffffc00", "7fffff", "1", "102", "0", "80", "1a",
     ]  # fmt: skip
+
+
+def test_what_c_cannot_express_is_one_clear_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A text that does not begin at a byte."""
+    text = (ROOT / "tests" / "c" / "specs" / "words.yaml").read_text()
+    old = '      - {name: text, bits: 96, text: ascii, equals: "A?b/*\\\\c\\"d??/"}\n'
+    assert old in text
+    text = text.replace(old, "      - {name: head, at: 95:92}\n      - {name: text, at: 91:4, text: ascii}\n      - {name: tail, at: 3:0}\n")
+    (tmp_path / "words.yaml").write_text(text)
+    shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
+    assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert said == "codewheel: words: the text 'text' does not begin at a byte, which the C target cannot express\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_target_raises_nothing_else() -> None:
+    assert issubclass(TargetError, ValueError)
+    for path in (ROOT / "generator" / "targets").glob("c*.py"):
+        assert "raise ValueError" not in path.read_text()

@@ -30,9 +30,9 @@ def remainder(bits: str, polynomial: int, start: int) -> str:
         work[index] ^= int(digit)
     for index in range(len(bits)):
         if work[index]:
-            for step, digit in enumerate(divisor):
-                work[index + step] ^= digit
-    return "".join(str(1 - digit) for digit in work[-width:])
+            for step, bit in enumerate(divisor):
+                work[index + step] ^= bit
+    return "".join(str(1 - bit) for bit in work[-width:])
 
 
 def test_the_division_is_right() -> None:

@@ -52,9 +52,10 @@ def test_python_decodes_the_manual(tv62: ModuleType) -> None:
 
 def test_python_refuses_what_is_wrong(tv62: ModuleType) -> None:
     encoder = tv62.lookup("TV62-M17-B1")
-    for decode in (lambda: encoder.decode(POSITION ^ 1), lambda: tv62.TemperatureData.decode(0b111111110110100110001)):
-        with pytest.raises(ValueError, match="CRC"):
-            decode()
+    with pytest.raises(ValueError, match="CRC"):
+        encoder.decode(POSITION ^ 1)
+    with pytest.raises(ValueError, match="CRC"):
+        tv62.TemperatureData.decode(0b111111110110100110001)
     with pytest.raises(ValueError):  # zeros stand before a negative position, not copies of its sign
         tv62.lookup("TV62-M13-S1").decode(-1000 & 0x7FFFFFFF)
     with pytest.raises(ValueError, match="-400"):

@@ -23,7 +23,7 @@
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could.
+ * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -71,6 +71,13 @@ extern "C" {
  *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
  *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
  *                 the label says. [6.5 p.28; 6.5 p.31]
+ * Erratum (settled): printed: AMx3616/4096: 28 bits, 268,425,456. Used: 268,435,456. [5.2]
+ * Erratum (open): printed: Position has a variable length according to the resolution of the
+ *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
+ *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ *                 p.31]
+ * Erratum (open): printed: Number of revolutions may be any number; register 57h shows the bits
+ *                 used for it. Used: Register 57h is read, not computed. [6.5 p.28; 6.5 p.31]
  */
 
 /* What differs between order codes. */
@@ -339,7 +346,7 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * ssi word, sent by the encoder: singleturn_bits + multiturn_bits bits [5.2].
+ * SSI word, sent by the encoder: singleturn_bits + multiturn_bits bits [5.2].
  * In the manual: Structure of the position information.
  * As many bits as the position has, 28 or 31, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC. In Gray code, multiturn and singleturn
@@ -432,9 +439,6 @@ static inline lika_result lika_am36_ssi_word_encode(
  * Network: point to point, never more than one slave [6].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  *               main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum (settled): printed: Control Data is the transmission of a single bit that follows the SCD
- *                    data. Used: Nothing; no layout of the control frame is made from it. [6.2;
- *                    prot: p.3-5]
  * Erratum (open): printed: BiSS time-out self-adaptable to the clock, 10 us max. Used: At most 10
  *                 us, without a rule. [6.6 p.32; prot: p.18]
  */
@@ -459,7 +463,7 @@ static inline lika_result lika_am36_ssi_word_encode(
 #define LIKA_AM36_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /*
- * single cycle data, sent by the encoder: used_singleturn_bits + used_multiturn_bits + 8 bits [6.3
+ * Single cycle data, sent by the encoder: used_singleturn_bits + used_multiturn_bits + 8 bits [6.3
  * p.21; 6.3.1 p.21].
  * In the manual: Single Cycle Data SCD.
  * 44 bits with the defaults, which is also the longest. Multiturn and singleturn together are what
@@ -470,10 +474,12 @@ static inline lika_result lika_am36_ssi_word_encode(
  * two, the step from the last position to the first then changes several bits at a time.
  *   used_multiturn_bits from bit used_singleturn_bits + 8 up  multiturn
  *   used_singleturn_bits from bit 8 up                        singleturn
- *   bit 7                                                     error       Error, nE; always 0x1
- *   bit 6                                                     warning     Warning, nW; always 0x1
- *   bits 5:0                                                  crc         CRC; CRC biss_6 over
- *                                                                         everything before it
+ *   bit 7                                                     error
+ *         Error, nE; always 0x1
+ *   bit 6                                                     warning
+ *         Warning, nW; always 0x1
+ *   bits 5:0                                                  crc
+ *         CRC; CRC biss_6 over everything before it
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
  *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
@@ -718,7 +724,7 @@ static inline bool lika_am36_reg_profile_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in)
 {
     (void)variant;
-    return (in->profile == LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED);
+    return in->profile == LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED;
 }
 
 /*
@@ -836,8 +842,6 @@ typedef enum lika_am36_command {
  *                    sma21: 6.4; am36_1_1: p.30]
  * Erratum (settled): printed: Bit 8 Counting direction, in the list of the configuration example.
  *                    Used: Bit 6. [6.5 p.25; 6.5]
- * Erratum (settled): printed: "non usato" in the configuration example, "e seg." in the index.
- *                    Used: "Not used"; "and the following page". [6.5; Subject Index]
  */
 #define LIKA_AM36_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_AM36_REG_CONFIGURATION_LENGTH 1U /* byte */
@@ -868,6 +872,7 @@ typedef enum lika_am36_enable_preset {
     /* Preset function disabled, the Zero setting/Preset input as well */
     LIKA_AM36_ENABLE_PRESET_DISABLE = 0x1
 } lika_am36_enable_preset;
+
 #define LIKA_AM36_REG_CONFIGURATION_COUNTING_DIRECTION_SHIFT 6U
 #define LIKA_AM36_REG_CONFIGURATION_COUNTING_DIRECTION_MASK 0x40U
 #define LIKA_AM36_REG_CONFIGURATION_OUTPUT_CODE_SHIFT 5U
@@ -1027,9 +1032,6 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
  * Erratum (open): printed: A new value is active immediately after transmission; values that are no
  *                 power of two cannot be accepted. Used: The bytes are written in ascending order
  *                 of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
- * Erratum (settled): printed: A value greater than the maximum allowed value is forced to the
- *                    default value. Used: Nothing; every value of the register is allowed. [6.5
- *                    p.28]
  */
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS 0x4EU
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH 2U /* bytes, 4Eh to 4Fh */
@@ -1114,7 +1116,7 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
 #define LIKA_AM36_REG_PRESET_ADDRESS 0x50U
 #define LIKA_AM36_REG_PRESET_LENGTH 5U /* bytes, 50h to 54h */
 #define LIKA_AM36_REG_PRESET_ACCESS LIKA_ACCESS_READ_WRITE
-#define LIKA_AM36_REG_PRESET_DEFAULT 0x0000000000U /* value as delivered */
+#define LIKA_AM36_REG_PRESET_DEFAULT UINT64_C(0x0000000000) /* value as delivered */
 #define LIKA_AM36_REG_PRESET_MIN 0U
 #define LIKA_AM36_REG_PRESET_MAX UINT64_C(68719476735)
 #define LIKA_AM36_REG_PRESET_POSITION_SHIFT 0U
@@ -1166,15 +1168,18 @@ static inline lika_result lika_am36_reg_preset_encode(
 /*
  * Device type, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
+ * 02: multiturn rotary encoder with BiSS C interface.
  */
 #define LIKA_AM36_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_AM36_REG_DEVICE_TYPE_LENGTH 1U /* byte */
 #define LIKA_AM36_REG_DEVICE_TYPE_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_DEVICE_TYPE_DEFAULT 0x02U /* value as delivered */
+#define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /* what it always reads */
 
 /*
  * No. of bits used for singleturn resolution, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the singleturn resolution, as set by Information per revolution.
+ * Width of the singleturn part of the position [bits].
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
  *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
@@ -1188,6 +1193,7 @@ static inline lika_result lika_am36_reg_preset_encode(
 /*
  * No. of bits used for multiturn resolution, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the multiturn resolution, as set by Number of revolutions.
+ * Width of the multiturn part of the position [bits].
  * Erratum (open): printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and
  *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
  *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
@@ -1387,9 +1393,6 @@ static inline lika_result lika_am36_take_number_of_revolutions(
         ((uint32_t)bytes[0] << 8U));
     const uint32_t used_revolutions = (uint32_t)((used_revolutions_raw == 0U) ?
         65536U : used_revolutions_raw);
-    if (used_revolutions < 1U) {
-        return LIKA_FAULT_RANGE;
-    }
     variant->used_revolutions = used_revolutions;
     return LIKA_OK;
 }
@@ -1408,7 +1411,7 @@ static inline lika_result lika_am36_take_configuration(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* The registers that tell what an encoder is, as read over BiSS C-mode. */
+/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_am36_identity {
     uint8_t profile_id[2]; /* from 42h: Profile ID */
     uint8_t device_type[1]; /* from 55h: Device type */
@@ -1427,7 +1430,7 @@ static inline bool lika_am36_could_be(
         &profile_id) != LIKA_OK) || !lika_am36_reg_profile_id_is_expected(variant, &profile_id)) {
         return false;
     }
-    if (read->device_type[0] != 0x02U) {
+    if (read->device_type[0] != LIKA_AM36_REG_DEVICE_TYPE_EXPECTED) {
         return false;
     }
     if ((lika_am36_reg_device_id_decode(variant, read->device_id, sizeof(read->device_id),
@@ -1482,9 +1485,9 @@ static inline lika_result lika_am36_set_configuration_steps(
     if (capacity < LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT) {
         return LIKA_FAULT_LENGTH;
     }
-    steps[0] = lika_step_write(0x49U, 0xFFU, configuration);
-    steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U);
-    steps[2] = lika_step_wait(30000U);
+    steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* takes effect at once */
+    steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it */
+    steps[2] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -1517,13 +1520,14 @@ static inline lika_result lika_am36_set_preset_steps(
     if (result != LIKA_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U);
+    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* let the Preset registers be written */
+    /* write the five Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[6] = lika_step_write(0x48U, 0xFFU, 0x02U);
-    steps[7] = lika_step_wait(30000U);
+    steps[6] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
+    steps[7] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_SET_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -1555,13 +1559,14 @@ static inline lika_result lika_am36_store_preset_steps(
     if (result != LIKA_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U);
+    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* let the Preset registers be written */
+    /* write the five Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[6] = lika_step_write(0x48U, 0xFFU, 0x01U);
-    steps[7] = lika_step_wait(30000U);
+    steps[6] = lika_step_write(0x48U, 0xFFU, 0x01U); /* save the preset */
+    steps[7] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_STORE_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -1676,26 +1681,30 @@ static inline lika_result lika_am36_set_resolution_steps(
     if (result != LIKA_OK) {
         return result;
     }
+    /* clears the preset */
     for (index = 0U; index < sizeof(information_per_revolution_bytes); index++) {
         const uint16_t address =
             (uint16_t)(LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS + index);
         steps[index] = lika_step_write(address, 0xFFU, information_per_revolution_bytes[index]);
     }
+    /* clears the preset */
     for (index = 0U; index < sizeof(number_of_revolutions_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS + index);
         steps[3U + index] = lika_step_write(address, 0xFFU, number_of_revolutions_bytes[index]);
     }
+    /* save the resolution first, apart from the preset */
     steps[5] = lika_step_write(0x48U, 0xFFU, 0x01U);
-    steps[6] = lika_step_wait(30000U);
-    steps[7] = lika_step_write(0x49U, 0x04U, 0x00U);
+    steps[6] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[7] = lika_step_write(0x49U, 0x04U, 0x00U); /* let the Preset registers be written */
+    /* write the preset that was set to zero */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AM36_REG_PRESET_ADDRESS + index);
         steps[8U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[13] = lika_step_write(0x48U, 0xFFU, 0x02U);
-    steps[14] = lika_step_wait(30000U);
-    steps[15] = lika_step_read(0x56U);
-    steps[16] = lika_step_read(0x57U);
+    steps[13] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
+    steps[14] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[15] = lika_step_read(0x56U); /* singleturn bits of the frames from now on */
+    steps[16] = lika_step_read(0x57U); /* multiturn bits of the frames from now on */
     *count = LIKA_AM36_SET_RESOLUTION_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -1711,26 +1720,21 @@ static inline const lika_step *lika_am36_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_IDENTIFY_STEPS_COUNT] = {
         { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Li is Lika Electronic */
-        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U }, /* Li is Lika Electronic */
+        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
         /* AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
         { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U },
-        /* AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
         { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
-        /* AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
         { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
-        /* AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
         { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
-        /* AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
         { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
-        /* AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
         { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID */
-        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U }, /* Profile ID */
+        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x55U, 0xFFU, 0U, 1U, 0U }, /* 02 is a multiturn encoder */
         { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
+        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x56U, 0xFFU, 0U, 1U, 0U }, /* singleturn bits of the frame */
         { LIKA_STEP_READ, 0x57U, 0xFFU, 0U, 1U, 0U } /* multiturn bits of the frame */
     };
@@ -1745,9 +1749,9 @@ static inline const lika_step *lika_am36_identify_steps(size_t *count)
  * registers (BiSS) by a signal of a PLC or another controller [4.4 p.15; Electrical safety p.8]
  *   low: Normal level, nothing happens.
  *   high: Zero setting or preset is activated.
- * A pulse of 100 us at least.
- *   Works as the register field says: configuration.enable_preset.
- *   Unused: connect it to 0VDC.
+ *   pulse: 100 us at least.
+ *   subject to: configuration.enable_preset.
+ *   unused: connect it to 0VDC.
  * Connect to +VDC for at least 100 us, then disconnect. The bit Enable preset has to be 0 (enable),
  * else the input is dead; that holds over BiSS only. To be set after the counting direction, and
  * preferably with the shaft at a standstill. Over BiSS the Command register does the same.
@@ -1763,8 +1767,8 @@ static inline const lika_step *lika_am36_identify_steps(size_t *count)
  * p.8; 6.5 p.26]
  *   low: Counts up clockwise; over BiSS as the bit Counting direction says.
  *   high: Counts up counter-clockwise; over BiSS contrary to what the bit Counting direction says.
- *   Inverts configuration.counting_direction.
- *   Unused: connect it to 0VDC.
+ *   inverts: configuration.counting_direction.
+ *   unused: connect it to 0VDC.
  * Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high counter-clockwise, 1 (CCW) and
  * low counter-clockwise, 1 and high clockwise. After a change of the direction a new zero or preset
  * has to be set.

@@ -22,7 +22,7 @@
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could.
+ * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -271,14 +271,9 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
  * That is the XOR of the bytes: it does not notice bytes that changed places. Start value 0 is set
  * in the printed code.
  * With this polynomial the CRC of whole bytes is their XOR.
- * Erratum (settled): printed: Calculation "to all 8 bits except for Start bit and Delimiter of
- *                    fields rather than CRC". Used: The CRC covers the 8 bits of every field before
- *                    it, without start bits and delimiters. [7.6 p.47; it: 7.6 p.47]
  * Erratum (settled): printed: Data is configured LSB first; the printed code takes the bits of a
  *                    string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1
  *                    with input and output reflected. [7.6]
- * Erratum (settled): printed: CRC8 = 0; as the first line of the function. Used: Nothing; the code
- *                    is not taken over. [7.6]
  */
 static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
@@ -337,7 +332,7 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * ssi word, sent by the encoder: singleturn_bits + multiturn_bits bits [5.2 p.28].
+ * SSI word, sent by the encoder: singleturn_bits + multiturn_bits bits [5.2 p.28].
  * In the manual: Structure of the position information.
  * As many bits as the position has, 17 to 39, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC.
@@ -429,9 +424,6 @@ static inline lika_result lika_amm5_ssi_word_encode(
  *               main fields and refers to the BiSS C protocol description for the whole structure.
  * Erratum (open): printed: The encoder complies with the "Standard encoder profile"; no register
  *                 42h to 43h is listed. Used: No profile ID. [6 p.31; 6.4 p.35; prot: p.14-15]
- * Erratum (settled): printed: Control Data is the transmission of a single bit that follows the SCD
- *                    data. Used: Nothing; no layout of the control frame is made from it. [6.1
- *                    p.31; prot: p.3-5]
  * Erratum (open): printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz as well.
  *                 Used: 50 kHz. [6.5 p.40; prot: p.18]
  */
@@ -469,7 +461,7 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 }
 
 /*
- * single cycle data, sent by the encoder: singleturn_bits + multiturn_bits + 8 bits [6.2.1 p.32].
+ * Single cycle data, sent by the encoder: singleturn_bits + multiturn_bits + 8 bits [6.2.1 p.32].
  * In the manual: Single Cycle Data SCD.
  * Multiturn and singleturn together are what the manual calls Position (it: Posizione): 17 to 39
  * bits, most significant bit first.
@@ -602,9 +594,6 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  *                  request [7.5 p.46].
  *   write, busy 1: A write is being carried out, the request is invalid and not executed. Address:
  *                  that of the request; data: 00h [7.5 p.46].
- * Erratum (settled): printed: Resetting data/errors: Data ID 7, 8 and C, each (singleturn value).
- *                    Used: The parenthesis names what the reply carries; what is reset is as in
- *                    7.4.2. [7.3.1 p.42; 7.4 p.43; 7.4.2 p.45]
  * Erratum (open): printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn
  *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. [7.4.2
  *                 p.45; ti_sdk:
@@ -667,7 +656,7 @@ typedef enum lika_amm5_data_id {
 #define LIKA_AMM5_RS485_CONTROL_RESET_MULTITURN_AND_ERRORS 0x62U
 
 /*
- * data request, sent by the master: 1 byte; data ID 0, 1, 2, 3, 7, 8, C [7.2.1 p.41].
+ * Data request, sent by the master: 1 byte; data ID 0, 1, 2, 3, 7, 8, C [7.2.1 p.41].
  * In the manual: Master -> Encoder: CF.
  * One byte, without a CRC.
  *   bits 2:0  sync     always 0x2; Start of a frame, binary 010
@@ -732,7 +721,7 @@ static inline lika_result lika_amm5_data_request_encode(
 }
 
 /*
- * eeprom write request, sent by the master: 4 bytes; data ID 6 [7.2.2 p.41; 7.5 p.46].
+ * EEPROM write request, sent by the master: 4 bytes; data ID 6 [7.2.2 p.41; 7.5 p.46].
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0x6
@@ -804,7 +793,7 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
 }
 
 /*
- * eeprom read request, sent by the master: 3 bytes; data ID D [7.2.3 p.42; 7.5 p.46].
+ * EEPROM read request, sent by the master: 3 bytes; data ID D [7.2.3 p.42; 7.5 p.46].
  * In the manual: Master -> Encoder: CF ADF CRC.
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0xd
@@ -871,7 +860,7 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
 }
 
 /*
- * singleturn reply, sent by the encoder: 6 bytes; data ID 0, 7, 8, C [7.2.1 p.41; 7.4 p.43].
+ * Singleturn reply, sent by the encoder: 6 bytes; data ID 0, 7, 8, C [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * position = (DF2 << 16) + (DF1 << 8) + DF0; bits above the resolution are 0: bit 23, bits 23:21 or
  * bits 23:17.
@@ -967,7 +956,7 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
 }
 
 /*
- * multiturn reply, sent by the encoder: 6 bytes; data ID 1 [7.2.1 p.41; 7.4 p.43].
+ * Multiturn reply, sent by the encoder: 6 bytes; data ID 1 [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * In singleturn models no bit of the three bytes is used; unused high bits are 0.
  *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
@@ -1048,7 +1037,7 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
 }
 
 /*
- * encoder id reply, sent by the encoder: 4 bytes; data ID 2 [7.2.1 p.41; 7.4 p.43].
+ * Encoder ID reply, sent by the encoder: 4 bytes; data ID 2 [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 CRC.
  *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id             Data ID; always 0x2
@@ -1121,7 +1110,7 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
 }
 
 /*
- * complete reply, sent by the encoder: 11 bytes; data ID 3 [7.2.1 p.41; 7.4 p.43].
+ * Complete reply, sent by the encoder: 11 bytes; data ID 3 [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF7 CRC.
  *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id             Data ID; always 0x3
@@ -1268,7 +1257,7 @@ static inline lika_result lika_amm5_complete_reply_encode(
 }
 
 /*
- * eeprom write reply, sent by the encoder: 4 bytes; data ID 6 [7.2.2 p.41; 7.5 p.46].
+ * EEPROM write reply, sent by the encoder: 4 bytes; data ID 6 [7.2.2 p.41; 7.5 p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0x6
@@ -1340,7 +1329,7 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
 }
 
 /*
- * eeprom read reply, sent by the encoder: 4 bytes; data ID D [7.2.3 p.42; 7.5 p.46].
+ * EEPROM read reply, sent by the encoder: 4 bytes; data ID D [7.2.3 p.42; 7.5 p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0xd
@@ -1596,8 +1585,6 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  * Erratum (settled): printed: English: less than the total hardware resolution. Italian: less than
  *                    or equal to it (minore o uguale). Used: At most 2^position_bits - 1. [6.4; it:
  *                    6.4]
- * Erratum (settled): printed: Bytes 11h to 14h are used for singleturn information. Used: No
- *                    singleturn bit lies in byte 11h. [6.4]
  * Erratum (settled): printed: English: the number of revolutions is always 65,536 in all models.
  *                    Italian: in all multiturn models. Used: Singleturn models have no multiturn
  *                    bits; their bits 48:33 are taken as 0. [6.4; it: 6.4]
@@ -1612,7 +1599,7 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
 #define LIKA_AMM5_REG_PRESET_ADDRESS 0x11U
 #define LIKA_AMM5_REG_PRESET_LENGTH 7U /* bytes, 11h to 17h */
 #define LIKA_AMM5_REG_PRESET_ACCESS LIKA_ACCESS_READ_WRITE
-#define LIKA_AMM5_REG_PRESET_DEFAULT 0x00000000000000U /* value as delivered */
+#define LIKA_AMM5_REG_PRESET_DEFAULT UINT64_C(0x00000000000000) /* value as delivered */
 #define LIKA_AMM5_REG_PRESET_MIN 0U
 
 /* multiturn_bits from bit 49 - multiturn_bits up */
@@ -1729,7 +1716,8 @@ static inline lika_result lika_amm5_reg_preset_encode(
 }
 
 /*
- * Preset setting enable, write only, over BiSS C-mode [6.4 p.38; it: 6.4 p.38; 10 p.52].
+ * Preset setting enable (it: Abilitazione impostazione preset), write only, over BiSS C-mode [6.4
+ * p.38; it: 6.4 p.38; 10 p.52].
  * Opens and closes the Preset registers for writing.
  * The list of defaults (section 10) gives 00, although the register cannot be read.
  * Erratum (open): printed: Register 40h is Preset setting enable; the preset is at 11h to 17h.
@@ -1748,7 +1736,7 @@ typedef enum lika_amm5_preset_setting_enable {
 } lika_amm5_preset_setting_enable;
 
 /*
- * Serial number, read only, over BiSS C-mode [6.4 p.38; it: 6.4 p.39].
+ * Serial number (it: Numero di serie), read only, over BiSS C-mode [6.4 p.38; it: 6.4 p.39].
  * Year and week of production and a running number, as decimal digits of one binary number.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  serial  decimal digits: year, week, number
@@ -1831,7 +1819,7 @@ static inline lika_result lika_amm5_reg_serial_number_encode(
 }
 
 /*
- * Command, write only, over BiSS C-mode [6.4 p.39].
+ * Command (it: Comando), write only, over BiSS C-mode [6.4 p.39].
  * Saves the parameters or activates the preset.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
@@ -1850,7 +1838,7 @@ typedef enum lika_amm5_command {
 } lika_amm5_command;
 
 /*
- * Device ID, read only, over BiSS C-mode [6.4 p.39].
+ * Device ID (it: ID dispositivo), read only, over BiSS C-mode [6.4 p.39].
  * Name of the device and its hardware-software release.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  name
@@ -1920,7 +1908,7 @@ static inline bool lika_amm5_reg_device_id_is_expected(
 }
 
 /*
- * Manufacturer ID, read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
+ * Manufacturer ID (it: ID costruttore), read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
  * Manufacturer.
  * The lowest address holds the high byte.
  *   bytes 0 to 1  name
@@ -1974,7 +1962,7 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* The registers that tell what an encoder is, as read over BiSS C-mode. */
+/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_amm5_identity {
     uint8_t device_id[6]; /* from 78h: Device ID */
     uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
@@ -2050,16 +2038,17 @@ static inline lika_result lika_amm5_set_preset_steps(
     if (result != LIKA_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x40U, 0xFFU, 0x01U);
+    steps[0] = lika_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
+    /* write the seven Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U);
-    steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U);
-    steps[10] = lika_step_wait(30000U);
-    steps[11] = lika_step_write(0x77U, 0xFFU, 0x02U);
-    steps[12] = lika_step_wait(30000U);
+    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U); /* close them before saving */
+    steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
+    steps[11] = lika_step_write(0x77U, 0xFFU, 0x02U); /* let the preset take effect */
+    steps[12] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_SET_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -2093,14 +2082,15 @@ static inline lika_result lika_amm5_store_preset_steps(
     if (result != LIKA_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x40U, 0xFFU, 0x01U);
+    steps[0] = lika_step_write(0x40U, 0xFFU, 0x01U); /* open the Preset registers */
+    /* write the seven Preset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U);
-    steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U);
-    steps[10] = lika_step_wait(30000U);
+    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U); /* close them before saving */
+    steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
+    steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_STORE_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }

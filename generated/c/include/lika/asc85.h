@@ -22,7 +22,7 @@
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could.
+ * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -329,7 +329,7 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * ssi word, sent by the encoder: position_bits bits [5.2 p.16].
+ * SSI word, sent by the encoder: position_bits bits [5.2 p.16].
  * In the manual: Structure of the position information.
  * As many bits as the position has, 20 to 25, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit, no CRC, and not the constant 0 bit of the BiSS
@@ -391,9 +391,6 @@ static inline lika_result lika_asc85_ssi_word_encode(
  * Network: point to point, never more than one slave [6 p.19].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  *               main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum (settled): printed: Control Data is the transmission of a single bit that follows the SCD
- *                    data. Used: Nothing; no layout of the control frame is made from it. [6.1
- *                    p.19; prot: p.3-5]
  * Erratum (open): printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz). Used: The one value; no
  *                 rule for other clocks. [6.5 p.32; prot: p.18; amm5: 6.5 p.40]
  */
@@ -414,7 +411,7 @@ static inline lika_result lika_asc85_ssi_word_encode(
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
 
 /*
- * single cycle data, sent by the encoder: position_bits + 9 bits [6.2.1 p.20].
+ * Single cycle data, sent by the encoder: position_bits + 9 bits [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
  * position_bits + 9 bits, 34 at 25 bits of resolution.
  *   position_bits from bit 9 up  position
@@ -559,8 +556,6 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
  *                 for all models, as printed; frames of position_bits + 9 bits. [6.2.1 p.20; 6.4
  *                 p.23; sma21: 6.4; icmr: p.34-35]
- * Erratum (open): printed: Variant 0-24++ in the table, Variant 0-24 in the sentence below it.
- *                 Used: 0-24++. [6.4 p.23; sma21: 6.4]
  */
 #define LIKA_ASC85_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_ASC85_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -672,21 +667,13 @@ static inline lika_result lika_asc85_reg_serial_number_encode(
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_ADDRESS 0x5AU
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH 1U /* byte */
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_ACCESS LIKA_ACCESS_READ_ONLY
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AMPLITUDE_CONTROL_MAXIMUM_CURRENT_SHIFT 7U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AMPLITUDE_CONTROL_MAXIMUM_CURRENT_MASK 0x80U
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_SIGNAL_LEVEL_MAXIMUM_AMPLITUDE_SHIFT 6U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_SIGNAL_LEVEL_MAXIMUM_AMPLITUDE_MASK 0x40U
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_DC_MAXIMUM_OFFSET_SHIFT 5U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_DC_MAXIMUM_OFFSET_MASK 0x20U
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AC_MAXIMUM_AMPLITUDE_SHIFT 4U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AC_MAXIMUM_AMPLITUDE_MASK 0x10U
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AMPLITUDE_CONTROL_MINIMUM_CURRENT_SHIFT 3U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AMPLITUDE_CONTROL_MINIMUM_CURRENT_MASK 0x08U
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_SIGNAL_LEVEL_MINIMUM_AMPLITUDE_SHIFT 2U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_SIGNAL_LEVEL_MINIMUM_AMPLITUDE_MASK 0x04U
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_DC_MINIMUM_OFFSET_SHIFT 1U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_DC_MINIMUM_OFFSET_MASK 0x02U
-#define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AC_MINIMUM_AMPLITUDE_SHIFT 0U
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_AC_MINIMUM_AMPLITUDE_MASK 0x01U
 
 typedef struct lika_asc85_reg_diagnostic_data {
@@ -854,21 +841,13 @@ typedef enum lika_asc85_command {
 #define LIKA_ASC85_REG_STATUS_ADDRESS 0x60U
 #define LIKA_ASC85_REG_STATUS_LENGTH 1U /* byte */
 #define LIKA_ASC85_REG_STATUS_ACCESS LIKA_ACCESS_READ_ONLY
-#define LIKA_ASC85_REG_STATUS_CONFIGURATION_COMPLETED_SHIFT 7U
 #define LIKA_ASC85_REG_STATUS_CONFIGURATION_COMPLETED_MASK 0x80U
-#define LIKA_ASC85_REG_STATUS_ERROR_MESSAGE_SHIFT 6U
 #define LIKA_ASC85_REG_STATUS_ERROR_MESSAGE_MASK 0x40U
-#define LIKA_ASC85_REG_STATUS_WARNING_MESSAGE_SHIFT 5U
 #define LIKA_ASC85_REG_STATUS_WARNING_MESSAGE_MASK 0x20U
-#define LIKA_ASC85_REG_STATUS_CONF_WRITE_ACCESS_SHIFT 4U
 #define LIKA_ASC85_REG_STATUS_CONF_WRITE_ACCESS_MASK 0x10U
-#define LIKA_ASC85_REG_STATUS_EDS_WRITE_ACCESS_SHIFT 3U
 #define LIKA_ASC85_REG_STATUS_EDS_WRITE_ACCESS_MASK 0x08U
-#define LIKA_ASC85_REG_STATUS_INTERNAL_DATA_BUS_BUSY_SHIFT 2U
 #define LIKA_ASC85_REG_STATUS_INTERNAL_DATA_BUS_BUSY_MASK 0x04U
-#define LIKA_ASC85_REG_STATUS_ABSOLUTE_DATA_VALID_SHIFT 1U
 #define LIKA_ASC85_REG_STATUS_ABSOLUTE_DATA_VALID_MASK 0x02U
-#define LIKA_ASC85_REG_STATUS_POSITION_DATA_VALID_SHIFT 0U
 #define LIKA_ASC85_REG_STATUS_POSITION_DATA_VALID_MASK 0x01U
 
 typedef struct lika_asc85_reg_status {
@@ -1028,17 +1007,11 @@ static inline lika_result lika_asc85_reg_position_encode(
 #define LIKA_ASC85_REG_ERROR_REGISTER_ADDRESS 0x69U
 #define LIKA_ASC85_REG_ERROR_REGISTER_LENGTH 1U /* byte */
 #define LIKA_ASC85_REG_ERROR_REGISTER_ACCESS LIKA_ACCESS_READ_ONLY
-#define LIKA_ASC85_REG_ERROR_REGISTER_ABSOLUTE_DATA_ERROR_SHIFT 6U
 #define LIKA_ASC85_REG_ERROR_REGISTER_ABSOLUTE_DATA_ERROR_MASK 0x40U
-#define LIKA_ASC85_REG_ERROR_REGISTER_INTERPOLATION_ERROR_SHIFT 5U
 #define LIKA_ASC85_REG_ERROR_REGISTER_INTERPOLATION_ERROR_MASK 0x20U
-#define LIKA_ASC85_REG_ERROR_REGISTER_CONFIGURATION_ERROR_SHIFT 4U
 #define LIKA_ASC85_REG_ERROR_REGISTER_CONFIGURATION_ERROR_MASK 0x10U
-#define LIKA_ASC85_REG_ERROR_REGISTER_SYNCHRONIZATION_ERROR_SHIFT 3U
 #define LIKA_ASC85_REG_ERROR_REGISTER_SYNCHRONIZATION_ERROR_MASK 0x08U
-#define LIKA_ASC85_REG_ERROR_REGISTER_SIGNAL_ERROR_SHIFT 1U
 #define LIKA_ASC85_REG_ERROR_REGISTER_SIGNAL_ERROR_MASK 0x02U
-#define LIKA_ASC85_REG_ERROR_REGISTER_CONTROL_ERROR_SHIFT 0U
 #define LIKA_ASC85_REG_ERROR_REGISTER_CONTROL_ERROR_MASK 0x01U
 /* bits of Diagnostic data that tell why */
 #define LIKA_ASC85_REG_ERROR_REGISTER_SIGNAL_ERROR_IN_DIAGNOSTIC_DATA 0x33U
@@ -1238,7 +1211,7 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* The registers that tell what an encoder is, as read over BiSS C-mode. */
+/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_asc85_identity {
     uint8_t profile_id[2]; /* from 42h: Profile ID */
     uint8_t device_id[6]; /* from 78h: Device ID */
@@ -1280,8 +1253,8 @@ static inline const lika_asc85_order_code *lika_asc85_next_candidate(
     while (*next < count) {
         const lika_asc85_order_code *const code = &codes[*next];
         (*next)++;
-        if ((code->connection == LIKA_INTERFACE_BISS) && lika_asc85_could_be(&code->variant,
-            read)) {
+        if ((code->connection == LIKA_INTERFACE_BISS) &&
+            lika_asc85_could_be(&code->variant, read)) {
             return code;
         }
     }
@@ -1304,9 +1277,9 @@ static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
         /* 0 as long as the new data are not available */
         { LIKA_STEP_POLL, 0x60U, 0x01U, 0x01U, 1U, 0U },
         { LIKA_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U }, /* Position */
-        { LIKA_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U }, /* Position */
-        { LIKA_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U }, /* Position */
-        { LIKA_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U } /* Position */
+        { LIKA_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT;
     return steps;
@@ -1450,11 +1423,8 @@ static inline const lika_step *lika_asc85_reset_errors_steps(size_t *count)
         { LIKA_STEP_READ, 0x5AU, 0xFFU, 0U, 1U, 0U },
         /* reading out position data resets the messages */
         { LIKA_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U },
-        /* reading out position data resets the messages */
         { LIKA_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
-        /* reading out position data resets the messages */
         { LIKA_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
-        /* reading out position data resets the messages */
         { LIKA_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U },
         /* what stands here now has a cause that lasts */
         { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
@@ -1476,19 +1446,19 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_IDENTIFY_STEPS_COUNT] = {
         { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Li: an encoder of Lika Electronic */
-        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U }, /* Li: an encoder of Lika Electronic */
+        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* AS85 and the release */
-        { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U }, /* AS85 and the release */
-        { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U }, /* AS85 and the release */
-        { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U }, /* AS85 and the release */
-        { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U }, /* AS85 and the release */
-        { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U }, /* AS85 and the release */
+        { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* 281Ah is printed for all models */
-        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U }, /* 281Ah is printed for all models */
+        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
-        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U } /* Serial number */
+        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_IDENTIFY_STEPS_COUNT;
     return steps;

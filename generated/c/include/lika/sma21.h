@@ -27,7 +27,7 @@
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could.
+ * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -65,6 +65,9 @@ extern "C" {
  * Erratum (open): printed: See the order code (si veda il codice di ordinazione), for the output
  *                 code, the supply and the incremental signals. Used: BG is binary and GG is Gray;
  *                 supply 1 is +5 V, 4 is +5 V to +30 V. [4.1 p.15; 5.1; 5.2 p.20]
+ * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
+ *                 00h at 50 um, added to positions of 20 bits. Used: 6.2; a frame with a bit set
+ *                 above the position is refused. [6.2 p.25; 6.4 p.32]
  */
 
 /* What differs between order codes. */
@@ -78,7 +81,7 @@ typedef struct lika_sma21_variant {
     uint16_t profile_id; /* Profile ID in the BiSS registers 42h and 43h */
     /*
      * Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary; held at run time in
-     * configuration, 49h: lika_sma21_take_configuration()
+     * Configuration, 49h: lika_sma21_take_configuration()
      */
     uint8_t output_code;
     /*
@@ -345,9 +348,6 @@ static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
  * That is the XOR of the bytes: it does not notice bytes that changed places. Both printed frames
  * fit start value 0.
  * With this polynomial the CRC of whole bytes is their XOR.
- * Erratum (settled): printed: Calculation on all bits except start bit and delimiter of the fields
- *                    rather than the CRC (piuttosto che il CRC). Used: The CRC covers the 8 bits of
- *                    every field before it, without start bits and delimiters. [7.3.4 p.42]
  */
 static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
@@ -407,7 +407,7 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * ssi word, sent by the encoder: position_bits + 1 bits [5.2 p.20].
+ * SSI word, sent by the encoder: position_bits + 1 bits [5.2 p.20].
  * 21, 23, 24, 25 or 26 bits, position and error bit, the most significant first. Further clocks
  * bring zeros after the word. No warning bit and no CRC. Bit 0 is the error bit; the LSB of the
  * position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
@@ -423,9 +423,9 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 typedef struct lika_sma21_ssi_word {
     uint32_t position; /* Position in counts; times the resolution it is a length [counts] */
     /*
-     * an error is present, the LED is red. Reading error (tape not read properly: mounted wrongly,
-     * for instance turned round or upside down, its surface damaged, or the sensor faulty) or
-     * frequency error (sensor too fast over the tape)
+     * Bit di errore: an error is present, the LED is red. Reading error (tape not read properly:
+     * mounted wrongly, for instance turned round or upside down, its surface damaged, or the sensor
+     * faulty) or frequency error (sensor too fast over the tape)
      */
     bool error;
 } lika_sma21_ssi_word;
@@ -479,19 +479,13 @@ static inline lika_result lika_sma21_ssi_word_encode(
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  *               main fields and refers to the document "Protocol description C-mode" for the whole
  *               structure.
- * Erratum (settled): printed: Control Data is the transmission of a single bit that follows the SCD
- *                    data. Used: Nothing; no layout of the control frame is made from it. [6.1
- *                    p.24; prot: p.3-5]
- * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
- *                 6.4 p.23]
  * Erratum (open): printed: The BiSS time-out adapts itself to the clock, 16 us at most, without
  *                 saying how. Used: At most 16 us. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
  */
 #define LIKA_SMA21_BISS_CLOCK_MIN_HZ 200000U /* lowest clock [6.5 p.34] */
 #define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U /* highest clock [6.5 p.34] */
 #define LIKA_SMA21_BISS_TIMEOUT_AT_MOST_NS 16000U /* time-out after a frame [6.5 p.34] */
-/* Register to read or to write [6.3 p.27] */
+/* Indirizzo registro: Register to read or to write [6.3 p.27] */
 #define LIKA_SMA21_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
 #define LIKA_SMA21_BISS_CONTROL_RW_BITS 2U /* RW: Direction of the access [6.3 p.27] */
 #define LIKA_SMA21_BISS_CONTROL_RW_WRITE 0x01U /* "01": Write the register */
@@ -509,7 +503,7 @@ static inline lika_result lika_sma21_ssi_word_encode(
 #define LIKA_SMA21_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /*
- * single cycle data, sent by the encoder: position_bits + scd_padding_bits + 8 bits [6.2 p.25].
+ * Single cycle data, sent by the encoder: position_bits + scd_padding_bits + 8 bits [6.2 p.25].
  * In the manual: Single Cycle Data SCD.
  * 32 bits from 50 um to 2 um, 33 bits at 1 um. The position is right-aligned in a field of 24 or 25
  * bits, zeros above it, most significant bit first. Output code Gray: zeros above a number stay
@@ -537,7 +531,8 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *                 warning, as with the error bit. [6.2 p.26; 9.1]
  */
 typedef struct lika_sma21_single_cycle_data {
-    uint32_t position; /* Position in counts; times the resolution it is a length [counts] */
+    /* Posizione: Position in counts; times the resolution it is a length [counts] */
+    uint32_t position;
     /*
      * nE: an error is present, the LED is red. Reading error (tape not read properly: mounted
      * wrongly, for instance turned round or upside down, its surface damaged, or the sensor faulty)
@@ -628,18 +623,12 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
  * Erratum (settled): printed: Five bits cc0 to cc4 as ID code. Used: cc0 to cc3 are the data ID,
  *                    cc4 is its even parity bit. [7.3.1 p.38; 7.2.2 p.37; stmbl:
  *                    src/comps/smartabs.c]
- * Erratum (open): printed: ALMC is kept until the errors are reset; the alarm bit ea0, the sum of
- *                 its bits 6 and 7, is cleared as soon as the cause is gone. Used: Both as printed.
- *                 [7.3.2 p.38; 7.3.3]
  * Erratum (settled): printed: Reply to data ID 5 with SF = 02h. Used: A check of the CRC only; as a
  *                    reply it is refused for its constant. [7.3.4; 7.3.2 p.38]
  * Erratum (settled): printed: When the fault is gone the error bit goes to the high level (commuta
  *                    al livello logico alto). Used: So with SSI and BiSS. Over RS-485 the error bit
  *                    is high while there is an error, and stays so until it is reset. [9 p.47; 9.1;
  *                    7.3.2 p.38]
- * Erratum (open): printed: ALMC is kept until the errors are reset; the alarm bit ea0, the sum of
- *                 its bits 6 and 7, is cleared as soon as the cause is gone. Used: Both as printed.
- *                 [7.3.2 p.38; 7.3.3]
  */
 #define LIKA_SMA21_RS485_BAUD 2500000U /* bits per second [7.1 p.37] */
 #define LIKA_SMA21_RS485_DATA_BITS 8U
@@ -680,7 +669,7 @@ typedef enum lika_sma21_data_id {
 #define LIKA_SMA21_RS485_CONTROL_RESET_POSITION 0x7AU
 
 /*
- * data request, sent by the master: 1 byte; data ID 4, 5, A, B, F [7.2 p.37; 7.2.1 p.37].
+ * Data request, sent by the master: 1 byte; data ID 4, 5, A, B, F [7.2 p.37; 7.2.1 p.37].
  * In the manual: Master -> Encoder: CF.
  * One byte, without a CRC.
  *   bits 2:0  sync     SC; always 0x2; Sync code, binary 010
@@ -742,7 +731,7 @@ static inline lika_result lika_sma21_data_request_encode(
 }
 
 /*
- * position reply, sent by the encoder: 7 bytes; data ID 4, B, F [7.2 p.37; 7.3.3 p.39].
+ * Position reply, sent by the encoder: 7 bytes; data ID 4, B, F [7.2 p.37; 7.3.3 p.39].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 DF3 CRC.
  * position = (DF2 << 16) + (DF1 << 8) + DF0, always binary; bits above the resolution are 0: bit
  * 23, bits 23:22 or bits 23:20.
@@ -886,7 +875,7 @@ static inline lika_result lika_sma21_position_reply_encode(
 }
 
 /*
- * wide position reply, sent by the encoder: 9 bytes; data ID 5 [7.2 p.37; 7.3.3 p.39].
+ * Wide position reply, sent by the encoder: 9 bytes; data ID 5 [7.2 p.37; 7.3.3 p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
  * Always binary, negative values as two's complement. No error code; the status field alone tells
  * of errors.
@@ -902,8 +891,6 @@ static inline lika_result lika_sma21_position_reply_encode(
  * Erratum (open): printed: Positions before the preset get a value according to it, without saying
  *                 what is sent below zero or above the maximum. Used: The position starts again
  *                 after 2^position_bits counts. [6.4 p.32; 7.3.3.2 p.41]
- * Erratum (settled): printed: Reply: CF SF DF0 ... DF7 CRC. Used: At most DF0 to DF5. [7.2 p.37;
- *                    7.3.3 p.39]
  * Erratum (settled): printed: 48-bit position from 800000000000h to 7FFFFFFFFFh. Used: To
  *                    7FFFFFFFFFFFh. [7.3.3; a4: p.298]
  * Erratum (open): printed: Unused high bits are 0; the 48-bit position is signed. Used: Signed,
@@ -990,7 +977,7 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
 }
 
 /*
- * identification reply, sent by the encoder: 9 bytes; data ID A [7.2 p.37; 7.3.3 p.39].
+ * Identification reply, sent by the encoder: 9 bytes; data ID A [7.2 p.37; 7.3.3 p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
  *   byte 0 bits 2:0  sync                        SC; always 0x2; Sync code, binary 010
  *   byte 0 bits 6:3  data_id                     cc0 ... cc3; always 0xa
@@ -1013,8 +1000,6 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
  *   byte 7 bit 6     signal_strength_alarm       not implemented
  *   byte 7 bit 7     temperature_alarm           not implemented
  *   byte 8           crc                         CRC; CRC rs485_8 over everything before it
- * Erratum (settled): printed: Reply: CF SF DF0 ... DF7 CRC. Used: At most DF0 to DF5. [7.2 p.37;
- *                    7.3.3 p.39]
  * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. [7.3.3]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
  *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
@@ -1223,6 +1208,12 @@ static inline lika_result lika_sma21_rs485_reply_frame(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
+/*
+ * Erratum (open): printed: Positions before the preset get a value according to it, without saying
+ *                 what is sent below zero or above the maximum. Used: The position starts again
+ *                 after 2^position_bits counts. [6.4 p.32; 7.3.3.2 p.41]
+ */
+
 /* The position over SSI starts again at 0 after so many counts [5.2 p.20; 6.2 p.25]. */
 static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_variant *variant)
 {
@@ -1320,14 +1311,11 @@ static inline double lika_sma21_rs485_millimetres(
  */
 
 /*
- * profile id, read only, over BiSS C-mode [6.4 p.28].
+ * Profile ID (it: ID Profilo), read only, over BiSS C-mode [6.4 p.28].
  * Code of the profile used.
  * The lowest address holds the high byte.
  * Standard encoder profile, data format, Variant 0-24 from 50 um to 2 um, Variant 0-24+++ at 1 um.
  *   bytes 0 to 1  profile_id
- * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
- *                 6.4 p.23]
  */
 #define LIKA_SMA21_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_SMA21_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -1365,16 +1353,15 @@ static inline lika_result lika_sma21_reg_profile_id_encode(
     return LIKA_OK;
 }
 
-
 /* Whether it reads as it always does on this encoder. */
 static inline bool lika_sma21_reg_profile_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in)
 {
-    return (in->profile_id == variant->profile_id);
+    return in->profile_id == variant->profile_id;
 }
 
 /*
- * serial number, read only, over BiSS C-mode [6.4 p.29].
+ * Serial number (it: Numero di serie), read only, over BiSS C-mode [6.4 p.29].
  * Year and week of production and a running number, in hexadecimal.
  * The lowest address holds the high byte.
  * Erratum (open): printed: Year, week and number in hexadecimal (in esadecimale), without an
@@ -1432,7 +1419,7 @@ static inline lika_result lika_sma21_reg_serial_number_encode(
 }
 
 /*
- * command, write only, over BiSS C-mode [6.4 p.29; 12 p.51].
+ * Command (it: Comando), write only, over BiSS C-mode [6.4 p.29; 12 p.51].
  * Saves the parameters, activates preset or offset, or restores the defaults.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
@@ -1443,31 +1430,35 @@ static inline lika_result lika_sma21_reg_serial_number_encode(
 #define LIKA_SMA21_REG_COMMAND_DEFAULT 0x00U /* value as delivered */
 #define LIKA_SMA21_REG_COMMAND_WAIT_AT_LEAST_MS 30U /* after a write, before the next command */
 
-/* Values of command. */
+/* Values of Command. */
 typedef enum lika_sma21_command {
-    LIKA_SMA21_COMMAND_NORMAL = 0x00, /* Normal operation [6.4 p.29] */
-    LIKA_SMA21_COMMAND_SAVE_PARAMETERS = 0x01, /* Saves newly set register values [6.4 p.29] */
-    /* Saves the preset or offset and activates it at the same time [6.4 p.29] */
+    LIKA_SMA21_COMMAND_NORMAL = 0x00, /* Normale stato operativo: Normal operation [6.4 p.29] */
+    /* Salva i parametri in EEPROM: Saves newly set register values [6.4 p.29] */
+    LIKA_SMA21_COMMAND_SAVE_PARAMETERS = 0x01,
+    /*
+     * Salva e attiva Preset / Offset: Saves the preset or offset and activates it at the same time
+     * [6.4 p.29]
+     */
     LIKA_SMA21_COMMAND_ACTIVATE_PRESET_OFFSET = 0x02,
     /*
-     * Loads the factory's parameters, for standard and safe operation, at once and overwrites all
-     * set before; they are lost [6.4 p.29]
+     * Carica e salva tutti i parametri di default: Loads the factory's parameters, for standard and
+     * safe operation, at once and overwrites all set before; they are lost [6.4 p.29]
      */
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
 
 /*
- * configuration, read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
+ * Configuration (it: Configurazione), read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
  * Preset or offset, output code and counting direction.
  * A written value is lost at power-off unless it is saved.
  * A new setting is active at once after its transmission; save it with the Command register.
- *   bit 7     unused_7              always 0; Not used
+ *   bit 7     unused_7              Non utilizzato; always 0; Not used
  *   bit 6     counting_direction
  *   bit 5     output_code
- *   bits 4:3  unused_3_4            always 0; Not used
+ *   bits 4:3  unused_3_4            Non utilizzato; always 0; Not used
  *   bit 2     enable_preset_offset
  *   bit 1     select_preset_offset
- *   bit 0     unused_0              always 0; Not used
+ *   bit 0     unused_0              Non utilizzato; always 0; Not used
  * Erratum (settled): printed: Bit 8 Direzione di conteggio. Used: Bit 6. [6.6.1 p.35; 6.4 p.30]
  */
 #define LIKA_SMA21_REG_CONFIGURATION_ADDRESS 0x49U
@@ -1475,31 +1466,38 @@ typedef enum lika_sma21_command {
 #define LIKA_SMA21_REG_CONFIGURATION_ACCESS LIKA_ACCESS_READ_WRITE
 #define LIKA_SMA21_REG_CONFIGURATION_DEFAULT 0x20U /* value as delivered */
 
-/* Counting direction of the absolute position; the incremental signals keep theirs */
+/*
+ * Direzione di conteggio: Counting direction of the absolute position; the incremental signals keep
+ * theirs
+ */
 typedef enum lika_sma21_counting_direction {
     /* Counts up when the sensor moves in the direction of the arrow of Figure 1 */
     LIKA_SMA21_COUNTING_DIRECTION_STANDARD = 0x0,
-    /* Counts up when the sensor moves against the arrow of Figure 1 */
+    /* Invertita: Counts up when the sensor moves against the arrow of Figure 1 */
     LIKA_SMA21_COUNTING_DIRECTION_INVERTED = 0x1
 } lika_sma21_counting_direction;
 
-/* Code of the absolute position */
+/* Codice d'uscita: Code of the absolute position */
 typedef enum lika_sma21_output_code {
     LIKA_SMA21_OUTPUT_CODE_GRAY = 0x0, /* Position sent in Gray code */
-    LIKA_SMA21_OUTPUT_CODE_BINARY = 0x1 /* Position sent in binary */
+    LIKA_SMA21_OUTPUT_CODE_BINARY = 0x1 /* Binario: Position sent in binary */
 } lika_sma21_output_code;
 
-/* Enables preset and offset; 0 enables */
+/* Abilita preset / offset: Enables preset and offset; 0 enables */
 typedef enum lika_sma21_enable_preset_offset {
-    LIKA_SMA21_ENABLE_PRESET_OFFSET_ENABLE = 0x0, /* Preset and offset can be used */
-    LIKA_SMA21_ENABLE_PRESET_OFFSET_DISABLE = 0x1 /* Preset and offset cannot be used */
+    LIKA_SMA21_ENABLE_PRESET_OFFSET_ENABLE = 0x0, /* Abilita: Preset and offset can be used */
+    LIKA_SMA21_ENABLE_PRESET_OFFSET_DISABLE = 0x1 /* Disabilita: Preset and offset cannot be used */
 } lika_sma21_enable_preset_offset;
 
-/* What the register Preset / Offset is; available only while the function is enabled (bit 2) */
+/*
+ * Seleziona preset / offset: What the register Preset / Offset is; available only while the
+ * function is enabled (bit 2)
+ */
 typedef enum lika_sma21_select_preset_offset {
     LIKA_SMA21_SELECT_PRESET_OFFSET_PRESET = 0x0, /* The register Preset / Offset holds a preset */
     LIKA_SMA21_SELECT_PRESET_OFFSET_OFFSET = 0x1 /* The register Preset / Offset holds an offset */
 } lika_sma21_select_preset_offset;
+
 #define LIKA_SMA21_REG_CONFIGURATION_COUNTING_DIRECTION_SHIFT 6U
 #define LIKA_SMA21_REG_CONFIGURATION_COUNTING_DIRECTION_MASK 0x40U
 #define LIKA_SMA21_REG_CONFIGURATION_OUTPUT_CODE_SHIFT 5U
@@ -1567,14 +1565,12 @@ static inline lika_result lika_sma21_reg_configuration_encode(
 }
 
 /*
- * absolute resolution, read only, over BiSS C-mode [6.4 p.31].
+ * Absolute resolution (it: Risoluzione assoluta), read only, over BiSS C-mode [6.4 p.31].
  * Resolution of the absolute position.
  * 32h is 50 um, 0Ah 10 um, 05h 5 um, 02h 2 um and 01h 1 um; the highest positions are 00 0F FF FFh
  * (20 bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF
  * FFh (25 bits).
- * Erratum (settled): printed: Limits of preset and offset by the resolution that is set
- *                    (risoluzione impostata). Used: The resolution of the order code. [6.4 p.31;
- *                    6.4 p.32]
+ * Length of one count [um].
  */
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS 0x4DU
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /* byte */
@@ -1584,7 +1580,7 @@ static inline lika_result lika_sma21_reg_configuration_encode(
  * Preset / Offset, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
  * Preset or offset, as the bit Select preset / offset of the Configuration register says.
  * The lowest address holds the high byte.
- * Can be written only while enable preset offset of configuration is 0 (enable).
+ * Can be written only while Enable preset offset of Configuration is 0 (enable).
  * A written value is lost at power-off unless it is saved.
  * Available only while the bit Enable preset / offset of the Configuration register is 0 (enable).
  * Activate it only with the device at rest, by the command Save and activate Preset / Offset. The
@@ -1596,18 +1592,11 @@ static inline lika_result lika_sma21_reg_configuration_encode(
  * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
  *                 00h at 50 um, added to positions of 20 bits. Used: 6.2; a frame with a bit set
  *                 above the position is refused. [6.2 p.25; 6.4 p.32]
- * Erratum (settled): printed: Limits of preset and offset by the resolution that is set
- *                    (risoluzione impostata). Used: The resolution of the order code. [6.4 p.31;
- *                    6.4 p.32]
- * Erratum (settled): printed: Preset: stop the sensor in the wanted direction (nella direzione
- *                    desiderata). Used: At the wanted position. [6.4 p.32]
  * Erratum (open): printed: An offset gives a position a wanted value, is applied to the position at
  *                 its activation, and shifts all values by its amount. Used: All transmitted values
  *                 are shifted by the offset. [6.4 p.32]
  * Erratum (settled): printed: The values run from the offset to the sum of offset and number of
  *                    positions. Used: To that sum less 1. [6.4 p.32]
- * Erratum (settled): printed: Section 6.4: default 00h; list of defaults: 00 00 00 00. Used: Four
- *                    bytes of 00. [6.4; 12 p.51]
  */
 #define LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS 0x50U
 #define LIKA_SMA21_REG_PRESET_OFFSET_LENGTH 4U /* bytes, 50h to 53h */
@@ -1616,7 +1605,7 @@ static inline lika_result lika_sma21_reg_configuration_encode(
 #define LIKA_SMA21_REG_PRESET_OFFSET_MIN 0U
 
 /*
- * As preset, while select preset offset of configuration is 0 [6.4 p.32]: Value that the position
+ * As preset, while Select preset offset of Configuration is 0 [6.4 p.32]: Value that the position
  * gets, from the activation on, at the place where the sensor stands at that moment; all positions
  * before and after follow from it. It serves, for instance, to bring the zero points of sensor and
  * application together.
@@ -1630,7 +1619,7 @@ static inline uint32_t lika_sma21_reg_preset_offset_preset_max(const lika_sma21_
 }
 
 /*
- * As offset, while select preset offset of configuration is 1 [6.4 p.32]: Value by which the
+ * As offset, while Select preset offset of Configuration is 1 [6.4 p.32]: Value by which the
  * transmitted positions are shifted: as many positions as before, from the offset up. It is applied
  * to the position where the sensor stands at the activation.
  */
@@ -1679,27 +1668,29 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 }
 
 /*
- * device type, read only, over BiSS C-mode [6.4 p.33].
+ * Device type (it: Tipo di dispositivo), read only, over BiSS C-mode [6.4 p.33].
  * Type of the device.
+ * 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB.
  */
 #define LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_SMA21_REG_DEVICE_TYPE_LENGTH 1U /* byte */
 #define LIKA_SMA21_REG_DEVICE_TYPE_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_DEVICE_TYPE_DEFAULT 0x08U /* value as delivered */
+#define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /* what it always reads */
 
 /*
- * sine cosine resolution, read only, over BiSS C-mode [6.4 p.33].
+ * Sine cosine resolution (it: Risoluzione SENO-COSENSO), read only, over BiSS C-mode [6.4 p.33].
  * Period of the sine and cosine signals.
- * Erratum (settled): printed: Risoluzione SENO-COSENSO, in the index SENO-COSEN0. Used: Sine-cosine
- *                    resolution. [6.4 p.28]
+ * 00h: no sine and cosine signals.
  */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS 0x58U
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_LENGTH 1U /* byte */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_DEFAULT 0x00U /* value as delivered */
+#define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /* what it always reads */
 
 /*
- * position check, read and write, over BiSS C-mode [6.4 p.33].
+ * Position check (it: Controllo posizione), read and write, over BiSS C-mode [6.4 p.33].
  * Used with the warning bit for an automatic check of the position.
  * Reserved to the manufacturer.
  * Do not change the value; only for Lika's technicians.
@@ -1710,7 +1701,7 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /* value as delivered */
 
 /*
- * device id, read only, over BiSS C-mode [6.4 p.34].
+ * Device ID (it: ID dispositivo), read only, over BiSS C-mode [6.4 p.34].
  * Name of the device and its hardware-software release.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  name
@@ -1780,7 +1771,7 @@ static inline bool lika_sma21_reg_device_id_is_expected(
 }
 
 /*
- * manufacturer id, read only, over BiSS C-mode [6.4 p.34].
+ * Manufacturer ID (it: ID costruttore), read only, over BiSS C-mode [6.4 p.34].
  * Manufacturer.
  * The lowest address holds the high byte.
  *   bytes 0 to 1  name
@@ -1840,7 +1831,7 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
  * none that the encoder can have; the variant then stays as it was.
  */
 
-/* Takes over into the variant what the register configuration holds: output_code. */
+/* Takes over into the variant what the register Configuration holds: output_code. */
 static inline lika_result lika_sma21_take_configuration(
     lika_sma21_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1854,14 +1845,14 @@ static inline lika_result lika_sma21_take_configuration(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* The registers that tell what an encoder is, as read over BiSS C-mode. */
+/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_sma21_identity {
-    uint8_t profile_id[2]; /* from 42h: profile id */
-    uint8_t absolute_resolution[1]; /* from 4Dh: absolute resolution */
-    uint8_t device_type[1]; /* from 55h: device type */
-    uint8_t sine_cosine_resolution[1]; /* from 58h: sine cosine resolution */
-    uint8_t device_id[6]; /* from 78h: device id */
-    uint8_t manufacturer_id[2]; /* from 7Eh: manufacturer id */
+    uint8_t profile_id[2]; /* from 42h: Profile ID */
+    uint8_t absolute_resolution[1]; /* from 4Dh: Absolute resolution */
+    uint8_t device_type[1]; /* from 55h: Device type */
+    uint8_t sine_cosine_resolution[1]; /* from 58h: Sine cosine resolution */
+    uint8_t device_id[6]; /* from 78h: Device ID */
+    uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
 } lika_sma21_identity;
 
 /* Whether an encoder of this order code reads so. */
@@ -1878,10 +1869,10 @@ static inline bool lika_sma21_could_be(
     if (read->absolute_resolution[0] != variant->resolution_um) {
         return false;
     }
-    if (read->device_type[0] != 0x08U) {
+    if (read->device_type[0] != LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED) {
         return false;
     }
-    if (read->sine_cosine_resolution[0] != 0x00U) {
+    if (read->sine_cosine_resolution[0] != LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED) {
         return false;
     }
     if ((lika_sma21_reg_device_id_decode(variant, read->device_id, sizeof(read->device_id),
@@ -1908,8 +1899,8 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
     while (*next < count) {
         const lika_sma21_order_code *const code = &codes[*next];
         (*next)++;
-        if ((code->connection == LIKA_INTERFACE_BISS) && lika_sma21_could_be(&code->variant,
-            read)) {
+        if ((code->connection == LIKA_INTERFACE_BISS) &&
+            lika_sma21_could_be(&code->variant, read)) {
             return code;
         }
     }
@@ -1935,9 +1926,9 @@ static inline lika_result lika_sma21_set_configuration_steps(
     if (capacity < LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT) {
         return LIKA_FAULT_LENGTH;
     }
-    steps[0] = lika_step_write(0x49U, 0xFFU, configuration);
-    steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U);
-    steps[2] = lika_step_wait(30000U);
+    steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* active at once */
+    steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it over power-off */
+    steps[2] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -1949,8 +1940,6 @@ static inline lika_result lika_sma21_set_configuration_steps(
  * position: Value that the present position is to get.
  * Result: The position at which the activation arrived has the preset value; all other positions
  *         follow from it.
- * Erratum (settled): printed: Preset: stop the sensor in the wanted direction (nella direzione
- *                    desiderata). Used: At the wanted position. [6.4 p.32]
  */
 #define LIKA_SMA21_SET_PRESET_STEPS_COUNT 6U
 
@@ -1976,12 +1965,13 @@ static inline lika_result lika_sma21_set_preset_steps(
     if (result != LIKA_OK) {
         return result;
     }
+    /* write the four Preset / Offset registers */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
         steps[index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[4] = lika_step_write(0x48U, 0xFFU, 0x02U);
-    steps[5] = lika_step_wait(30000U);
+    steps[4] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
+    steps[5] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_PRESET_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -1995,8 +1985,8 @@ static inline lika_result lika_sma21_set_preset_steps(
 static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_SELECT_PRESET_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U }, /* configuration: enable */
-        { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U }, /* configuration: preset */
+        { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U }, /* Configuration: enable */
+        { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U }, /* Configuration: preset */
         { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* keep it over power-off */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
@@ -2037,16 +2027,17 @@ static inline lika_result lika_sma21_set_offset_steps(
     if (result != LIKA_OK) {
         return result;
     }
-    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U);
-    steps[1] = lika_step_write(0x49U, 0x02U, 0x02U);
-    steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U);
-    steps[3] = lika_step_wait(30000U);
+    steps[0] = lika_step_write(0x49U, 0x04U, 0x00U); /* let preset and offset be used */
+    steps[1] = lika_step_write(0x49U, 0x02U, 0x02U); /* let the register hold an offset */
+    steps[2] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep the configuration over power-off */
+    steps[3] = lika_step_wait(30000U); /* EEPROM writing time */
+    /* write the four Preset / Offset registers */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS + index);
         steps[4U + index] = lika_step_write(address, 0xFFU, offset_bytes[index]);
     }
-    steps[8] = lika_step_write(0x48U, 0xFFU, 0x02U);
-    steps[9] = lika_step_wait(30000U);
+    steps[8] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the offset and let it take effect */
+    steps[9] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_SMA21_SET_OFFSET_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -2060,7 +2051,7 @@ static inline lika_result lika_sma21_set_offset_steps(
 static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* command: save parameters */
+        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save parameters */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT;
@@ -2077,7 +2068,7 @@ static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
 static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* command: restore defaults */
+        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore defaults */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT;
@@ -2096,19 +2087,19 @@ static inline const lika_step *lika_sma21_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_IDENTIFY_STEPS_COUNT] = {
         { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Lika's are 4C 69 */
-        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U }, /* Lika's are 4C 69 */
+        { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* name SM21, and the release */
-        { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U }, /* name SM21, and the release */
-        { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U }, /* name SM21, and the release */
-        { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U }, /* name SM21, and the release */
-        { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U }, /* name SM21, and the release */
-        { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U }, /* name SM21, and the release */
+        { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* tells the resolution */
-        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U }, /* tells the resolution */
+        { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* year, week and number */
-        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U }, /* year, week and number */
-        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U }, /* year, week and number */
-        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U } /* year, week and number */
+        { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
+        { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_SMA21_IDENTIFY_STEPS_COUNT;
     return steps;
@@ -2144,8 +2135,6 @@ static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
  *                 with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position
  *                 to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38;
  *                 7.3.3.2 p.41]
- * Erratum (settled): printed: Data ID F: while the shaft is at rest (mentre l'albero e in stop).
- *                    Used: While the sensor is at rest. [7.3.3.2 p.41]
  * Erratum (open): printed: Send no request until the initialization is over; none is accepted while
  *                 the position is reset. No time is given. Used: No wait is made up. [7.3.3.2 p.41]
  */
@@ -2162,16 +2151,10 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 
 /* -- alarms ------------------------------------------------------------------------------------ */
 
-/*
- * Temperature alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40]
- * Not implemented in this encoder.
- */
+/* Temperature alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
 #define LIKA_SMA21_ALARM_TEMPERATURE_ALARM_MASK 0x80U /* in the byte of the alarm field */
 
-/*
- * Signal on the strength alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40]
- * Not implemented in this encoder.
- */
+/* Signal on the strength alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
 #define LIKA_SMA21_ALARM_SIGNAL_STRENGTH_ALARM_MASK 0x40U /* in the byte of the alarm field */
 
 /*
@@ -2182,16 +2165,10 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
  */
 #define LIKA_SMA21_ALARM_LOW_AMPLITUDE_ERROR_MASK 0x20U /* in the byte of the alarm field */
 
-/*
- * Higher track error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40]
- * Not implemented in this encoder.
- */
+/* Higher track error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
 #define LIKA_SMA21_ALARM_HIGHER_TRACK_ERROR_MASK 0x10U /* in the byte of the alarm field */
 
-/*
- * Encoder inharmonious error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40]
- * Not implemented in this encoder.
- */
+/* Encoder inharmonious error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
 #define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U /* in the byte of the alarm field */
 
 /*
