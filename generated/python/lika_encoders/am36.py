@@ -745,21 +745,21 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 # Registers
 
 
-class Address(IntEnum):
-    """Addresses of the registers; of a longer one, that of its first byte."""
+class Address:
+    """Addresses of the registers; of a longer one, that of its first byte. Two registers may share one."""
 
-    PROFILE_ID = 0x42
-    SERIAL_NUMBER = 0x44
-    COMMAND = 0x48
-    CONFIGURATION = 0x49
-    INFORMATION_PER_REVOLUTION = 0x4B
-    NUMBER_OF_REVOLUTIONS = 0x4E
-    PRESET = 0x50
-    DEVICE_TYPE = 0x55
-    SINGLETURN_BITS_USED = 0x56
-    MULTITURN_BITS_USED = 0x57
-    DEVICE_ID = 0x78
-    MANUFACTURER_ID = 0x7E
+    PROFILE_ID: Final = 0x42
+    SERIAL_NUMBER: Final = 0x44
+    COMMAND: Final = 0x48
+    CONFIGURATION: Final = 0x49
+    INFORMATION_PER_REVOLUTION: Final = 0x4B
+    NUMBER_OF_REVOLUTIONS: Final = 0x4E
+    PRESET: Final = 0x50
+    DEVICE_TYPE: Final = 0x55
+    SINGLETURN_BITS_USED: Final = 0x56
+    MULTITURN_BITS_USED: Final = 0x57
+    DEVICE_ID: Final = 0x78
+    MANUFACTURER_ID: Final = 0x7E
 
 
 #: Every register by its name.

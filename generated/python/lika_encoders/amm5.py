@@ -2144,15 +2144,15 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 # Registers
 
 
-class Address(IntEnum):
-    """Addresses of the registers; of a longer one, that of its first byte."""
+class Address:
+    """Addresses of the registers; of a longer one, that of its first byte. Two registers may share one."""
 
-    PRESET = 0x11
-    PRESET_SETTING_ENABLE = 0x40
-    SERIAL_NUMBER = 0x44
-    COMMAND = 0x77
-    DEVICE_ID = 0x78
-    MANUFACTURER_ID = 0x7E
+    PRESET: Final = 0x11
+    PRESET_SETTING_ENABLE: Final = 0x40
+    SERIAL_NUMBER: Final = 0x44
+    COMMAND: Final = 0x77
+    DEVICE_ID: Final = 0x78
+    MANUFACTURER_ID: Final = 0x7E
 
 
 #: Every register by its name.

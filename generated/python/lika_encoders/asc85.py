@@ -589,18 +589,18 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 # Registers
 
 
-class Address(IntEnum):
-    """Addresses of the registers; of a longer one, that of its first byte."""
+class Address:
+    """Addresses of the registers; of a longer one, that of its first byte. Two registers may share one."""
 
-    PROFILE_ID = 0x42
-    SERIAL_NUMBER = 0x44
-    DIAGNOSTIC_DATA = 0x5A
-    COMMAND = 0x60
-    STATUS = 0x60
-    POSITION = 0x61
-    ERROR_REGISTER = 0x69
-    DEVICE_ID = 0x78
-    MANUFACTURER_ID = 0x7E
+    PROFILE_ID: Final = 0x42
+    SERIAL_NUMBER: Final = 0x44
+    DIAGNOSTIC_DATA: Final = 0x5A
+    COMMAND: Final = 0x60
+    STATUS: Final = 0x60
+    POSITION: Final = 0x61
+    ERROR_REGISTER: Final = 0x69
+    DEVICE_ID: Final = 0x78
+    MANUFACTURER_ID: Final = 0x7E
 
 
 #: Every register by its name.

@@ -1698,20 +1698,20 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 # Registers
 
 
-class Address(IntEnum):
-    """Addresses of the registers; of a longer one, that of its first byte."""
+class Address:
+    """Addresses of the registers; of a longer one, that of its first byte. Two registers may share one."""
 
-    PROFILE_ID = 0x42
-    SERIAL_NUMBER = 0x44
-    COMMAND = 0x48
-    CONFIGURATION = 0x49
-    ABSOLUTE_RESOLUTION = 0x4D
-    PRESET_OFFSET = 0x50
-    DEVICE_TYPE = 0x55
-    SINE_COSINE_RESOLUTION = 0x58
-    POSITION_CHECK = 0x59
-    DEVICE_ID = 0x78
-    MANUFACTURER_ID = 0x7E
+    PROFILE_ID: Final = 0x42
+    SERIAL_NUMBER: Final = 0x44
+    COMMAND: Final = 0x48
+    CONFIGURATION: Final = 0x49
+    ABSOLUTE_RESOLUTION: Final = 0x4D
+    PRESET_OFFSET: Final = 0x50
+    DEVICE_TYPE: Final = 0x55
+    SINE_COSINE_RESOLUTION: Final = 0x58
+    POSITION_CHECK: Final = 0x59
+    DEVICE_ID: Final = 0x78
+    MANUFACTURER_ID: Final = 0x7E
 
 
 #: Every register by its name.
