@@ -6,56 +6,27 @@ contradict their layout. A part that cannot be built is reported and left out, s
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
 from . import codec
+from .build_facts import alarm, connector, erratum, example, hardware_input, manual, sources, table, timing
 from .crc import form, polynomial_text
 from .examples import check_examples
 from .expressions import Expression, ExpressionError
-from .layouts import Context, Raw, bit_range, build_layout, build_values
+from .fields import Context, Raw, bit_range, build_values
+from .layouts import build_layout
 from .limits import bounded, bounded_width, bounds, representable
 from .model import (
-    Alarm, Argument, CableLength, Characteristic, CodePart, CodeValue, Connector, Contact, ControlField, Crc, DataId, Device, Document, Edition,
-    Erratum, Example, FieldGroup, Input, Interface, Led, LedState, LostFigure, Manual, Manufacturer, Measurement, MemoryAccess, Network, OrderCode,
-    Parameter, Port, PrintedTimeout, Procedure, Register, RegisterMeaning, Revision, Source, Sources, Step, Table, Timeout, Timing, Variant,
-    Write,
+    Argument, CableLength, Characteristic, CodePart, CodeValue, ControlField, Crc, DataId, Device, Document, FieldGroup, Interface, Led, LedState,
+    LostFigure, Manufacturer, Measurement, MemoryAccess, Network, OrderCode, Parameter, Port, PrintedTimeout, Procedure, Register,
+    RegisterMeaning, Step, Timeout, Variant,
 )
 from .order_codes import combinations
 from .problems import DocumentReport, Path
 from .run_time import resolve_parameters
-
-_SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
-
-
-def parse_sources(text: str) -> Sources:
-    """``6.4 p.35; it: 6.4 p.36`` as sources; a page range such as ``p.14-15`` stays part of the section."""
-    found = []
-    for piece in text.split(";"):
-        match = _SOURCE.fullmatch(piece)
-        if match is not None:
-            page = int(match["page"]) if match["page"] else None
-            found.append(Source(match["document"] or "", match["section"], page))
-    return tuple(found)
-
-
-def sources(raw: Raw) -> Sources:
-    return parse_sources(raw["source"]) if "source" in raw else ()
-
-
-def build_manufacturer(raw: Raw) -> Manufacturer:
-    """The manufacturer that a checked manufacturer file describes."""
-    return Manufacturer(
-        name=raw["manufacturer"],
-        title=raw["title"],
-        biss_id=raw.get("biss_id"),
-        python_package=raw.get("python_package", f"{raw['manufacturer']}_encoders"),
-        version=raw.get("version", "0.0.0"),
-        trademarks=tuple(raw.get("trademarks", ())),
-    )
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device:
@@ -84,7 +55,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
         title=raw["title"],
         movement=raw["movement"],
         manufacturer=manufacturer,
-        manual=_manual(raw["manual"]),
+        manual=manual(raw["manual"]),
         documents=tuple(Document(key, item["title"], item.get("url", "")) for key, item in raw.get("documents", {}).items()),
         lost_figures=tuple(LostFigure(item["content"], sources(item)) for item in raw.get("lost_figures", ())),
         parameters=tuple(_parameter(name, item, definitions, variants) for name, item in raw["parameters"].items()),
@@ -93,20 +64,20 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
         crcs=crcs,
         interfaces=interfaces,
         registers=registers,
-        alarms=tuple(map(_alarm, raw.get("alarms", ()))),
+        alarms=tuple(map(alarm, raw.get("alarms", ()))),
         procedures=(),
-        timings=tuple(map(_timing, raw.get("timings", ()))),
-        connectors=tuple(map(_connector, raw.get("connectors", ()))),
+        timings=tuple(map(timing, raw.get("timings", ()))),
+        connectors=tuple(map(connector, raw.get("connectors", ()))),
         leds=tuple(
             Led(item["name"], item["title"], tuple(LedState(state["state"], state["meaning"]) for state in item["states"]), sources(item))
             for item in raw.get("leds", ())
         ),
         characteristics=tuple(Characteristic(item["name"], item["value"], item.get("only", ""), sources(item)) for item in raw.get("characteristics", ())),
-        examples=tuple(map(_example, raw.get("examples", ()))),
-        errata=tuple(map(_erratum, raw.get("errata", ()))),
+        examples=tuple(map(example, raw.get("examples", ()))),
+        errata=tuple(map(erratum, raw.get("errata", ()))),
         measurement=_measurement(raw, context),
-        inputs=tuple(map(_input, raw.get("inputs", ()))),
-        tables=tuple(map(_table, raw.get("tables", ()))),
+        inputs=tuple(map(hardware_input, raw.get("inputs", ()))),
+        tables=tuple(map(table, raw.get("tables", ()))),
         field_groups=tuple(
             FieldGroup(item["name"], item.get("printed_name", ""), item.get("names", {}), item["bits"], item.get("note", ""), sources(item))
             for item in raw.get("field_groups", ())
@@ -208,25 +179,6 @@ def _crc(raw: Raw) -> Crc:
     )
 
 
-def _manual(raw: Raw) -> Manual:
-    return Manual(
-        title=raw["title"],
-        revision=raw["revision"],
-        date=raw.get("date", ""),
-        language=raw["language"],
-        publisher=raw.get("publisher", ""),
-        editions=tuple(Edition(item["language"], item.get("title", ""), item["revision"], item.get("date", "")) for item in raw.get("editions", ())),
-        history=tuple(
-            Revision(item["revision"], item.get("date", ""), item["changes"], item.get("hardware", ""), item.get("software", "")) for item in raw.get("history", ())
-        ),
-    )
-
-
-def _timing(raw: Raw) -> Timing:
-    bounds = {key: raw.get(key) for key in ("at_least_us", "typical_us", "at_most_us")}
-    return Timing(raw["name"], raw.get("symbol", ""), raw["meaning"], source=sources(raw), **bounds)
-
-
 def _data_ids(raw: Raw) -> tuple[DataId, ...]:
     return tuple(
         DataId(item["name"], item["id"], item["control"], item["purpose"], item.get("meaning", ""), sources(item)) for item in raw.get("data_ids", ())
@@ -255,7 +207,7 @@ def _interface(kind: str, raw: Raw, context: Context) -> Interface:
     return Interface(
         kind=kind,
         layouts=tuple(item for item in layouts if item is not None),
-        timings=tuple(map(_timing, raw.get("timings", ()))),
+        timings=tuple(map(timing, raw.get("timings", ()))),
         note=raw.get("note", ""),
         source=sources(raw),
         signals=raw.get("signals", ""),
@@ -371,46 +323,6 @@ def _measurement(raw: Raw, context: Context) -> Measurement | None:
     found = raw["measurement"]
     parts = {key: context.expression(found[key]) if key in found else None for key in ("steps_per_turn", "turns", "step_um", "steps")}
     return Measurement(of=found["of"], source=sources(found), **parts)
-
-
-def _input(raw: Raw) -> Input:
-    return Input(
-        name=raw["name"], printed_name=raw.get("printed_name", ""), names=raw.get("names", {}), meaning=raw["meaning"], low=raw.get("low", ""),
-        high=raw.get("high", ""), pulse_at_least_us=raw.get("pulse_at_least_us"), inverts=raw.get("inverts", ""), needs=raw.get("needs", ""),
-        when_unused=raw.get("when_unused", ""), note=raw.get("note", ""), source=sources(raw),
-    )
-
-
-def _table(raw: Raw) -> Table:
-    return Table(raw["name"], raw["title"], tuple(raw["columns"]), tuple(tuple(map(str, row)) for row in raw["rows"]), raw.get("note", ""), sources(raw))
-
-
-def _alarm(raw: Raw) -> Alarm:
-    return Alarm(
-        name=raw["name"], printed_name=raw.get("printed_name", ""), names=raw.get("names", {}), group=raw.get("group", ""),
-        register=raw.get("register", ""), field=raw.get("field", ""), meaning=raw["meaning"], detected=raw.get("detected", ""), below_mv=raw.get("below_mv"),
-        latch=raw.get("latch"), implemented=raw.get("implemented", True), remedy=raw.get("remedy", ""),
-        cleared_by=tuple(raw.get("cleared_by", ())), source=sources(raw),
-    )
-
-
-def _connector(raw: Raw) -> Connector:
-    contacts = tuple(Contact(item["contact"], item["signal"], item.get("only", "")) for item in raw["contacts"])
-    return Connector(raw["name"], raw["kind"], raw["title"], tuple(raw.get("interfaces", ())), raw.get("mating", ""), contacts, raw.get("note", ""), sources(raw))
-
-
-def _example(raw: Raw) -> Example:
-    return Example(
-        name=raw["name"], kind=raw["kind"], order_code=raw.get("order_code", ""), layout=raw.get("layout", ""), register=raw.get("register", ""),
-        procedure=raw.get("procedure", ""), crc=raw.get("crc", ""), sender=raw.get("from", "encoder"), bytes=bytes.fromhex(raw.get("bytes", "")),
-        bits=raw.get("bits", ""), check=raw.get("check"), arguments=MappingProxyType(dict(raw.get("arguments", {}))), values=MappingProxyType(dict(raw.get("values", {}))),
-        writes=tuple(Write(item["address"], item["value"]) for item in raw.get("writes", ())), refused=raw.get("refused", ""),
-        erratum=raw.get("erratum", ""), note=raw.get("note", ""), source=sources(raw), counts=raw.get("counts"), micrometres=raw.get("micrometres"),
-    )
-
-
-def _erratum(raw: Raw) -> Erratum:
-    return Erratum(raw["name"], raw["printed"], raw["used"], raw["why"], raw["status"], raw["severity"], tuple(raw.get("affects", ())), sources(raw))
 
 
 def _procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .model import Device, Variant
+    from .model import Device
     from .order_codes import Match
 
 _DESCRIPTION = "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."

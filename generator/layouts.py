@@ -8,41 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from .crc import fold_plan
-from .expressions import Expression, ExpressionError
-from .model import Crc, DataId, Digits, Field, Join, Layout, Piece, Sources, Value
-from .problems import DocumentReport, Path
+from .expressions import Expression
+from .fields import Context, Raw, bit_range, digits, equals, kind, pieces, values, zero_field
+from .model import Field, Join, Layout
+from .problems import Path
 
-Raw = Mapping[str, Any]
 ZERO = Expression(0)
 
 #: Numbers of frames and registers are held in 64 bits by the generated C.
 LARGEST_NUMBER = 64
-
-
-@dataclass(frozen=True)
-class Context:
-    """What a layout may refer to. ``parameter_sets`` holds, by interface, the parameters of its order codes, each set once."""
-
-    report: DocumentReport
-    groups: Mapping[str, tuple[Raw, Path]]
-    definitions: Mapping[str, Expression]
-    parameter_sets: Mapping[str, Sequence[Mapping[str, int]]]
-    crcs: Mapping[str, Crc]
-    data_ids: Mapping[str, tuple[DataId, ...]]
-    sources: Any
-
-    def expression(self, text: int | str) -> Expression | None:
-        """The expression over parameters that order codes set, or None when it is none or names one that does not exist."""
-        try:
-            found = Expression.parse(text).substitute(self.definitions)
-            for parameters in next(iter(self.parameter_sets.values()), ())[:1]:
-                found.value(parameters)
-            return found
-        except ExpressionError:
-            return None  # reported by the rules on references and expressions
 
 
 @dataclass(frozen=True)
@@ -83,14 +59,15 @@ def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, tota
         return None
     fields = [field for item in items for field in _fields(item, context, interface)]
     fields = _with_places(fields, bits, context, interface)
-    gaps = raw.get("other_bits", "")
+    # In a frame only a group can leave bits without a field; what it says of them holds.
+    gaps = raw.get("other_bits") or next((group["other_bits"] for group in _used_groups(raw, context) if "other_bits" in group), "")
     if not _covers(fields, bits, gaps, path, context, interface):
         return None
-    if gaps == "zero" or any(group.get("other_bits") == "zero" for group in _used_groups(raw, context)):
+    if gaps == "zero":
         fields = _with_zeros(fields, bits, context, interface)
     widest = _widest(bits, context, interface)
     if carried_as == "bytes":
-        fields = [replace(field, pieces=_pieces(field, widest // 8, low_first)) for field in fields]
+        fields = [replace(field, pieces=pieces(field, widest // 8, low_first)) for field in fields]
     crc = next((context.crcs.get(field.crc) for field in fields if field.kind == "crc"), None)
     when = raw.get("when", {})
     layout = Layout(
@@ -168,15 +145,6 @@ def _width(raw: Raw, context: Context) -> Expression | None:
     if "crc" in raw and raw["crc"] in context.crcs:
         return Expression(context.crcs[raw["crc"]].width)
     return Expression(1) if "active" in raw or "parity_of" in raw else None
-
-
-def bit_range(text: int | str) -> tuple[int, int] | None:
-    """``7:6`` as (7, 6) and ``5`` as (5, 5); None when it is neither, or upside down."""
-    high, _, low = str(text).partition(":")
-    if not high.isdecimal() or len(high) > 4 or (low and (not low.isdecimal() or len(low) > 4)):
-        return None
-    bounds = int(high), int(low or high)
-    return bounds if bounds[0] >= bounds[1] else None
 
 
 def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expression | None:
@@ -276,7 +244,7 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
         container = raw.get("padded_to", 0)
         yield Field(
             name=raw["name"],
-            kind=_kind(raw),
+            kind=kind(raw),
             low=part.low,
             width=width,
             widest=widest,
@@ -288,11 +256,11 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
             active_low=raw.get("active") == "low",
             when_active=raw.get("when_active", ""),
             when_inactive=raw.get("when_inactive", ""),
-            values=_values(raw, context, interface),
+            values=values(raw, context, interface),
             crc=raw.get("crc", ""),
             parity_of=raw.get("parity_of", ""),
-            digits=_digits(raw),
-            equals=_equals(raw, context),
+            digits=digits(raw),
+            equals=equals(raw, context),
             signed=raw.get("signed", False),
             zero_means=raw.get("zero_means", 0),
             power_of_two=raw.get("power_of_two", False),
@@ -307,46 +275,7 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
         )
         if container:
             rest = part.span - width
-            yield _zero(f"{raw['name']}_padding", part.low + width, rest, _widest(rest, context, interface), context.sources(raw), padding_of=raw["name"])
-
-
-def _equals(raw: Raw, context: Context) -> Expression | int | str | None:
-    """What a reader finds: text as it is, a number as a number, an expression where it depends on the order code."""
-    found = raw.get("equals")
-    if isinstance(found, str) and "text" not in raw:
-        return context.expression(found)
-    return found if isinstance(found, (int, str)) else None
-
-
-def _zero(name: str, low: Expression, width: Expression, widest: int, source: Sources, padding_of: str = "") -> Field:
-    return Field(name=name, kind="constant", low=low, width=width, widest=widest, padding_of=padding_of, meaning="always zero", source=source)
-
-
-def _kind(raw: Raw) -> str:
-    kinds = {"constant": "constant", "active": "flag", "values": "choice", "values_of": "choice", "crc": "crc", "parity_of": "parity", "digits": "digits", "text": "text"}
-    return next((kind for key, kind in kinds.items() if key in raw), "number")
-
-
-def build_values(raw: Raw, context: Context) -> tuple[Value, ...]:
-    """The named values that ``raw['values']`` lists, as the spec orders them."""
-    return tuple(
-        Value(name, value["value"], value.get("printed_name", ""), value.get("names", {}), value.get("meaning", ""), context.sources(value))
-        for name, value in raw.get("values", {}).items()
-    )
-
-
-def _values(raw: Raw, context: Context, interface: str) -> tuple[Value, ...]:
-    if "values_of" in raw:
-        return tuple(Value(item.name, item.id, f"Data ID {item.id:X}", {}, item.meaning, item.source) for item in context.data_ids.get(interface, ()))
-    return build_values(raw, context)
-
-
-def _digits(raw: Raw) -> tuple[Digits, ...]:
-    runs, divisor = [], 1
-    for run in reversed(raw.get("digits", ())):
-        runs.append(Digits(run["name"], run["digits"], divisor, 10 ** run["digits"], run.get("meaning", "")))
-        divisor *= 10 ** run["digits"]
-    return tuple(reversed(runs))
+            yield zero_field(f"{raw['name']}_padding", part.low + width, rest, _widest(rest, context, interface), context.sources(raw), padding_of=raw["name"])
 
 
 def _with_places(fields: Sequence[Field], bits: Expression, context: Context, interface: str) -> list[Field]:
@@ -377,10 +306,9 @@ def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[tuple[Field | N
 
 
 def _covers(fields: Sequence[Field], bits: Expression, gaps: str, path: Path, context: Context, interface: str) -> bool:
-    groups_with_gaps = any(group.get("other_bits") for group, _ in context.groups.values())
-    if gaps or groups_with_gaps:
+    if gaps:
         return True
-    for below, above, low, width in _gaps(fields, bits):
+    for _below, _above, low, width in _gaps(fields, bits):
         for parameters in _sets(context, interface):
             if (size := width.value(parameters)) > 0:
                 first = low.value(parameters)
@@ -394,22 +322,8 @@ def _with_zeros(fields: Sequence[Field], bits: Expression, context: Context, int
     zeros = []
     for below, above, low, width in _gaps(fields, bits):
         name = f"zero_below_{above.name}" if above is not None else f"zero_above_{below.name}" if below is not None else "zero"
-        zeros.append(_zero(name, low, width, _widest(width, context, interface), (above or below or fields[0]).source))
+        zeros.append(zero_field(name, low, width, _widest(width, context, interface), (above or below or fields[0]).source))
     return _with_places([*fields, *zeros], bits, context, interface)
-
-
-def _pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
-    """The bytes that hold the field, where that is the same for every order code."""
-    size = field.container or (field.width.constant if field.width.is_constant else 0)
-    if not field.low.is_constant or not size:
-        return ()
-    low, pieces, done = field.low.constant, [], 0
-    while done < size:
-        bit = low + done
-        part = min(8 - bit % 8, size - done)
-        pieces.append(Piece(bit // 8 if low_first else length - 1 - bit // 8, bit % 8, (1 << part) - 1, done))
-        done += part
-    return tuple(pieces)
 
 
 def _is_sound(layout: Layout, path: Path, context: Context, interface: str) -> bool:

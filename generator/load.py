@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
-from .build import build_device, build_manufacturer
+from .build import build_device
+from .build_facts import build_manufacturer
 from .check import check_document
 from .model import Device, Manufacturer
 from .problems import Report, listed

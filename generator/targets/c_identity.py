@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Register
 from . import TargetError
-from .c_source import bracketed, c_name, number, title
+from .c_source import bracketed, c_name, title
 from .c_views import Check, IdentityView, Line
 
 if TYPE_CHECKING:

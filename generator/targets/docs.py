@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from .. import markdown, page, page_codes, page_facts
-from ..markdown import cited, code, link, sentence, text
+from ..markdown import cited, code, link, text
 from ..model import Device, FieldGroup, Interface, Layout, Register, Timing
 from ..relevant import follows_registers
 from ..render import render

@@ -11,7 +11,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from codewheel.build import parse_sources
+from codewheel.build_facts import parse_sources
 from codewheel.codec import decode_bytes
 from codewheel.decode import decoded_data
 from codewheel.expressions import Expression, ExpressionError

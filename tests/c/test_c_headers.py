@@ -19,7 +19,6 @@ from codewheel.cli import main
 from codewheel.model import Device
 from codewheel.targets import Library, TargetError
 from codewheel.targets.c import generate
-from codewheel.targets.c_device import DeviceView
 from codewheel.targets.c_source import RESERVED, c_name, comment, in_comment, noted, string
 
 ROOT = Path(__file__).parents[2]
@@ -125,7 +124,7 @@ HOSTILE = 'x */ int y; /* z " \' \\ ??/ \n # error // é µ \u202e %s {{ 1 }} */
 TEXTS = {
     "title", "meaning", "note", "printed_name", "printed", "used", "why", "signals", "profile", "precondition", "result", "detected", "remedy", "when_active", "when_inactive",
     "unit", "special", "rule_text", "control_data_note", "publisher", "symbol", "address_text", "data", "changes", "content", "url", "section", "argument_meaning", "revision", "date",
-    "trademarks", "low", "high", "when_unused", "content", "only",
+    "trademarks", "low", "high", "when_unused", "only",
 }  # fmt: skip
 
 

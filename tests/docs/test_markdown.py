@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from codewheel.build import parse_sources
+from codewheel.build_facts import parse_sources
 from codewheel.markdown import cited, code, paragraph, table, text
 
 
