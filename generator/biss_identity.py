@@ -122,8 +122,11 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
 def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     """The profile IDs in registers 42h and 43h with the order codes that have them; empty where the spec states none."""
     register = next((item for item in device.registers if item.interface == "biss" and item.address == PROFILE and item.length == 2), None)
-    if register is None or register.byte_order != "high_byte_first" or any(not _is_stated(field) for field in register.layout.fields):
+    if register is None or register.byte_order != "high_byte_first":
         return {}
+    if any(not _is_stated(field) for field in register.layout.fields):
+        # What is printed as the register's value, though not as what tells the models.
+        return {} if register.default is None else {register.default: tuple(variant.code for variant in biss_variants(device))}
     found: dict[int, list[str]] = {}
     for variant in biss_variants(device):
         placed = register.layout.place(variant.parameters)

@@ -27,7 +27,7 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
             yield *head, code(value.text), joined([text(value.meaning), sets, _only_with(value.only_with)]), cited(value.source or part.source)
         if part.open:
             shown = code(part.open) if part.open.isalnum() else f"matches {code(part.open)}"
-            yield "", "", shown, joined(["not listed in the manual; accepted as unlisted", _only_with(part.open_only_with)]), cited(part.source)
+            yield "", "", shown, joined(["accepted as well, shown as unlisted", _only_with(part.open_only_with)]), cited(part.source)
 
 
 def _only_with(combined: Any) -> str:

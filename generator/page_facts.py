@@ -114,7 +114,7 @@ def register_facts(device: Device, register: Register) -> Iterator[tuple[str, st
     if register.wait_at_least_ms is not None:
         yield "Wait after a write", f"at least {register.wait_at_least_ms} ms"
     if register.volatile:
-        yield "At power-off", "a written value is lost unless it is saved"
+        yield "At power-off", "to be kept, a written value has to be saved"
     if register.reserved:
         yield "Reserved", f"for the {register.reserved}"
     for item in register.meanings:

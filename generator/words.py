@@ -38,6 +38,9 @@ def timeout_words(timeout: Timeout) -> str:
     half = timeout.half_clock_periods
     parts = [f"{half / 2:g} clock periods" if half is not None else _RULE.get(timeout.rule, timeout.rule)]
     parts += [f"{word} {nanoseconds(value)}" for word, value in (("typically", timeout.typical_ns), ("at most", timeout.at_most_ns)) if value is not None]
+    if half is None:
+        # Without a rule the printed values are all that is known.
+        parts += [f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed]
     return ", ".join(parts)
 
 

@@ -72,8 +72,8 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     if not timeout:
         return
     halves: int | None = timeout.get("half_clock_periods")
-    if timeout["rule"] == "follows_clock" and halves is None and "at_most_ns" not in timeout and "typical_ns" not in timeout:
-        report.add("timeout-mismatch", path, "a time-out that follows the clock needs 'half_clock_periods', or 'typical_ns' or 'at_most_ns' where no rule is given", at_key=True)
+    if timeout["rule"] == "follows_clock" and halves is None and not {"at_most_ns", "typical_ns", "printed"} & timeout.keys():
+        report.add("timeout-mismatch", path, "a time-out that follows the clock needs 'half_clock_periods', or 'typical_ns', 'at_most_ns' or 'printed' where no rule is given", at_key=True)
     if timeout["rule"] == "fixed":
         if halves is not None:
             report.add("timeout-mismatch", (*path, "half_clock_periods"), "a fixed time-out does not depend on the clock; leave this out", at_key=True)

@@ -116,6 +116,10 @@ class InterfaceSource:
             for name, value in (("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)):
                 if value is not None:
                     yield macro(f"{self.upper}_TIMEOUT_{name}_NS", number(value), f"time-out after a frame [{cite(timeout.source)}]")
+            if timeout.half_clock_periods is None:
+                for item in timeout.printed:
+                    name = f"{self.upper}_TIMEOUT_AT_{item.clock_hz}_HZ_NS"
+                    yield macro(name, number(item.timeout_ns), f"time-out after a frame at that clock [{cite(timeout.source)}]")
         if interface.port is not None:
             yield from self._port(interface.port)
         yield from self._control_data()

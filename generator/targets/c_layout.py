@@ -223,7 +223,7 @@ class LayoutSource:
             "constant": f"always {field.constant:#x}" if field.constant else "always 0",
             "parity": f"even parity of {field.parity_of}",
             "crc": f"CRC {field.crc} over everything before it",
-            "flag": f"{'0' if field.active_low else '1'} when so" if field.implemented else "not implemented",
+            "flag": f"active {'low' if field.active_low else 'high'}" if field.implemented else "not implemented",
             "digits": "decimal digits: " + ", ".join(run.name for run in field.digits),
         }.get(field.kind, "")
         if field.container:

@@ -88,7 +88,7 @@ class RegisterSource:
         if register.clears_itself:
             yield "Goes back to its default by itself after a write."
         if register.volatile:
-            yield "A written value is lost at power-off unless it is saved."
+            yield "To be kept over power-off, a written value has to be saved."
         if register.above_max:
             yield f"A value above the greatest is taken as the {register.above_max}."
         if register.write_clears:

@@ -296,7 +296,7 @@ class Module:
         if register.wait_at_least_ms:
             notes.append(f"Wait at least {register.wait_at_least_ms} ms after a write.")
         if register.volatile:
-            notes.append("What is written is lost at power-off unless it is saved.")
+            notes.append("To be kept over power-off, a written value has to be saved.")
         return [" ".join(notes)] if notes else []
 
     @property

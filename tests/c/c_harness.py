@@ -38,6 +38,9 @@ SPECS = Path(__file__).resolve().parents[1] / "specs"
 #: Runs lines through the program and gives one answer for each.
 Run = Callable[[Iterable[str]], list[str]]
 
+#: The families of the library, by which tests are named.
+FAMILIES = ("am36", "amm5", "asc85", "sma21")
+
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:
     devices, report = load_library(paths)

@@ -7,11 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from c_harness import SPECS, Run, compile_c, devices_of, runner, source, write
+from c_harness import FAMILIES, SPECS, Run, compile_c, devices_of, runner, source, write
 from codewheel.model import Device
 
 #: The families of the library, and specs that use what none of them does.
-FAMILIES = ("am36", "amm5", "asc85", "sma21")
 MADE_UP = ("bits22", "tv62", "words")
 
 

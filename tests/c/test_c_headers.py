@@ -13,8 +13,7 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import pytest
-from c_harness import compile_c, devices_of, source, write
-from conftest import FAMILIES
+from c_harness import FAMILIES, compile_c, devices_of, source, write
 from codewheel.cli import main
 from codewheel.model import Device
 from codewheel.targets import Library, TargetError

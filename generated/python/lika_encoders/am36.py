@@ -415,7 +415,7 @@ class EnablePreset(IntEnum):
 # Used: Both as printed.
 #
 # Erratum ssi_pause, open (5.1; 5.3; amm5: 5.3). Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at
-# least 12 µs. Used: Both as printed.
+# least 12 µs. Used: At least 12 µs.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
@@ -1180,7 +1180,7 @@ class Configuration(NamedTuple):
 
     Preset function, output code and counting direction.
 
-    As delivered: 20. What is written is lost at power-off unless it is saved.
+    As delivered: 20. To be kept over power-off, a written value has to be saved.
 
     A new value takes effect at once; Save parameters on EEPROM keeps it. Bits 0, 1, 3, 4 and 7 are not used; by the
     list of defaults they are 0.
@@ -1191,6 +1191,9 @@ class Configuration(NamedTuple):
 
     Erratum example_bit_8, settled (6.5 p.25; 6.5). Printed: Bit 8 Counting direction, in the list of the configuration
     example. Used: Bit 6.
+
+    Erratum preset_example_bit, settled (6.5). Printed: Table of the preset example: address 49, bit 2, data 0. Used:
+    20h in register 49h: bit 2 at 0, the other bits at their defaults.
 
     Attributes:
         counting_direction: Rotation with which the position counts up, seen from the shaft, while the Counting
@@ -1261,7 +1264,7 @@ class InformationPerRevolution(NamedTuple):
 
     Singleturn resolution.
 
-    The high byte is at the lowest address. As delivered: 10 00 00. What is written is lost at power-off unless it is
+    The high byte is at the lowest address. As delivered: 10 00 00. To be kept over power-off, a written value has to be
     saved.
 
     A new value takes effect at once, also on the length of the frame, and sets the preset to zero; Save parameters on
@@ -1270,6 +1273,10 @@ class InformationPerRevolution(NamedTuple):
     Erratum biss_singleturn_resolution, open (6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29). Printed:
     AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and
     56h. Used: Widths by registers 56h and 57h, with their printed defaults, whatever the order code says.
+
+    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
+    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
+    say, from the moment that a resolution is written.
 
     Erratum resolution_byte_order, open (6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15). Printed: 10 00 00h for 4B ... 4D,
     00 01h and the like for 4E - 4F, without a table of the bytes. Used: High byte first.
@@ -1322,7 +1329,7 @@ class NumberOfRevolutions(NamedTuple):
 
     Multiturn resolution.
 
-    The high byte is at the lowest address. As delivered: 00 00. What is written is lost at power-off unless it is
+    The high byte is at the lowest address. As delivered: 00 00. To be kept over power-off, a written value has to be
     saved.
 
     Any number from 1 to 65,536, powers of two or not. A new value takes effect at once, also on the length of the
@@ -1333,6 +1340,10 @@ class NumberOfRevolutions(NamedTuple):
     Erratum revolutions_4096, open (6.5 p.28; 6.5 p.31). Printed: Device type: AMx36xx/4096. Number of revolutions:
     65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while
     switched off. Used: 65,536 for the registers and the frame; 4096 as what the label says.
+
+    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
+    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
+    say, from the moment that a resolution is written.
 
     Erratum resolution_byte_order, open (6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15). Printed: 10 00 00h for 4B ... 4D,
     00 01h and the like for 4E - 4F, without a table of the bytes. Used: High byte first.
@@ -1384,7 +1395,7 @@ class Preset(NamedTuple):
     Position that the encoder shows, from the activation on, at the place where its shaft stands at that moment.
 
     The high byte is at the lowest address. As delivered: 00 00 00 00 00. Can be written while
-    configuration.enable_preset holds enable. What is written is lost at power-off unless it is saved.
+    configuration.enable_preset holds enable. To be kept over power-off, a written value has to be saved.
 
     At most Information per revolution × Number of revolutions − 1; the printed maximum is that of the defaults. Set the
     bit Enable preset to 0 (enable) before writing. The value is saved without effect by Save parameters on EEPROM, and
@@ -1404,10 +1415,6 @@ class Preset(NamedTuple):
 
     Erratum preset_default_length, settled (6.5 p.29; 7 p.33). Printed: Default = 00 00 00 00 00 00h. Used: Five bytes
     of 00.
-
-    Erratum preset_limit_at_defaults, settled (6.5 p.29). Printed: At most (Information per revolution × Number of
-    revolutions) − 1; Max. value: 0F FF FF FF FFh. Used: The printed maximum as the limit of the register; the product
-    is stated in its note.
 
     Attributes:
         position: Position as one number, revolutions above the singleturn position (counts).
@@ -1508,6 +1515,10 @@ class SingleturnBitsUsed(NamedTuple):
     AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and
     56h. Used: Widths by registers 56h and 57h, with their printed defaults, whatever the order code says.
 
+    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
+    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
+    say, from the moment that a resolution is written.
+
     Attributes:
         bits: Width of the singleturn part of the position (bits).
     """
@@ -1550,6 +1561,10 @@ class MultiturnBitsUsed(NamedTuple):
     Erratum revolutions_4096, open (6.5 p.28; 6.5 p.31). Printed: Device type: AMx36xx/4096. Number of revolutions:
     65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while
     switched off. Used: 65,536 for the registers and the frame; 4096 as what the label says.
+
+    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
+    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
+    say, from the moment that a resolution is written.
 
     Erratum revolution_bits_rounding, open (6.5 p.28; 6.5 p.31). Printed: Number of revolutions may be any number;
     register 57h shows the bits used for it. Used: Register 57h is read, not computed.
@@ -1813,6 +1828,9 @@ def set_preset(position: int) -> tuple[Step, ...]:
 
     After: The position at which the command arrived has the preset value; all other positions follow from it.
 
+    Erratum preset_example_bit, settled (6.5). Printed: Table of the preset example: address 49, bit 2, data 0. Used:
+    20h in register 49h: bit 2 at 0, the other bits at their defaults.
+
     Args:
         position: Value that the present position is to get.
 
@@ -1837,6 +1855,9 @@ def store_preset(position: int) -> tuple[Step, ...]:
 
     After: The preset is saved; the position is the same as before. The Zero setting/Preset input or activate_preset
     activates it.
+
+    Erratum preset_example_bit, settled (6.5). Printed: Table of the preset example: address 49, bit 2, data 0. Used:
+    20h in register 49h: bit 2 at 0, the other bits at their defaults.
 
     Args:
         position: Value to keep for a later activation.
@@ -1881,6 +1902,10 @@ def restore_defaults() -> tuple[Step, ...]:
 
     After: All parameters have their defaults, which are active and saved; what was set before is lost, the preset
     included. With them the frame has 44 bits again.
+
+    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
+    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
+    say, from the moment that a resolution is written.
     """
     return (
         *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
@@ -1898,6 +1923,10 @@ def set_resolution(information_per_revolution: int, number_of_revolutions: int, 
 
     The frame changes its length as soon as the resolution is written; the master has to follow before it can read a
     position again. The order of the steps is drawn from the warnings of registers 48h, 4Bh, 4Eh and 50h.
+
+    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
+    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
+    say, from the moment that a resolution is written.
 
     Erratum preset_cleared_when, open (6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29). Printed: 4Bh, 4Eh: after a new value has
     been entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together, Save
@@ -2223,10 +2252,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="BG is binary, GG is Gray.",
         why=(
-            "Which is which is printed nowhere. The first letters fit, and the BG1 models of the AMM5 manual are the "
-            "binary ones."
+            "Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the SMA21 "
+            "manual calls that of its G1x models Gray and has BG and GG beside them."
         ),
-        status="open",
+        status="settled",
         severity="omission",
         affects=("order_code", "parameters.ssi_gray"),
         source="5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2",
@@ -2362,7 +2391,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ssi_pause",
         printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs",
-        used="Both as printed",
+        used="At least 12 µs",
         why=(
             "A typical time has longer ones beside it: an encoder with a Tm above 12 µs is not ready after the "
             "shortest pause. The AMM5 manual, with the same Tm, asks for 20 µs."
@@ -2402,6 +2431,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.biss.single_cycle_data",
             "parameters.used_singleturn_bits",
             "parameters.used_multiturn_bits",
+            "registers.information_per_revolution",
+            "registers.number_of_revolutions",
+            "registers.singleturn_bits_used",
+            "registers.multiturn_bits_used",
+            "procedures.set_resolution",
+            "procedures.restore_defaults",
         ),
         source="6.3.1 p.21; 6.5 p.31",
     ),
@@ -2559,19 +2594,6 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="6.5 p.29; 7 p.33",
     ),
     Erratum(
-        name="preset_limit_at_defaults",
-        printed="At most (Information per revolution × Number of revolutions) − 1; Max. value: 0F FF FF FF FFh",
-        used="The printed maximum as the limit of the register; the product is stated in its note.",
-        why=(
-            "0F FF FF FF FFh is 1,048,576 × 65,536 − 1, the limit with the default resolution; with any smaller one "
-            "the printed maximum is too high."
-        ),
-        status="settled",
-        severity="wrong_limit",
-        affects=("registers.preset",),
-        source="6.5 p.29",
-    ),
-    Erratum(
         name="device_id_shared",
         printed="One device ID, AM I7 2 with the software version, for all models",
         used="As printed",
@@ -2580,7 +2602,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "that is set, and the device ID stays; a master has to read 56h and 57h to know it."
         ),
         status="open",
-        severity="wrong_data",
+        severity="omission",
         affects=("registers.device_id",),
         source="6.5 p.31; prot: p.14-15",
     ),
@@ -2596,6 +2618,25 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="omission",
         affects=("interfaces.biss.timeout",),
         source="6.6 p.32; prot: p.18",
+    ),
+    Erratum(
+        name="preset_example_bit",
+        printed="Table of the preset example: address 49, bit 2, data 0",
+        used="20h in register 49h: bit 2 at 0, the other bits at their defaults",
+        why="A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).",
+        status="settled",
+        severity="wrong_data",
+        affects=("registers.configuration.enable_preset", "procedures.set_preset", "procedures.store_preset"),
+        source="6.5",
+    ),
+    Erratum(
+        name="insulating",
+        printed="Possibility of insulting the circuits galvanically",
+        used="Nothing; the sentence is not taken over.",
+        why="Insulating is meant, as the AMM5 manual has it.",
+        status="settled",
+        severity="wording",
+        source="5.1",
     ),
 )
 

@@ -471,8 +471,9 @@ class SsiWord(NamedTuple):
     Erratum ssi_output_code, settled (5.1; 5.2). Printed: 5.1: the output code can be Binary or Gray, see the order
     code. 5.2: the output code is BINARY, see the order code. Used: Binary.
 
-    Erratum ssi_clock_count, open (5.1; 5.2). Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at
-    least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy both.
+    Erratum ssi_clock_count, open (5.1; 5.2; it: 5.1). Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1
+    are necessary), 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks
+    satisfy both.
 
     Erratum ssi_table_65kkg1, settled (5.2; it: 5.2). Printed: AMM5A17/65KKG1... and five more in the English table of
     word lengths. Used: 65KBG1.
@@ -1083,8 +1084,8 @@ class SingleturnReply(NamedTuple):
         variant: The encoder that the frame belongs to.
         data_id: What is asked for.
         status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; False: none of BUSY flag, PS error,
-            battery alarm and MT error; high active.
+        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
         singleturn: Position within one revolution (counts).
     """
 
@@ -1179,8 +1180,8 @@ class MultiturnReply(NamedTuple):
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; False: none of BUSY flag, PS error,
-            battery alarm and MT error; high active.
+        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
         multiturn: Number of revolutions. 0 where the encoder has none.
     """
 
@@ -1271,8 +1272,8 @@ class EncoderIdReply(NamedTuple):
 
     Attributes:
         status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; False: none of BUSY flag, PS error,
-            battery alarm and MT error; high active.
+        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
     """
 
     status_st_error: bool = False
@@ -1346,13 +1347,13 @@ class CompleteReply(NamedTuple):
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
 
-    Of its parts, see ERRATA: control_field_structure, battery_alarm_reset.
+    Of its parts, see ERRATA: control_field_structure, battery_alarm_reset, busy_clear.
 
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; False: none of BUSY flag, PS error,
-            battery alarm and MT error; high active.
+        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
         singleturn: Position within one revolution (counts).
         multiturn: Number of revolutions. 0 where the encoder has none.
         busy: True: not ready after power-on or during a reset; all position data are 0; False: ready; high active.
@@ -1883,7 +1884,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
@@ -1930,7 +1931,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
@@ -1977,7 +1978,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
@@ -2018,7 +2019,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
@@ -2268,7 +2269,7 @@ class Preset(NamedTuple):
     Position that the encoder shows, from the activation on, at the place where its shaft stands at that moment.
 
     The low byte is at the lowest address. As delivered: 00 00 00 00 00 00 00. Can be written while
-    preset_setting_enable holds enable. What is written is lost at power-off unless it is saved.
+    preset_setting_enable holds enable. To be kept over power-off, a written value has to be saved.
 
     Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register again through
     Preset setting enable, save it, and activate it if it is to take effect at once; at a standstill, the manual
@@ -2738,6 +2739,9 @@ def reset_singleturn_and_multiturn() -> tuple[Step, ...]:
     Erratum data_id_8_scope, open (7.4.2 p.45; ti_sdk:
     docs_src/docs/api_guide/components/position_sense/tamagawa_design.md). Printed: Table: Data ID 8 resets singleturn
     and multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn.
+
+    Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
+    in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
     """
     return (
         Send(b"\xc2", times=10, every_us=40),
@@ -2750,12 +2754,15 @@ def reset_multiturn_and_errors() -> tuple[Step, ...]:
 
     Before: Shaft at a standstill, that is 300 rpm or less.
 
-    After: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST error, MT error) are
-    cleared.
+    After: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST error, MT error; by
+    7.4.1 the battery alarm as well) are cleared.
 
     Erratum battery_alarm_reset, open (7.4.1 p.44; 7.4.2 p.45). Printed: 7.4.1: Battery alarm latches and is reset with
     ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as
     well.
+
+    Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
+    in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
     """
     return (
         Send(b"\x62", times=10, every_us=40),
@@ -2768,11 +2775,14 @@ def reset_errors() -> tuple[Step, ...]:
 
     Before: Shaft at a standstill, that is 300 rpm or less.
 
-    After: The latched errors (PS error, ST error, MT error) are cleared.
+    After: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are cleared.
 
     Erratum battery_alarm_reset, open (7.4.1 p.44; 7.4.2 p.45). Printed: 7.4.1: Battery alarm latches and is reset with
     ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as
     well.
+
+    Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
+    in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
     """
     return (
         Send(b"\xba", times=10, every_us=40),
@@ -3400,13 +3410,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_clock_count",
-        printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
+        printed=(
+            "5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least "
+            "as many clocks as data bits"
+        ),
         used="Neither is enforced; n + 1 clocks satisfy both.",
         why="With the word aligned to the left, a clock too many brings a zero after it, one too few may lose the LSB.",
         status="open",
         severity="wrong_limit",
         affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2",
+        source="5.1; 5.2; it: 5.1",
     ),
     Erratum(
         name="ssi_table_65kkg1",
@@ -3579,7 +3592,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "follows the map may write 40h on its own: bank 1 would open the preset, bank 0 close it."
         ),
         status="open",
-        severity="wrong_data",
+        severity="omission",
         affects=("registers.preset", "registers.preset_setting_enable"),
         source="6.4 p.38; prot: p.14-15",
     ),
@@ -3592,7 +3605,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "the release bytes, printed as xx, differ with them, a master cannot tell the models apart."
         ),
         status="open",
-        severity="wrong_data",
+        severity="omission",
         affects=("registers.device_id",),
         source="6.4 p.39; prot: p.14-15",
     ),
@@ -3767,9 +3780,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="preset_default_length",
         printed="Default of Preset: 00 00 00 00 00",
         used="Seven bytes of 00",
-        why="The register has seven bytes, 11h to 17h.",
+        why=(
+            "The register has seven bytes, 11h to 17h; five bytes written from 11h on leave 16h and 17h, most of the "
+            "multiturn part, as they were."
+        ),
         status="settled",
-        severity="omission",
+        severity="wrong_data",
         affects=("registers.preset",),
         source="10 p.52; it: 10 p.53",
     ),
@@ -3785,6 +3801,55 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="wording",
         affects=("leds.led_1_error", "leds.led_2_warning"),
         source="9 p.51; it: 9 p.51",
+    ),
+    Erratum(
+        name="battery_replacement_position",
+        printed=(
+            "Step 9: singleturn and multiturn positions are provided properly; the multiturn position is different "
+            "than before"
+        ),
+        used="Singleturn as before; multiturn different, to be set again",
+        why=(
+            "A multiturn position that differs from the one before is not right; 4.3.1 uses the same words where both "
+            "are kept."
+        ),
+        status="settled",
+        severity="wording",
+        affects=("characteristics.battery_replacement_with_error",),
+        source="4.3.2 p.24; it: 4.3.2 p.24",
+    ),
+    Erratum(
+        name="reset_standstill",
+        printed="Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less)",
+        used="At a standstill, that is 300 rpm or less, as printed",
+        why=(
+            "A shaft at 300 rpm does not stand still. The descriptions of C and 7 have no condition at all, and that "
+            "of data ID 8 asks for a stop without a speed."
+        ),
+        status="open",
+        severity="wrong_limit",
+        affects=(
+            "procedures.reset_errors",
+            "procedures.reset_multiturn_and_errors",
+            "procedures.reset_singleturn_and_multiturn",
+        ),
+        source="7.4.2 p.45; it: 7.4.2 p.45",
+    ),
+    Erratum(
+        name="busy_clear",
+        printed=(
+            "BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed decreased to 300 "
+            "rpm or less)"
+        ),
+        used="Both as printed",
+        why=(
+            "The description knows no speed. Whether power-on above 300 rpm keeps the flag set, with all position "
+            "data at 0, is not said."
+        ),
+        status="open",
+        severity="omission",
+        affects=("alarms.busy", "field_groups.alarm_field.busy"),
+        source="7.4.1 p.44; it: 7.4.1 p.44",
     ),
 )
 

@@ -61,6 +61,7 @@ from ._facts import (
     Manual,
     NamedValue,
     Network,
+    PrintedTimeout,
     Register,
     Revision,
     SsiFacts,
@@ -414,7 +415,7 @@ BISS: Final = BissFacts(
     profile="BP1: Standard Encoder Profile",
     signals="EIA RS-422 for CLOCK IN (MA) and DATA OUT (SLO)",
     network=Network(topology="point_to_point", multiple_slaves=False, source="6 p.19"),
-    timeout=Timeout(rule="follows_clock", typical_ns=350, source="6.5 p.32"),
+    timeout=Timeout(rule="follows_clock", printed=(PrintedTimeout(10_000_000, 350),), source="6.5 p.32"),
     control_data=(
         ControlField(
             name="register_address",
@@ -618,14 +619,15 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="variant", meaning="Singleturn resolution, Variant 0-24++"),
                 FieldFacts(
                     name="data_length",
-                    meaning="Data length, 25 + 1 bits: position and constant 0 bit",
+                    meaning="Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit",
                     unit="bits",
                 ),
             ),
             meaning="Identification code of the encoder profile, BP1 (Standard Encoder Profile)",
             note=(
-                "Printed once for all models, although the data length fits only the one of 25 bits. For the variant "
-                "the manual refers to the standard encoder profile, data format."
+                "Printed once for all models, although the data length fits only the one of 25 bits; so the length is "
+                "not taken to tell the encoder. For the variant the manual refers to the standard encoder profile, "
+                "data format."
             ),
             source="6.4 p.23",
         ),
@@ -973,15 +975,15 @@ class ProfileId(NamedTuple):
 
     The high byte is at the lowest address. As delivered: 28 1A.
 
-    Printed once for all models, although the data length fits only the one of 25 bits. For the variant the manual
-    refers to the standard encoder profile, data format.
+    Printed once for all models, although the data length fits only the one of 25 bits; so the length is not taken to
+    tell the encoder. For the variant the manual refers to the standard encoder profile, data format.
 
     Erratum profile_id_data_length, open (6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35). Printed: Profile ID 28 1A,
     data length 25 + 1 bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
 
     Attributes:
         variant_: Singleturn resolution, Variant 0-24++.
-        data_length: Data length, 25 + 1 bits: position and constant 0 bit.
+        data_length: Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit.
     """
 
     variant_: int
@@ -989,8 +991,8 @@ class ProfileId(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """Whether it holds what the manual says: variant 40, data_length 26."""
-        return self.variant_ == 40 and self.data_length == 26
+        """Whether it holds what the manual says: variant 40."""
+        return self.variant_ == 40
 
     @classmethod
     def decode(cls, data: bytes) -> ProfileId:
@@ -1226,6 +1228,9 @@ class Status(NamedTuple):
     the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning;
     all are active errors.
 
+    Erratum eds_bank_missing, open (6.4 p.22; prot: p.14-15). Printed: Status bit 3: write access permitted to the EDS
+    memory area. No registers 40h and 41h are listed. Used: No EDS.
+
     Attributes:
         configuration_completed: True: configuration registers verified by their CRC and absolute data read by the
             absolute data interface; False: configuration not completed; high active.
@@ -1323,6 +1328,9 @@ class Position(NamedTuple):
     Erratum position_register_bits, open (6.2.1 p.20; 6.4 p.29; icmr: p.33). Printed: Position: registers 61h to 64h
     with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models. Used: The exponents number the bits of the register: the
     position is left-aligned at bit 31 and position_bits wide; the bits below it are unspecified.
+
+    Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
+    Used: Reading the position register.
 
     Attributes:
         variant: The encoder that the register belongs to.
@@ -1580,6 +1588,9 @@ def request_position() -> tuple[Step, ...]:
     """Request new position data and read them (6.4 p.26).
 
     After: The position register holds the position that was asked for.
+
+    Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
+    Used: Reading the position register.
     """
     return (
         *writes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
@@ -1637,7 +1648,12 @@ def software_reset() -> tuple[Step, ...]:
     return (
         *writes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
         Poll(Address.STATUS, 1, "status", 0x80, 0x80, "configuration verified, absolute data read"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "1 if the configuration was not confirmed"),
+        Read(
+            Address.ERROR_REGISTER,
+            1,
+            "error_register",
+            "0; to be read as well when the poll is given up, if the encoder still answers",
+        ),
     )
 
 
@@ -2266,7 +2282,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         status="open",
         severity="omission",
-        affects=("registers.error_register", "procedures.reset_errors"),
+        affects=(
+            "registers.error_register",
+            "registers.position",
+            "procedures.reset_errors",
+            "procedures.request_position",
+        ),
         source="6.4 p.29; icmr: p.42",
     ),
     Erratum(
@@ -2278,7 +2299,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "profile ID the same as well, a master cannot tell the models apart."
         ),
         status="open",
-        severity="wrong_data",
+        severity="omission",
         affects=("registers.device_id", "procedures.identify"),
         source="6.4 p.31; prot: p.14-15",
     ),
@@ -2294,6 +2315,28 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="omission",
         affects=("interfaces.biss.timeout",),
         source="6.5 p.32; prot: p.18; amm5: 6.5 p.40",
+    ),
+    Erratum(
+        name="insulating",
+        printed="Possibility of insulting the circuits galvanically",
+        used="Nothing; the sentence is not taken over.",
+        why="Insulating is meant, as the AMM5 manual has it.",
+        status="settled",
+        severity="wording",
+        source="5.1",
+    ),
+    Erratum(
+        name="eds_bank_missing",
+        printed="Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.",
+        used="No EDS",
+        why=(
+            "In the BiSS register map 40h selects the bank and 41h holds the EDS bank. Whether there is an EDS, and "
+            "where, is not said."
+        ),
+        status="open",
+        severity="omission",
+        affects=("registers.status",),
+        source="6.4 p.22; prot: p.14-15",
     ),
 )
 

@@ -132,6 +132,7 @@ ORDER_CODE: Final = OrderCode(
             meaning="Power supply",
             values=(PartValue(text="1", meaning="+5 V DC ±5 %"), PartValue(text="4", meaning="+5 V DC to +30 V DC")),
             open="[0-9]",
+            open_only_with={"output": ("BG", "GG", "G1", "SC",)},
             source="4.1 p.15; 4.2 p.16",
         ),
         Part(
@@ -555,6 +556,9 @@ class SsiWord(NamedTuple):
 
 # BiSS C-mode
 #
+# Erratum profile_variants, open (6.4 p.28; asc85: 6.4 p.23). Printed: Variant 0-24+++ and 2819h for a field of 25 bits,
+# Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed.
+#
 # Erratum biss_timeout, open (6.5 p.34; prot: p.18; asc85: 6.5 p.32). Printed: The BiSS time-out adapts itself to the
 # clock, 16 µs at most, without saying how. Used: At most 16 µs.
 
@@ -633,8 +637,9 @@ class SingleCycleData(NamedTuple):
     position is refused.
 
     Erratum position_below_zero, open (6.4 p.32; 7.3.3.2 p.41). Printed: Positions before the preset get a value
-    according to it, without saying what is sent below zero or above the maximum. Used: The position starts again after
-    2^position_bits counts.
+    according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position
+    starts again after 2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart;
+    the 48-bit position goes below zero.
 
     Erratum warning_level, open (6.2 p.26; 9.1). Printed: Warning, nW, without saying which level means a warning. Used:
     0 is a warning, as with the error bit.
@@ -833,23 +838,25 @@ class PositionReply(NamedTuple):
     bits 23:20.
 
     Erratum position_below_zero, open (6.4 p.32; 7.3.3.2 p.41). Printed: Positions before the preset get a value
-    according to it, without saying what is sent below zero or above the maximum. Used: The position starts again after
-    2^position_bits counts.
+    according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position
+    starts again after 2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart;
+    the 48-bit position goes below zero.
 
     Erratum abs_range_24, settled (7.3.3). Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
 
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level.
+    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level,
+    unimplemented_alarms.
 
     Attributes:
         variant: The encoder that the frame belongs to.
         data_id: What is asked for.
-        status_alarm: True: encoder alarm (warning): danger of a fault, though the position is right; False: no encoder
-            alarm; high active. Not stored; cleared as soon as the cause is gone.
-        status_error: True: encoder error: fault of the encoder, wrong position, or a stop of the motor is called for;
-            False: no encoder error; high active. Stored in the encoder until the errors are reset.
+        status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
+            position is right; False: no encoder alarm; high active. Not stored; cleared as soon as the cause is gone.
+        status_error: True: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
+            motor has to stop; False: no encoder error; high active. Stored in the encoder until the errors are reset.
         position: Position in counts; times the resolution it is a length.
         overspeed: True: speed too high; False: no overspeed; high active.
         initialization_error: True: error during the initialization, or absolute position not found; False: no
@@ -981,8 +988,9 @@ class WidePositionReply(NamedTuple):
     Always binary, negative values as two's complement. No error code; the status field alone tells of errors.
 
     Erratum position_below_zero, open (6.4 p.32; 7.3.3.2 p.41). Printed: Positions before the preset get a value
-    according to it, without saying what is sent below zero or above the maximum. Used: The position starts again after
-    2^position_bits counts.
+    according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position
+    starts again after 2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart;
+    the 48-bit position goes below zero.
 
     Erratum abs_range_48, settled (7.3.3; a4: p.298). Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh. Used:
     To 7FFFFFFFFFFFh.
@@ -993,13 +1001,14 @@ class WidePositionReply(NamedTuple):
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level.
+    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level,
+    unimplemented_alarms.
 
     Attributes:
-        status_alarm: True: encoder alarm (warning): danger of a fault, though the position is right; False: no encoder
-            alarm; high active. Not stored; cleared as soon as the cause is gone.
-        status_error: True: encoder error: fault of the encoder, wrong position, or a stop of the motor is called for;
-            False: no encoder error; high active. Stored in the encoder until the errors are reset.
+        status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
+            position is right; False: no encoder alarm; high active. Not stored; cleared as soon as the cause is gone.
+        status_error: True: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
+            motor has to stop; False: no encoder error; high active. Stored in the encoder until the errors are reset.
         position: Position in counts; times the resolution it is a length.
     """
 
@@ -1085,14 +1094,15 @@ class IdentificationReply(NamedTuple):
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level.
+    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level,
+    unimplemented_alarms.
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        status_alarm: True: encoder alarm (warning): danger of a fault, though the position is right; False: no encoder
-            alarm; high active. Not stored; cleared as soon as the cause is gone.
-        status_error: True: encoder error: fault of the encoder, wrong position, or a stop of the motor is called for;
-            False: no encoder error; high active. Stored in the encoder until the errors are reset.
+        status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
+            position is right; False: no encoder alarm; high active. Not stored; cleared as soon as the cause is gone.
+        status_error: True: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
+            motor has to stop; False: no encoder error; high active. Stored in the encoder until the errors are reset.
         position: Position in counts; times the resolution it is a length.
         overspeed: True: speed too high; False: no overspeed; high active.
         initialization_error: True: error during the initialization, or absolute position not found; False: no
@@ -1411,7 +1421,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="ea0",
                 meaning="Not stored; cleared as soon as the cause is gone",
                 active="high",
-                when_active="encoder alarm (warning): danger of a fault, though the position is right",
+                when_active=(
+                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
+                    "right"
+                ),
                 when_inactive="no encoder alarm",
                 source="7.3.2 p.38; a4: p.298",
             ),
@@ -1420,7 +1433,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="ea1",
                 meaning="Stored in the encoder until the errors are reset",
                 active="high",
-                when_active="encoder error: fault of the encoder, wrong position, or a stop of the motor is called for",
+                when_active=(
+                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
+                    "has to stop"
+                ),
                 when_inactive="no encoder error",
                 source="7.3.2 p.38; a4: p.298",
             ),
@@ -1536,7 +1552,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="ea0",
                 meaning="Not stored; cleared as soon as the cause is gone",
                 active="high",
-                when_active="encoder alarm (warning): danger of a fault, though the position is right",
+                when_active=(
+                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
+                    "right"
+                ),
                 when_inactive="no encoder alarm",
                 source="7.3.2 p.38; a4: p.298",
             ),
@@ -1545,7 +1564,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="ea1",
                 meaning="Stored in the encoder until the errors are reset",
                 active="high",
-                when_active="encoder error: fault of the encoder, wrong position, or a stop of the motor is called for",
+                when_active=(
+                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
+                    "has to stop"
+                ),
                 when_inactive="no encoder error",
                 source="7.3.2 p.38; a4: p.298",
             ),
@@ -1597,7 +1619,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="ea0",
                 meaning="Not stored; cleared as soon as the cause is gone",
                 active="high",
-                when_active="encoder alarm (warning): danger of a fault, though the position is right",
+                when_active=(
+                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
+                    "right"
+                ),
                 when_inactive="no encoder alarm",
                 source="7.3.2 p.38; a4: p.298",
             ),
@@ -1606,7 +1631,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="ea1",
                 meaning="Stored in the encoder until the errors are reset",
                 active="high",
-                when_active="encoder error: fault of the encoder, wrong position, or a stop of the motor is called for",
+                when_active=(
+                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
+                    "has to stop"
+                ),
                 when_inactive="no encoder error",
                 source="7.3.2 p.38; a4: p.298",
             ),
@@ -1958,6 +1986,9 @@ class ProfileId(NamedTuple):
 
     Standard encoder profile, data format, Variant 0-24 from 50 µm to 2 µm, Variant 0-24+++ at 1 µm.
 
+    Erratum profile_variants, open (6.4 p.28; asc85: 6.4 p.23). Printed: Variant 0-24+++ and 2819h for a field of 25
+    bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed.
+
     Attributes:
         variant: The encoder that the register belongs to.
         profile_id: 28h and, in decimal, the bits of the position.
@@ -2098,7 +2129,7 @@ class Configuration(NamedTuple):
 
     Preset or offset, output code and counting direction.
 
-    As delivered: 20. What is written is lost at power-off unless it is saved.
+    As delivered: 20. To be kept over power-off, a written value has to be saved.
 
     A new setting is active at once after its transmission; save it with the Command register.
 
@@ -2230,7 +2261,7 @@ class PresetOffset(NamedTuple):
     Preset or offset, as the bit Select preset / offset of the Configuration register says.
 
     The high byte is at the lowest address. As delivered: 00 00 00 00. Can be written while
-    configuration.enable_preset_offset holds enable. What is written is lost at power-off unless it is saved.
+    configuration.enable_preset_offset holds enable. To be kept over power-off, a written value has to be saved.
 
     Available only while the bit Enable preset / offset of the Configuration register is 0 (enable). Activate it only
     with the device at rest, by the command Save and activate Preset / Offset. The highest preset is 00 0F FF FFh at 50
@@ -2393,6 +2424,9 @@ class PositionCheck(NamedTuple):
     As delivered: 00.
 
     Do not change the value; only for Lika's technicians.
+
+    Erratum position_check_default, open (6.4 p.33; 12 p.51). Printed: Register 59h can be written and has the default
+    00h; the list of defaults leaves it out. Used: 00h.
 
     Attributes:
         position_check: position check.
@@ -3607,7 +3641,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Positions before the preset get a value according to it, without saying what is sent below zero or above "
             "the maximum"
         ),
-        used="The position starts again after 2^position_bits counts.",
+        used=(
+            "Over SSI and BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over "
+            "RS-485 after as many as their bits tell apart; the 48-bit position goes below zero."
+        ),
         why=(
             "A preset of 0, or a reset of the position, within the travel leaves places below it. The position fields "
             "are unsigned, but that of data ID 5."
@@ -3645,7 +3682,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "from the profile ID would miss 4, 2 or 1 bits here."
         ),
         status="open",
-        severity="wording",
+        severity="wrong_data",
         affects=("registers.profile_id", "parameters.profile_id", "interfaces.biss.profile"),
         source="6.4 p.28; asc85: 6.4 p.23",
     ),
@@ -3908,13 +3945,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ab_frequency",
         printed=(
-            "2320 kHz between edges at 4.7 m/s with 2 µm and at 2.4 m/s with 1 µm, worked out with the minimum "
-            "distance of 0.25 µs"
+            "580 kHz per period and 2320 kHz between edges, at 4.7 m/s with 2 µm and at 2.4 m/s with 1 µm, worked out "
+            "with the minimum distance of 0.25 µs"
         ),
         used="The table as printed",
         why=(
-            "4.7 m/s through 2 µm is 2,350 kHz and 2.4 m/s through 1 µm is 2,400 kHz; 2,320 kHz belongs to 4.64 and "
-            "2.32 m/s. The other rows agree. At a distance of 0.25 µs it would be 4,000 kHz in every row."
+            "4.7 m/s is 587.5 and 2,350 kHz at 2 µm, 2.4 m/s is 600 and 2,400 kHz at 1 µm; 580 and 2,320 kHz belong "
+            "to 4.64 and 2.32 m/s. The other rows agree. At a distance of 0.25 µs it would be 4,000 kHz in every row."
         ),
         status="open",
         severity="wrong_limit",
@@ -3947,6 +3984,33 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="wording",
         affects=("registers.preset_offset",),
         source="6.4; 12 p.51",
+    ),
+    Erratum(
+        name="unimplemented_alarms",
+        printed=(
+            "ea0 stands for Signal on the strength alarm and Temperature alarm, ea1 among others for Encoder "
+            "inharmonious error and Higher track error; by the table of ALMC none of the four is implemented, and "
+            "release 1.1 removed one of them"
+        ),
+        used="As printed; a decoder does not refuse them",
+        why="What is not implemented cannot set ea0, and ea1 is left with bits 5, 2, 1 and 0 of ALMC.",
+        status="settled",
+        severity="wording",
+        affects=("field_groups.status_field", "field_groups.alarm_field"),
+        source="7.3.2 p.38; 7.3.3 p.39; 7.3.3.1 p.40",
+    ),
+    Erratum(
+        name="position_check_default",
+        printed="Register 59h can be written and has the default 00h; the list of defaults leaves it out.",
+        used="00h",
+        why=(
+            "Whether loading the defaults sets it back is not said; it is the only register of this kind that is "
+            "missing from the list."
+        ),
+        status="open",
+        severity="omission",
+        affects=("registers.position_check",),
+        source="6.4 p.33; 12 p.51",
     ),
 )
 

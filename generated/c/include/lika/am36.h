@@ -60,9 +60,9 @@ extern "C" {
  * Info).
  * Erratum (settled): printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-... Used: I7; 17 is accepted
  *                    as well and shown as unlisted. [6; 6.5 p.31]
- * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
- *                 or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1; 5.2;
- *                 amm5: 5 p.27; amm5: 5.2]
+ * Erratum (settled): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be
+ *                    Gray or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1;
+ *                    5.2; amm5: 5 p.27; amm5: 5.2]
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
  *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
@@ -313,7 +313,7 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3 MHz.
  *                 Used: Both as printed. [5.3]
  * Erratum (open): printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12
- *                 us. Used: Both as printed. [5.1; 5.3; amm5: 5.3]
+ *                 us. Used: At least 12 us. [5.1; 5.3; amm5: 5.3]
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3] */
 #define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U /* highest clock [5.3] */
@@ -827,7 +827,7 @@ typedef enum lika_am36_command {
 /*
  * Configuration, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
  * Preset function, output code and counting direction.
- * A written value is lost at power-off unless it is saved.
+ * To be kept over power-off, a written value has to be saved.
  * A new value takes effect at once; Save parameters on EEPROM keeps it. Bits 0, 1, 3, 4 and 7 are
  * not used; by the list of defaults they are 0.
  *   bit 7     -                   always 0
@@ -842,6 +842,8 @@ typedef enum lika_am36_command {
  *                    sma21: 6.4; am36_1_1: p.30]
  * Erratum (settled): printed: Bit 8 Counting direction, in the list of the configuration example.
  *                    Used: Bit 6. [6.5 p.25; 6.5]
+ * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
+ *                    register 49h: bit 2 at 0, the other bits at their defaults. [6.5]
  */
 #define LIKA_AM36_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_AM36_REG_CONFIGURATION_LENGTH 1U /* byte */
@@ -939,7 +941,7 @@ static inline lika_result lika_am36_reg_configuration_encode(
  * Information per revolution, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
  * Singleturn resolution.
  * The lowest address holds the high byte.
- * A written value is lost at power-off unless it is saved.
+ * To be kept over power-off, a written value has to be saved.
  * A value above the greatest is taken as the default.
  * A write clears Preset.
  * A new value takes effect at once, also on the length of the frame, and sets the preset to zero;
@@ -950,6 +952,10 @@ static inline lika_result lika_am36_reg_configuration_encode(
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
  *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
  *                 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ * Erratum (open): printed: Position has a variable length according to the resolution of the
+ *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
+ *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ *                 p.31]
  * Erratum (open): printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a
  *                 table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5 p.29; prot:
  *                 p.14-15]
@@ -1014,7 +1020,7 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
  * Number of revolutions, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
  * Multiturn resolution.
  * The lowest address holds the high byte.
- * A written value is lost at power-off unless it is saved.
+ * To be kept over power-off, a written value has to be saved.
  * A write clears Preset.
  * Any number from 1 to 65,536, powers of two or not. A new value takes effect at once, also on the
  * length of the frame, and sets the preset to zero; Save parameters on EEPROM keeps it. The number
@@ -1026,6 +1032,10 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
  *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
  *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
  *                 the label says. [6.5 p.28; 6.5 p.31]
+ * Erratum (open): printed: Position has a variable length according to the resolution of the
+ *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
+ *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ *                 p.31]
  * Erratum (open): printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a
  *                 table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5 p.29; prot:
  *                 p.14-15]
@@ -1088,7 +1098,7 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
  * that moment.
  * The lowest address holds the high byte.
  * Can be written only while Enable preset of Configuration is 0 (enable).
- * A written value is lost at power-off unless it is saved.
+ * To be kept over power-off, a written value has to be saved.
  * At most Information per revolution x Number of revolutions - 1; the printed maximum is that of
  * the defaults. Set the bit Enable preset to 0 (enable) before writing. The value is saved without
  * effect by Save parameters on EEPROM, and saved and activated by Save parameters and activate
@@ -1109,9 +1119,6 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
  *                    sma21: 6.4; am36_1_1: p.30]
  * Erratum (settled): printed: Default = 00 00 00 00 00 00h. Used: Five bytes of 00. [6.5 p.29; 7
  *                    p.33]
- * Erratum (settled): printed: At most (Information per revolution x Number of revolutions) - 1;
- *                    Max. value: 0F FF FF FF FFh. Used: The printed maximum as the limit of the
- *                    register; the product is stated in its note. [6.5 p.29]
  */
 #define LIKA_AM36_REG_PRESET_ADDRESS 0x50U
 #define LIKA_AM36_REG_PRESET_LENGTH 5U /* bytes, 50h to 54h */
@@ -1184,6 +1191,10 @@ static inline lika_result lika_am36_reg_preset_encode(
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
  *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
  *                 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ * Erratum (open): printed: Position has a variable length according to the resolution of the
+ *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
+ *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ *                 p.31]
  */
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS 0x56U
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH 1U /* byte */
@@ -1198,6 +1209,10 @@ static inline lika_result lika_am36_reg_preset_encode(
  *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
  *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
  *                 the label says. [6.5 p.28; 6.5 p.31]
+ * Erratum (open): printed: Position has a variable length according to the resolution of the
+ *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
+ *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ *                 p.31]
  * Erratum (open): printed: Number of revolutions may be any number; register 57h shows the bits
  *                 used for it. Used: Register 57h is read, not computed. [6.5 p.28; 6.5 p.31]
  */
@@ -1342,8 +1357,8 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
 
 /*
  * What the encoder's registers change of its frames. The initialisers of the variants have the
- * defaults; read the registers, or take over here what was written to them. RANGE where a value is
- * none that the encoder can have; the variant then stays as it was.
+ * defaults; read the registers, or take over here what was written to them. RANGE where the
+ * encoder cannot hold such a value; the variant then stays as it was.
  */
 
 /*
@@ -1411,7 +1426,7 @@ static inline lika_result lika_am36_take_configuration(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
+/* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_am36_identity {
     uint8_t profile_id[2]; /* from 42h: Profile ID */
     uint8_t device_type[1]; /* from 55h: Device type */
@@ -1498,6 +1513,8 @@ static inline lika_result lika_am36_set_configuration_steps(
  * position: Value that the present position is to get.
  * Result: The position at which the command arrived has the preset value; all other positions
  *         follow from it.
+ * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
+ *                    register 49h: bit 2 at 0, the other bits at their defaults. [6.5]
  */
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 8U
 
@@ -1537,6 +1554,8 @@ static inline lika_result lika_am36_set_preset_steps(
  * position: Value to keep for a later activation.
  * Result: The preset is saved; the position is the same as before. The Zero setting/Preset input or
  *         activate_preset activates it.
+ * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
+ *                    register 49h: bit 2 at 0, the other bits at their defaults. [6.5]
  */
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 8U
 
@@ -1608,6 +1627,10 @@ static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
  * Load and save the default parameters [6.5 p.24; 7 p.33].
  * Result: All parameters have their defaults, which are active and saved; what was set before is
  *         lost, the preset included. With them the frame has 44 bits again.
+ * Erratum (open): printed: Position has a variable length according to the resolution of the
+ *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
+ *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ *                 p.31]
  */
 #define LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT 2U
 
@@ -1632,6 +1655,10 @@ static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
  * The frame changes its length as soon as the resolution is written; the master has to follow
  * before it can read a position again. The order of the steps is drawn from the warnings of
  * registers 48h, 4Bh, 4Eh and 50h.
+ * Erratum (open): printed: Position has a variable length according to the resolution of the
+ *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
+ *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ *                 p.31]
  * Erratum (open): printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero.
  *                 48h, 50h: with a new resolution and a new preset set together, Save parameters
  *                 and activate Preset stores the resolution but zeroes the preset. Used:

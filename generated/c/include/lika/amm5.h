@@ -340,9 +340,9 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
  *   singleturn_bits from bit 0 up               singleturn
  * Erratum (settled): printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2:
  *                    the output code is BINARY, see the order code. Used: Binary. [5.1; 5.2]
- * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
- *                 as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy
- *                 both. [5.1; 5.2]
+ * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary),
+ *                 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is
+ *                 enforced; n + 1 clocks satisfy both. [5.1; 5.2; it: 5.1]
  * Erratum (settled): printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
  *                    Used: 65KBG1. [5.2; it: 5.2]
  * Erratum (open): printed: Only "17 + 16 bits" and the like; no words on which of singleturn and
@@ -467,8 +467,8 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * bits, most significant bit first.
  *   multiturn_bits from bit singleturn_bits + 8 up  multiturn
  *   singleturn_bits from bit 8 up                   singleturn
- *   bit 7                                           error       0 when so
- *   bit 6                                           warning     0 when so
+ *   bit 7                                           error       active low
+ *   bit 6                                           warning     active low
  *   bits 5:0                                        crc         CRC; CRC biss_6 over everything
  *                                                               before it
  * Erratum (open): printed: Only "17 + 16 bits" and the like; no words on which of singleturn and
@@ -604,6 +604,9 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum (open): printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself
+ *                 (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1 p.44;
+ *                 it: 7.4.1 p.44]
  */
 #define LIKA_AMM5_RS485_BAUD 2500000U /* bits per second [7.1 p.41] */
 #define LIKA_AMM5_RS485_DATA_BITS 8U
@@ -868,8 +871,8 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  *   byte 0 bits 6:3  data_id
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     1 when so
- *   byte 1 bit 5     status_other_error  1 when so
+ *   byte 1 bit 4     status_st_error     active high
+ *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
  *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
@@ -882,7 +885,8 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
 typedef struct lika_amm5_singleturn_reply {
     lika_amm5_data_id data_id;
     bool status_st_error; /* EE_0: ST error */
-    bool status_other_error; /* EE_1: BUSY flag, PS error, battery alarm or MT error */
+    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    bool status_other_error;
     uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
 } lika_amm5_singleturn_reply;
 
@@ -963,8 +967,8 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
  *   byte 0 bits 6:3  data_id             Data ID; always 0x1
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     1 when so
- *   byte 1 bit 5     status_other_error  1 when so
+ *   byte 1 bit 4     status_st_error     active high
+ *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     multiturn           multiturn_bits, those above always 0
  *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
@@ -973,7 +977,8 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
 
 typedef struct lika_amm5_multiturn_reply {
     bool status_st_error; /* EE_0: ST error */
-    bool status_other_error; /* EE_1: BUSY flag, PS error, battery alarm or MT error */
+    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    bool status_other_error;
     uint16_t multiturn; /* ABM0, ABM1, ABM2: Number of revolutions [revolutions] */
 } lika_amm5_multiturn_reply;
 
@@ -1043,8 +1048,8 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
  *   byte 0 bits 6:3  data_id             Data ID; always 0x2
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     1 when so
- *   byte 1 bit 5     status_other_error  1 when so
+ *   byte 1 bit 4     status_st_error     active high
+ *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
  *   byte 2           encoder_id          ENID; always 0x23; Encoder ID
  *   byte 3           crc                 CRC; CRC rs485_8 over everything before it
@@ -1053,7 +1058,8 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
 
 typedef struct lika_amm5_encoder_id_reply {
     bool status_st_error; /* EE_0: ST error */
-    bool status_other_error; /* EE_1: BUSY flag, PS error, battery alarm or MT error */
+    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    bool status_other_error;
 } lika_amm5_encoder_id_reply;
 
 /* Decodes 4 bytes. */
@@ -1116,26 +1122,27 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
  *   byte 0 bits 6:3  data_id             Data ID; always 0x3
  *   byte 0 bit 7     parity              even parity of data_id
  *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     1 when so
- *   byte 1 bit 5     status_other_error  1 when so
+ *   byte 1 bit 4     status_st_error     active high
+ *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
  *   byte 5           encoder_id          ENID; always 0x23; Encoder ID
  *   bytes 6 to 8     multiturn           multiturn_bits, those above always 0
  *   byte 9 bit 0     alarm_zero_0        always 0
- *   byte 9 bit 1     busy                1 when so
- *   byte 9 bit 2     st_error            1 when so
+ *   byte 9 bit 1     busy                active high
+ *   byte 9 bit 2     st_error            active high
  *   byte 9 bits 4:3  alarm_zero_3_4      always 0
- *   byte 9 bit 5     ps_error            1 when so
- *   byte 9 bit 6     mt_error            1 when so
- *   byte 9 bit 7     battery_alarm       1 when so
+ *   byte 9 bit 5     ps_error            active high
+ *   byte 9 bit 6     mt_error            active high
+ *   byte 9 bit 7     battery_alarm       active high
  *   byte 10          crc                 CRC; CRC rs485_8 over everything before it
  */
 #define LIKA_AMM5_COMPLETE_REPLY_LENGTH 11U
 
 typedef struct lika_amm5_complete_reply {
     bool status_st_error; /* EE_0: ST error */
-    bool status_other_error; /* EE_1: BUSY flag, PS error, battery alarm or MT error */
+    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    bool status_other_error;
     uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
     uint16_t multiturn; /* ABM0, ABM1, ABM2: Number of revolutions [revolutions] */
     bool busy; /* BUSY: not ready after power-on or during a reset; all position data are 0 */
@@ -1262,7 +1269,7 @@ static inline lika_result lika_amm5_complete_reply_encode(
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0x6
  *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  1 when so
+ *   byte 1 bit 0     mem_busy  active high
  *   byte 1 bits 7:1  address
  *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
@@ -1334,7 +1341,7 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
  *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
  *   byte 0 bits 6:3  data_id   Data ID; always 0xd
  *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  1 when so
+ *   byte 1 bit 0     mem_busy  active high
  *   byte 1 bits 7:1  address
  *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
@@ -1466,7 +1473,7 @@ static inline lika_result lika_amm5_rs485_request_for(
 }
 
 /*
- * The frame of the master that begins with these bytes, the first 1 at least. Its decoder checks
+ * The frame of the master that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
 static inline lika_result lika_amm5_rs485_request_frame(
@@ -1510,7 +1517,7 @@ static inline lika_result lika_amm5_rs485_reply_for(
 }
 
 /*
- * The frame of the encoder that begins with these bytes, the first 1 at least. Its decoder checks
+ * The frame of the encoder that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
 static inline lika_result lika_amm5_rs485_reply_frame(
@@ -1572,7 +1579,7 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  * that moment.
  * The lowest address holds the low byte.
  * Can be written only while Preset setting enable holds 01h (enable).
- * A written value is lost at power-off unless it is saved.
+ * To be kept over power-off, a written value has to be saved.
  * Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the
  * register again through Preset setting enable, save it, and activate it if it is to take effect at
  * once; at a standstill, the manual suggests. It serves, for instance, to bring the zero points of
@@ -1962,7 +1969,7 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
+/* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_amm5_identity {
     uint8_t device_id[6]; /* from 78h: Device ID */
     uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
@@ -2137,6 +2144,9 @@ static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
  *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. [7.4.2
  *                 p.45; ti_sdk:
  *                 docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
+ *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+ *                 [7.4.2 p.45; it: 7.4.2 p.45]
  */
 #define LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT 2U
 
@@ -2155,10 +2165,13 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
  * Reset multiturn data and all errors [7.4.2 p.45].
  * Before: Shaft at a standstill, that is 300 rpm or less.
  * Result: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST
- *         error, MT error) are cleared.
+ *         error, MT error; by 7.4.1 the battery alarm as well) are cleared.
  * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
+ *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+ *                 [7.4.2 p.45; it: 7.4.2 p.45]
  */
 #define LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT 2U
 
@@ -2175,10 +2188,14 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
 /*
  * Reset all errors [7.4.2 p.45].
  * Before: Shaft at a standstill, that is 300 rpm or less.
- * Result: The latched errors (PS error, ST error, MT error) are cleared.
+ * Result: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are
+ *         cleared.
  * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
+ *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+ *                 [7.4.2 p.45; it: 7.4.2 p.45]
  */
 #define LIKA_AMM5_RESET_ERRORS_STEPS_COUNT 2U
 
@@ -2199,6 +2216,9 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
  * reset; all position data are 0 meanwhile [7.4.1 p.44]
  * Detected: In normal operation, when the main power is turned on. Goes when its cause goes.
  * Remedy: Clears itself (speed of rotation down to 300 rpm or less).
+ * Erratum (open): printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself
+ *                 (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1 p.44;
+ *                 it: 7.4.1 p.44]
  */
 #define LIKA_AMM5_ALARM_BUSY_MASK 0x02U /* in the byte of the alarm field */
 

@@ -396,7 +396,8 @@ static inline lika_result lika_asc85_ssi_word_encode(
  */
 #define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /* lowest clock [6.5 p.32] */
 #define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U /* highest clock [6.5 p.32] */
-#define LIKA_ASC85_BISS_TIMEOUT_TYPICAL_NS 350U /* time-out after a frame [6.5 p.32] */
+/* time-out after a frame at that clock [6.5 p.32] */
+#define LIKA_ASC85_BISS_TIMEOUT_AT_10000000_HZ_NS 350U
 /* Register address: Register to read or to write [6.3 p.21] */
 #define LIKA_ASC85_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
 #define LIKA_ASC85_BISS_CONTROL_RW_BITS 2U /* RW: Direction of the access [6.3 p.21] */
@@ -416,8 +417,8 @@ static inline lika_result lika_asc85_ssi_word_encode(
  * position_bits + 9 bits, 34 at 25 bits of resolution.
  *   position_bits from bit 9 up  position
  *   bit 8                        zero      0; always 0
- *   bit 7                        error     0 when so
- *   bit 6                        warning   0 when so
+ *   bit 7                        error     active low
+ *   bit 6                        warning   active low
  *   bits 5:0                     crc       CRC; CRC biss_6 over everything before it
  * Erratum (settled): printed: SCD data is nbitres+8 long. Used: position_bits + 9. [6.2.1 p.20;
  *                    Preliminary information p.7]
@@ -551,8 +552,9 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  * Profile ID, read only, over BiSS C-mode [6.4 p.23].
  * Identification code of the encoder profile, BP1 (Standard Encoder Profile).
  * The lowest address holds the high byte.
- * Printed once for all models, although the data length fits only the one of 25 bits. For the
- * variant the manual refers to the standard encoder profile, data format.
+ * Printed once for all models, although the data length fits only the one of 25 bits; so the length
+ * is not taken to tell the encoder. For the variant the manual refers to the standard encoder
+ * profile, data format.
  * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
  *                 for all models, as printed; frames of position_bits + 9 bits. [6.2.1 p.20; 6.4
  *                 p.23; sma21: 6.4; icmr: p.34-35]
@@ -568,7 +570,8 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
 
 typedef struct lika_asc85_reg_profile_id {
     uint8_t variant; /* Singleturn resolution, Variant 0-24++ */
-    uint8_t data_length; /* Data length, 25 + 1 bits: position and constant 0 bit [bits] */
+    /* Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit [bits] */
+    uint8_t data_length;
 } lika_asc85_reg_profile_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
@@ -602,15 +605,13 @@ static inline lika_result lika_asc85_reg_profile_id_encode(
 }
 
 #define LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED 0x28U /* what variant always reads */
-#define LIKA_ASC85_REG_PROFILE_ID_DATA_LENGTH_EXPECTED 0x1AU /* what data_length always reads */
 
 /* Whether it reads as it always does on this encoder. */
 static inline bool lika_asc85_reg_profile_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in)
 {
     (void)variant;
-    return (in->variant == LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED) &&
-        (in->data_length == LIKA_ASC85_REG_PROFILE_ID_DATA_LENGTH_EXPECTED);
+    return in->variant == LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED;
 }
 
 /*
@@ -837,6 +838,8 @@ typedef enum lika_asc85_command {
  * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
  *                 called errors. Used: No bit of the error register is taken as a warning; all are
  *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
+ * Erratum (open): printed: Status bit 3: write access permitted to the EDS memory area. No
+ *                 registers 40h and 41h are listed. Used: No EDS. [6.4 p.22; prot: p.14-15]
  */
 #define LIKA_ASC85_REG_STATUS_ADDRESS 0x60U
 #define LIKA_ASC85_REG_STATUS_LENGTH 1U /* byte */
@@ -946,6 +949,8 @@ static inline lika_result lika_asc85_reg_status_encode(
  *                 for all models. Used: The exponents number the bits of the register: the position
  *                 is left-aligned at bit 31 and position_bits wide; the bits below it are
  *                 unspecified. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
+ * Erratum (open): printed: The reset is performed upon reading out position data. Used: Reading the
+ *                 position register. [6.4 p.29; icmr: p.42]
  */
 #define LIKA_ASC85_REG_POSITION_ADDRESS 0x61U
 #define LIKA_ASC85_REG_POSITION_LENGTH 4U /* bytes, 61h to 64h */
@@ -1211,7 +1216,7 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
+/* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_asc85_identity {
     uint8_t profile_id[2]; /* from 42h: Profile ID */
     uint8_t device_id[6]; /* from 78h: Device ID */
@@ -1266,6 +1271,8 @@ static inline const lika_asc85_order_code *lika_asc85_next_candidate(
 /*
  * Request new position data and read them [6.4 p.26].
  * Result: The position register holds the position that was asked for.
+ * Erratum (open): printed: The reset is performed upon reading out position data. Used: Reading the
+ *                 position register. [6.4 p.29; icmr: p.42]
  */
 #define LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT 6U
 
@@ -1347,7 +1354,8 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x03U, 1U, 0U },
         /* configuration verified, absolute data read */
         { LIKA_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U } /* 1 if the configuration was not confirmed */
+        /* 0; to be read as well when the poll is given up, if the encoder still answers */
+        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT;
     return steps;

@@ -59,8 +59,9 @@ typedef enum lika_step_kind {
 } lika_step_kind;
 
 /*
- * One step. What its kind does not need is 0. Mask is 0xFF where a whole byte is written; where it
- * is not, the byte is read first, and its bits outside the mask are written back as they are.
+ * One step. Members that its kind does not need have no meaning. Mask is 0xFF where a whole byte is
+ * written; where it is not, the byte is read first, and its bits outside the mask are written back
+ * as they are.
  */
 typedef struct lika_step {
     lika_step_kind kind;

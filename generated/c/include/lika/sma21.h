@@ -68,6 +68,9 @@ extern "C" {
  * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
  *                 00h at 50 um, added to positions of 20 bits. Used: 6.2; a frame with a bit set
  *                 above the position is refused. [6.2 p.25; 6.4 p.32]
+ * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
+ *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
+ *                 6.4 p.23]
  */
 
 /* What differs between order codes. */
@@ -232,11 +235,6 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
     const char *label, uint32_t *unlisted)
 {
     static const lika_open_code patterns[] = {
-        { "SMA21-JP4-0050", LIKA_NO_CODE, 0U },
-        { "SMA21-JP4-0010", LIKA_NO_CODE, 0U },
-        { "SMA21-JP4-0005", LIKA_NO_CODE, 0U },
-        { "SMA21-JP4-0002", LIKA_NO_CODE, 0U },
-        { "SMA21-JP4-0001", LIKA_NO_CODE, 0U },
         { "SMA21-BG#-0050", 0U, LIKA_SMA21_UNLISTED_SUPPLY },
         { "SMA21-BG#-0010", 1U, LIKA_SMA21_UNLISTED_SUPPLY },
         { "SMA21-BG#-0005", 2U, LIKA_SMA21_UNLISTED_SUPPLY },
@@ -256,12 +254,7 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
         { "SMA21-SC#-0010", 31U, LIKA_SMA21_UNLISTED_SUPPLY },
         { "SMA21-SC#-0005", 32U, LIKA_SMA21_UNLISTED_SUPPLY },
         { "SMA21-SC#-0002", 33U, LIKA_SMA21_UNLISTED_SUPPLY },
-        { "SMA21-SC#-0001", 34U, LIKA_SMA21_UNLISTED_SUPPLY },
-        { "SMA21-JP#-0050", 40U, LIKA_SMA21_UNLISTED_SUPPLY },
-        { "SMA21-JP#-0010", 41U, LIKA_SMA21_UNLISTED_SUPPLY },
-        { "SMA21-JP#-0005", 42U, LIKA_SMA21_UNLISTED_SUPPLY },
-        { "SMA21-JP#-0002", 43U, LIKA_SMA21_UNLISTED_SUPPLY },
-        { "SMA21-JP#-0001", 44U, LIKA_SMA21_UNLISTED_SUPPLY }
+        { "SMA21-SC#-0001", 34U, LIKA_SMA21_UNLISTED_SUPPLY }
     };
     size_t count;
     size_t index;
@@ -412,7 +405,7 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
  * bring zeros after the word. No warning bit and no CRC. Bit 0 is the error bit; the LSB of the
  * position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
  *   position_bits from bit 1 up  position
- *   bit 0                        error     0 when so
+ *   bit 0                        error     active low
  * Erratum (open): printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits.
  *                 5.2: at least as many clocks as data bits. Used: Neither is enforced; one clock
  *                 more than the word has bits satisfies both. [5.1; 5.2 p.20]
@@ -479,6 +472,9 @@ static inline lika_result lika_sma21_ssi_word_encode(
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  *               main fields and refers to the document "Protocol description C-mode" for the whole
  *               structure.
+ * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
+ *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
+ *                 6.4 p.23]
  * Erratum (open): printed: The BiSS time-out adapts itself to the clock, 16 us at most, without
  *                 saying how. Used: At most 16 us. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
  */
@@ -512,8 +508,8 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *   scd_padding_bits from bit position_bits + 8 up  padding   always 0; Zeros above the position,
  *                                                             part of the manual's Posizione
  *   position_bits from bit 8 up                     position
- *   bit 7                                           error     0 when so
- *   bit 6                                           warning   0 when so
+ *   bit 7                                           error     active low
+ *   bit 6                                           warning   active low
  *   bits 5:0                                        crc       CRC; CRC biss_6 over everything
  *                                                             before it
  * Erratum (open): printed: The output code can be binary or Gray, without saying which bits of the
@@ -525,8 +521,10 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *                 00h at 50 um, added to positions of 20 bits. Used: 6.2; a frame with a bit set
  *                 above the position is refused. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: The position starts again
- *                 after 2^position_bits counts. [6.4 p.32; 7.3.3.2 p.41]
+ *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
+ *                 position starts again after 2^position_bits counts, in the 24-bit replies over
+ *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
+ *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  * Erratum (open): printed: Warning, nW, without saying which level means a warning. Used: 0 is a
  *                 warning, as with the error bit. [6.2 p.26; 9.1]
  */
@@ -740,22 +738,24 @@ static inline lika_result lika_sma21_data_request_encode(
  *   byte 0 bit 7     parity                      cc4; even parity of data_id
  *   byte 1 bits 3:0  status_info                 dd0 ... dd3; always 0; Information, not used in
  *                                                this encoder
- *   byte 1 bit 4     status_alarm                1 when so
- *   byte 1 bit 5     status_error                1 when so
+ *   byte 1 bit 4     status_alarm                active high
+ *   byte 1 bit 5     status_error                active high
  *   byte 1 bits 7:6  status_zero                 always 0
  *   bytes 2 to 4     position                    rs485_position_bits, those above always 0
- *   byte 5 bit 0     overspeed                   1 when so
- *   byte 5 bit 1     initialization_error        1 when so
- *   byte 5 bit 2     hardware_error              1 when so
+ *   byte 5 bit 0     overspeed                   active high
+ *   byte 5 bit 1     initialization_error        active high
+ *   byte 5 bit 2     hardware_error              active high
  *   byte 5 bit 3     encoder_inharmonious_error  not implemented
  *   byte 5 bit 4     higher_track_error          not implemented
- *   byte 5 bit 5     low_amplitude_error         1 when so
+ *   byte 5 bit 5     low_amplitude_error         active high
  *   byte 5 bit 6     signal_strength_alarm       not implemented
  *   byte 5 bit 7     temperature_alarm           not implemented
  *   byte 6           crc                         CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: The position starts again
- *                 after 2^position_bits counts. [6.4 p.32; 7.3.3.2 p.41]
+ *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
+ *                 position starts again after 2^position_bits counts, in the 24-bit replies over
+ *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
+ *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. [7.3.3]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
  *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
@@ -765,13 +765,13 @@ static inline lika_result lika_sma21_data_request_encode(
 typedef struct lika_sma21_position_reply {
     lika_sma21_data_id data_id;
     /*
-     * ea0: encoder alarm (warning): danger of a fault, though the position is right. Not stored;
-     * cleared as soon as the cause is gone
+     * ea0: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
+     * position is right. Not stored; cleared as soon as the cause is gone
      */
     bool status_alarm;
     /*
-     * ea1: encoder error: fault of the encoder, wrong position, or a stop of the motor is called
-     * for. Stored in the encoder until the errors are reset
+     * ea1: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
+     * motor has to stop. Stored in the encoder until the errors are reset
      */
     bool status_error;
     /* ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length [counts] */
@@ -883,14 +883,16 @@ static inline lika_result lika_sma21_position_reply_encode(
  *   byte 0 bits 6:3  data_id       cc0 ... cc3; always 0x5
  *   byte 0 bit 7     parity        cc4; even parity of data_id
  *   byte 1 bits 3:0  status_info   dd0 ... dd3; always 0; Information, not used in this encoder
- *   byte 1 bit 4     status_alarm  1 when so
- *   byte 1 bit 5     status_error  1 when so
+ *   byte 1 bit 4     status_alarm  active high
+ *   byte 1 bit 5     status_error  active high
  *   byte 1 bits 7:6  status_zero   always 0
  *   bytes 2 to 7     position      two's complement
  *   byte 8           crc           CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: The position starts again
- *                 after 2^position_bits counts. [6.4 p.32; 7.3.3.2 p.41]
+ *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
+ *                 position starts again after 2^position_bits counts, in the 24-bit replies over
+ *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
+ *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  * Erratum (settled): printed: 48-bit position from 800000000000h to 7FFFFFFFFFh. Used: To
  *                    7FFFFFFFFFFFh. [7.3.3; a4: p.298]
  * Erratum (open): printed: Unused high bits are 0; the 48-bit position is signed. Used: Signed,
@@ -902,13 +904,13 @@ static inline lika_result lika_sma21_position_reply_encode(
 
 typedef struct lika_sma21_wide_position_reply {
     /*
-     * ea0: encoder alarm (warning): danger of a fault, though the position is right. Not stored;
-     * cleared as soon as the cause is gone
+     * ea0: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
+     * position is right. Not stored; cleared as soon as the cause is gone
      */
     bool status_alarm;
     /*
-     * ea1: encoder error: fault of the encoder, wrong position, or a stop of the motor is called
-     * for. Stored in the encoder until the errors are reset
+     * ea1: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
+     * motor has to stop. Stored in the encoder until the errors are reset
      */
     bool status_error;
     /* ABS0 ... ABS5: Position in counts; times the resolution it is a length [counts] */
@@ -984,19 +986,19 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
  *   byte 0 bit 7     parity                      cc4; even parity of data_id
  *   byte 1 bits 3:0  status_info                 dd0 ... dd3; always 0; Information, not used in
  *                                                this encoder
- *   byte 1 bit 4     status_alarm                1 when so
- *   byte 1 bit 5     status_error                1 when so
+ *   byte 1 bit 4     status_alarm                active high
+ *   byte 1 bit 5     status_error                active high
  *   byte 1 bits 7:6  status_zero                 always 0
  *   bytes 2 to 4     position                    rs485_position_bits, those above always 0
  *   byte 5           encoder_id_1                ENID1; always 0x51; Encoder ID, first byte, fixed
  *                                                for the absolute linear encoder
  *   byte 6           encoder_id_2                ENID2; always 0; Encoder ID, second byte, fixed
- *   byte 7 bit 0     overspeed                   1 when so
- *   byte 7 bit 1     initialization_error        1 when so
- *   byte 7 bit 2     hardware_error              1 when so
+ *   byte 7 bit 0     overspeed                   active high
+ *   byte 7 bit 1     initialization_error        active high
+ *   byte 7 bit 2     hardware_error              active high
  *   byte 7 bit 3     encoder_inharmonious_error  not implemented
  *   byte 7 bit 4     higher_track_error          not implemented
- *   byte 7 bit 5     low_amplitude_error         1 when so
+ *   byte 7 bit 5     low_amplitude_error         active high
  *   byte 7 bit 6     signal_strength_alarm       not implemented
  *   byte 7 bit 7     temperature_alarm           not implemented
  *   byte 8           crc                         CRC; CRC rs485_8 over everything before it
@@ -1008,13 +1010,13 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
 
 typedef struct lika_sma21_identification_reply {
     /*
-     * ea0: encoder alarm (warning): danger of a fault, though the position is right. Not stored;
-     * cleared as soon as the cause is gone
+     * ea0: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
+     * position is right. Not stored; cleared as soon as the cause is gone
      */
     bool status_alarm;
     /*
-     * ea1: encoder error: fault of the encoder, wrong position, or a stop of the motor is called
-     * for. Stored in the encoder until the errors are reset
+     * ea1: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
+     * motor has to stop. Stored in the encoder until the errors are reset
      */
     bool status_error;
     /* ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length [counts] */
@@ -1160,7 +1162,7 @@ static inline lika_result lika_sma21_rs485_request_for(
 }
 
 /*
- * The frame of the master that begins with these bytes, the first 1 at least. Its decoder checks
+ * The frame of the master that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
 static inline lika_result lika_sma21_rs485_request_frame(
@@ -1194,7 +1196,7 @@ static inline lika_result lika_sma21_rs485_reply_for(
 }
 
 /*
- * The frame of the encoder that begins with these bytes, the first 1 at least. Its decoder checks
+ * The frame of the encoder that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
 static inline lika_result lika_sma21_rs485_reply_frame(
@@ -1210,8 +1212,10 @@ static inline lika_result lika_sma21_rs485_reply_frame(
 
 /*
  * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: The position starts again
- *                 after 2^position_bits counts. [6.4 p.32; 7.3.3.2 p.41]
+ *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
+ *                 position starts again after 2^position_bits counts, in the 24-bit replies over
+ *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
+ *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  */
 
 /* The position over SSI starts again at 0 after so many counts [5.2 p.20; 6.2 p.25]. */
@@ -1316,6 +1320,9 @@ static inline double lika_sma21_rs485_millimetres(
  * The lowest address holds the high byte.
  * Standard encoder profile, data format, Variant 0-24 from 50 um to 2 um, Variant 0-24+++ at 1 um.
  *   bytes 0 to 1  profile_id
+ * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
+ *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
+ *                 6.4 p.23]
  */
 #define LIKA_SMA21_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_SMA21_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -1450,7 +1457,7 @@ typedef enum lika_sma21_command {
 /*
  * Configuration (it: Configurazione), read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
  * Preset or offset, output code and counting direction.
- * A written value is lost at power-off unless it is saved.
+ * To be kept over power-off, a written value has to be saved.
  * A new setting is active at once after its transmission; save it with the Command register.
  *   bit 7     unused_7              Non utilizzato; always 0; Not used
  *   bit 6     counting_direction
@@ -1581,7 +1588,7 @@ static inline lika_result lika_sma21_reg_configuration_encode(
  * Preset or offset, as the bit Select preset / offset of the Configuration register says.
  * The lowest address holds the high byte.
  * Can be written only while Enable preset offset of Configuration is 0 (enable).
- * A written value is lost at power-off unless it is saved.
+ * To be kept over power-off, a written value has to be saved.
  * Available only while the bit Enable preset / offset of the Configuration register is 0 (enable).
  * Activate it only with the device at rest, by the command Save and activate Preset / Offset. The
  * highest preset is 00 0F FF FFh at 50 um, 00 3F FF FFh at 10 um, 00 7F FF FFh at 5 um, 00 FF FF
@@ -1694,6 +1701,8 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
  * Used with the warning bit for an automatic check of the position.
  * Reserved to the manufacturer.
  * Do not change the value; only for Lika's technicians.
+ * Erratum (open): printed: Register 59h can be written and has the default 00h; the list of
+ *                 defaults leaves it out. Used: 00h. [6.4 p.33; 12 p.51]
  */
 #define LIKA_SMA21_REG_POSITION_CHECK_ADDRESS 0x59U
 #define LIKA_SMA21_REG_POSITION_CHECK_LENGTH 1U /* byte */
@@ -1827,8 +1836,8 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
 
 /*
  * What the encoder's registers change of its frames. The initialisers of the variants have the
- * defaults; read the registers, or take over here what was written to them. RANGE where a value is
- * none that the encoder can have; the variant then stays as it was.
+ * defaults; read the registers, or take over here what was written to them. RANGE where the
+ * encoder cannot hold such a value; the variant then stays as it was.
  */
 
 /* Takes over into the variant what the register Configuration holds: output_code. */
@@ -1845,7 +1854,7 @@ static inline lika_result lika_sma21_take_configuration(
 
 /* -- identification ---------------------------------------------------------------------------- */
 
-/* What the registers that tell an encoder hold, all of them read over BiSS C-mode. */
+/* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
 typedef struct lika_sma21_identity {
     uint8_t profile_id[2]; /* from 42h: Profile ID */
     uint8_t absolute_resolution[1]; /* from 4Dh: Absolute resolution */
