@@ -88,7 +88,7 @@ def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, tota
         gray_of=raw.get("gray", {}).get("of", ""),
         gray_when=raw.get("gray", {}).get("when", ""),
         channel=raw.get("channel"),
-        fold=fold_plan(crc.width, crc.poly, widest) if crc is not None and crc.form == "fold" else (),
+        fold=fold_plan(crc.width, crc.poly, widest) if crc is not None and crc.form == "fold" and widest <= LARGEST_NUMBER else (),
     )
     return layout if _is_sound(layout, path, context, interface) else None
 

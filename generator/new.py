@@ -71,7 +71,8 @@ def _suggested(name: str) -> str:
 def _manufacturer(path: Path) -> str:
     """The manufacturer that the file beside the spec describes."""
     document = read_document(path, Report()) if path.is_file() else None
-    return str(document.data.get("manufacturer", "maker")) if document is not None else "maker"
+    found = document.data.get("manufacturer") if document is not None else None
+    return found if isinstance(found, str) and re.fullmatch(r"[a-z][a-z0-9]*", found) else "maker"
 
 
 def _schema_path(folder: Path, name: str) -> str:

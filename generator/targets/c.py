@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from ..markdown import text as markdown_text
 from ..render import render
-from . import Library
+from . import Library, TargetError
 from .c_device import DeviceView
 from .c_source import c_name, code, comment, comment_lines, in_comment, noted, string
 
@@ -24,6 +25,8 @@ def generate(library: Library) -> dict[str, str]:
         shared = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
         files[f"c/include/{maker.name}/encoder.h"] = _render(library, "encoder.h.jinja", shared)
         for device in devices:
+            if device.name == "encoder":
+                raise TargetError("a family cannot be called 'encoder': that is the name of the header that all share")
             view = DeviceView(device)
             guides[device.name] = Guide(view)
             files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**shared, "d": view})
@@ -32,7 +35,7 @@ def generate(library: Library) -> dict[str, str]:
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
-    filters: dict[str, Callable[..., str]] = {"comment": comment, "comment_lines": comment_lines, "noted": noted, "code": code, "text": in_comment, "string": string}
+    filters: dict[str, Callable[..., str]] = {"comment": comment, "comment_lines": comment_lines, "noted": noted, "code": code, "text": in_comment, "string": string, "md": lambda value: markdown_text(in_comment(value))}
     return render("c", template, values, filters=filters, own_templates=library.own_templates)
 
 

@@ -249,8 +249,10 @@ class DeviceView:
         elif alarm.register:
             register = self.device.register(alarm.register)
             item = register.layout.field(alarm.field) if alarm.field else register.layout.fields[0]
-            bits = ((1 << item.widest) - 1) << item.low.constant
-            macros.append(self.macro(f"{stem}_MASK", number(bits, True), f"in the register {title(register)}"))
+            # A flag that moves with the order code has no mask of its own; the register's codec finds it.
+            if item.low.is_constant and item.width.is_constant:
+                bits = ((1 << item.widest) - 1) << item.low.constant
+                macros.append(self.macro(f"{stem}_MASK", number(bits, True), f"in the register {title(register)}"))
         if alarm.below_mv is not None:
             macros.append(self.macro(f"{stem}_BELOW_MV", number(alarm.below_mv), "threshold in millivolts"))
         latch = "" if alarm.latch is None else "Stays until it is reset." if alarm.latch else "Goes when its cause goes."
