@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from .expressions import Expression
-from .markdown import cited, code, joined, link, sentence, table, text
-from .model import Alarm, Device, Field, Interface, Layout, PlacedLayout, Register, Value, Variant
+from .markdown import cited, code, joined, link, table, text
+from .model import Alarm, Device, Field, Interface, Layout, PlacedLayout, Register, Value
 from .pictures import Strip, bit_strip, byte_strip, draw, group_strip, register_strip
 from .words import number
 
@@ -274,11 +274,3 @@ def register_picture(device: Device, register: Register) -> str:
     low_first = register.byte_order == "low_byte_first"
     strips: Sequence[Strip] = [register_strip(caption, shape.placed, register.address, low_first) for caption, shape in zip(captions, shapes)]
     return draw(register.printed_name or register.name, strips, max(_BIT, 42.0 if register.length == 1 else _BIT))
-
-
-def first_variant(device: Device, kind: str) -> Variant | None:
-    return next((variant for variant in device.variants if variant.interface == kind), None)
-
-
-def note_lines(*notes: str) -> list[str]:
-    return [sentence(text(note)) for note in notes if note]

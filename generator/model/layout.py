@@ -130,10 +130,6 @@ class Field:
         """Whether a user of a decoded frame wants it: it is neither fixed nor derived from other fields."""
         return self.kind not in ("constant", "crc", "parity")
 
-    @property
-    def is_optional(self) -> bool:
-        """Whether some order codes do not have the field (its width can be 0)."""
-        return not self.width.is_constant
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,10 +222,6 @@ class PlacedLayout:
 
     def field(self, name: str) -> PlacedField | None:
         return next((item for item in self.fields if item.name == name), None)
-
-    def join_low_and_width(self, join: Join) -> tuple[int, int]:
-        """Position of a join whose fields touch, as low bit and width."""
-        return self.place_of(join.name)
 
     def place_of(self, name: str) -> tuple[int, int]:
         """Low bit and width of a field, or of a join whose fields touch; width 0 where this order code has none of them."""
