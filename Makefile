@@ -5,13 +5,20 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate test check spec-page clean
+.PHONY: generate test verify check spec-page clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
 
 test: .venv/.installed tools
 	@$(PY) -m pytest
+
+# The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
+verify: .venv/.installed tools
+	@$(PY) -m pytest -rs -o addopts=-q tests/verify
+
+verify-%: .venv/.installed tools
+	@$(PY) -m pytest -rs -o addopts=-q tests/verify/test_$*.py
 
 check: .venv/.installed
 	@$(PY) -m codewheel check specs

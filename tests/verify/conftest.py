@@ -1,0 +1,8 @@
+"""The evidence shares the harness of the C tests."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "c"))

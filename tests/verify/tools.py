@@ -1,0 +1,39 @@
+"""Where the evidence finds its tools. What is missing is said aloud with the way to install it, and the test is skipped."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Sequence
+
+import pytest
+
+#: How each tool is installed on Debian 12.
+PACKAGES = {
+    "clang": "apt-get install clang libclang-rt-14-dev llvm",
+    "clang++": "apt-get install clang libclang-rt-14-dev llvm",
+    "llvm-cov": "apt-get install llvm",
+    "llvm-profdata": "apt-get install llvm",
+    "cppcheck": "apt-get install cppcheck",
+    "arm-none-eabi-gcc": "apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi",
+    "qemu-system-arm": "apt-get install qemu-system-arm",
+    "powerpc-linux-gnu-gcc": "apt-get install gcc-powerpc-linux-gnu libc6-dev-powerpc-cross",
+    "qemu-ppc-static": "apt-get install qemu-user-static",
+    "riscv64-unknown-elf-gcc": "apt-get install gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf",
+    "avr-gcc": "apt-get install gcc-avr avr-libc",
+    "cbmc": "tests/verify/get-cbmc .cbmc (and apt-get install cryptominisat)",
+    "cryptominisat5": "apt-get install cryptominisat",
+    "cmake": "apt-get install cmake",
+    "pkg-config": "apt-get install pkg-config",
+}
+
+
+def tool(name: str, folders: Sequence[str] = ()) -> str:
+    """The path of a tool; skips the test where there is none. ``CODEWHEEL_REQUIRE_TOOLS=1`` fails it instead."""
+    found = shutil.which(name, path=os.pathsep.join([*folders, os.environ.get("PATH", "")]))
+    if found:
+        return found
+    words = f"no {name} here, so this is not shown; {PACKAGES.get(name, 'install it')}"
+    if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
+        pytest.fail(words)
+    pytest.skip(words)
