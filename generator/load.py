@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import keyword
+import sys
+from collections.abc import Iterable, Sequence
 from importlib import resources
 from pathlib import Path
 
@@ -37,7 +39,9 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
         if data is not None and "device" not in data and "manufacturer" in data:
             if data["manufacturer"] in makers:
                 report.add("duplicate-name", document, ("manufacturer",), f"there is another manufacturer file for '{data['manufacturer']}'")
-            makers[data["manufacturer"]] = build_manufacturer(data)
+            built = build_manufacturer(data)
+            _check_manufacturer(built, makers.values(), document, report)
+            makers[built.name] = built
     # Of a manufacturer file with problems of its own, its devices say nothing more.
     broken = {document.data.get("manufacturer") for document in documents if "device" not in document.data}
     devices: list[Device] = []
@@ -55,6 +59,22 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
         _compare_with_others(device, devices, document, report)
         devices.append(device)
     return tuple(sorted(devices, key=lambda item: item.name)), report
+
+
+def _check_manufacturer(maker: Manufacturer, others: Iterable[Manufacturer], document: Document, report: Report) -> None:
+    """A manufacturer's files are named after it alone, and its Python package hides no module of Python's own."""
+    package = maker.python_package
+    path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
+    if package in sys.stdlib_module_names or keyword.iskeyword(package):
+        report.add("not-allowed", document, path, f"'python_package' cannot be '{package}': that is a name of Python's own; take '{package}_encoders'")
+    for other in others:
+        if other.name == maker.name:
+            continue
+        if other.python_package == package:
+            report.add("duplicate-name", document, path, f"the Python package '{package}' is that of '{other.name}' as well; each has its own")
+        if maker.biss_id is not None and other.biss_id == maker.biss_id:
+            wrong = f"the BiSS manufacturer ID {maker.biss_id:#06x} is that of '{other.name}' as well; it names the file idbiss{maker.biss_id:04X}.xml"
+            report.add("duplicate-name", document, ("biss_id",), wrong)
 
 
 def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:

@@ -38,6 +38,7 @@ RULES: tuple[Rule, ...] = (
     references.device_references,
     banks.bank_selected,
     values.value_too_wide,
+    values.register_range,
     values.timing_bounds,
     values.clock_range,
     values.timeout_mismatch,

@@ -33,6 +33,16 @@ _INNER_LISTS = (
     ("leds", "states", "state", "a state"),
 )
 
+#: Names of families that an output needs for something else: what each says of it.
+_TAKEN = {
+    "encoder": "the C header that all families share",
+    "biss": "the part of the Python package on BiSS",
+    "lookup": "a function of the Python package",
+    "identify": "a function of the Python package",
+    "nearest": "a function of the Python package",
+    "annotations": "a word of Python",
+}
+
 Named = tuple[Path, object]
 
 
@@ -41,6 +51,8 @@ def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     stem = PurePath(report.document.file).stem
     if "device" in spec and spec["device"] != stem:
         report.add("device-name", ("device",), f"the device is called {quoted(spec['device'])} and the file {quoted(stem)}; give both the same name")
+    if spec.get("device") in _TAKEN:
+        report.add("device-name", ("device",), f"{quoted(spec['device'])} is the name of {_TAKEN[spec['device']]}; give the family another")
 
 
 def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:

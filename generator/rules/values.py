@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, field_lists, items, mapping, walk
+from .walk import Spec, field_lists, interface_of, items, mapping, walk
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 #: A section by number, or by its heading where it has no number; then the page.
@@ -44,6 +44,17 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 if (number < 0 or number >> width) and not stands_for_zero:
                     message = f"{what} {number:#x}, which does not fit into {width} bit{'s' if width > 1 else ''}"
                     report.add("value-too-wide", (*path, *below), message)
+
+
+def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A register lies within the addresses of its bus: BiSS has 00h to 7Fh, of which the banks share the first half (PROT p. 14)."""
+    for path, register in items(spec, "registers"):
+        last = register["address"] + register["length"] - 1
+        bus, highest = "a register address", 0xFFFF
+        if interface_of(register) == "biss":
+            bus, highest = ("a bank of BiSS", 0x3F) if "bank" in register else ("BiSS", 0x7F)
+        if last > highest:
+            report.add("register-range", (*path, "address"), f"{quoted(register['name'])} reaches to {last:#x}; {bus} ends at {highest:#x}")
 
 
 def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:

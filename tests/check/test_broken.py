@@ -21,7 +21,7 @@ RULES_WITH_BROKEN_SPECS = """
     duplicate-key duplicate-name example-shape layout-keys measurement-shape merge-key missing-key not-a-map not-allowed not-text
     number-too-long order-code-ambiguous order-code-pattern out-of-range parameter-cycle several-documents step-shape table-shape tag
     timeout-mismatch timing-order timing-without-bound too-deep too-large too-long too-short undefined-reference unknown-key value-clash
-    value-too-wide wrong-type yaml-syntax
+    value-too-wide wrong-type yaml-syntax register-range
 """.split()
 
 

@@ -41,3 +41,17 @@ def test_two_manufacturer_files_of_one_name(tmp_path: Path) -> None:
 def test_an_order_code_of_two_families(tmp_path: Path) -> None:
     found = problems(tmp_path, minimal=MINIMAL, other=MINIMAL.replace("device: minimal", "device: other"), manufacturer=MAKER)
     assert found == ["other.yaml:10: order-code-ambiguous: the order code MIN12SC belongs to 'minimal' as well"]
+
+
+def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path) -> None:
+    first, second = MAKER + "biss_id: 0x4142\npython_package: encoders\n", MAKER.replace("acme", "zenith") + "python_package: encoders\nbiss_id: 0x4142\n"
+    assert problems(tmp_path, minimal=MINIMAL, acme=first, zenith=second) == [
+        "zenith.yaml:5: duplicate-name: the Python package 'encoders' is that of 'acme' as well; each has its own",
+        "zenith.yaml:6: duplicate-name: the BiSS manufacturer ID 0x4142 is that of 'acme' as well; it names the file idbiss4142.xml",
+    ]
+
+
+def test_a_package_with_a_name_of_pythons_own(tmp_path: Path) -> None:
+    assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER + "python_package: json\n") == [
+        "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': that is a name of Python's own; take 'json_encoders'"
+    ]
