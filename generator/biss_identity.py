@@ -20,7 +20,7 @@ _MANUFACTURER_BITS = 16
 
 @dataclass(frozen=True, slots=True)
 class IdBits:
-    """Bits ``high`` to ``low`` of the identity and what they hold; ``what`` says where they are read, ``text`` what they spell."""
+    """Bits ``high`` to ``low`` of an identity and what they hold; ``what`` says of which and where they are read, ``text`` what they spell."""
 
     high: int
     low: int
@@ -61,7 +61,7 @@ class DataLength:
 def manufacturer_bits(biss_id: int) -> IdBits:
     """The manufacturer's part of the identity."""
     text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
-    return IdBits(_MANUFACTURER_BITS - 1, 0, biss_id, "manufacturer ID, registers 7Eh and 7Fh", text if text.isprintable() and text.isascii() else "")
+    return IdBits(_MANUFACTURER_BITS - 1, 0, biss_id, "64-bit identity: manufacturer ID, registers 7Eh and 7Fh", text if text.isprintable() and text.isascii() else "")
 
 
 def device_bits(device: Device) -> tuple[IdBits, ...]:
@@ -85,7 +85,7 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
         high = low + field.width.constant - 1
         first, last = FIRST + (_IDENTITY_BITS - 1 - high) // 8, FIRST + (_IDENTITY_BITS - 1 - low) // 8
         place = f"register {first:02X}h" if first == last else f"registers {first:02X}h to {last:02X}h"
-        yield IdBits(high, low, number, f"device ID, {place}", field.equals if isinstance(field.equals, str) else "", register.name)
+        yield IdBits(high, low, number, f"64-bit identity: device ID, {place}", field.equals if isinstance(field.equals, str) else "", register.name)
 
 
 def _fixed(field: Field) -> int | None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from .problems import Report
 from .rules import FOUNDATIONS, RULES
+from .rules.master import check_master
 from .rules.order_code import is_whole
 from .schema import check_schema
 
@@ -31,4 +32,8 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
             before = len(report)
             rule(checked.data, document.data, rules_report)
             sound = sound and (rule not in FOUNDATIONS or len(report) == before)
+    if checked.kind == "master":
+        before = len(report)
+        check_master(checked.data, report.for_document(document))
+        sound = sound and len(report) == before
     return checked.data if sound else None

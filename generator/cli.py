@@ -59,6 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     generate.add_argument("--target", action="append", metavar="NAME", help="python, c, biss or docs; may be repeated (default: all four)")
     generate.add_argument("--check", action="store_true", help="write nothing; exit 1 if an output is not what the specs yield")
     generate.add_argument("--templates", type=Path, metavar="DIR", help="folder whose templates are used instead of ours, file by file")
+    generate.add_argument("--biss-dtd", type=Path, metavar="FILE", help="the idbiss.dtd that you have: exit 1 if the idbiss file is not valid by it")
     generate.set_defaults(run=_generate)
 
     check = commands.add_parser("check", help="look for problems in specs", description="Report every problem of the specs.")
@@ -91,6 +92,16 @@ def _parser() -> argparse.ArgumentParser:
     decode.add_argument("--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)")
     _add_spec_option(decode)
     decode.set_defaults(run=_decode)
+
+    master = commands.add_parser("master", help="what a BiSS or SSI master is told", description="What a BiSS or SSI master has to be told about an encoder.")
+    master.add_argument("order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label; without one, the masters are listed")
+    master.add_argument("--master", metavar="NAME", help="this master only; exit 1 if it cannot take the encoder")
+    master.add_argument("--masters", action="append", type=Path, default=[], metavar="PATH", help="descriptions of masters of your own, files or folders")
+    master.add_argument(
+        "--register", action="append", default=[], metavar="ADDRESS=BYTE", help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)"
+    )
+    _add_spec_option(master)
+    master.set_defaults(run=_master)
 
     diff = commands.add_parser("diff", help="what another version of a spec changes", description="Name each changed fact, breaking or compatible; exit 1 if there is one.")
     diff.add_argument("old", type=Path, metavar="OLD", help="the spec as it was: a file or a folder")
@@ -143,6 +154,8 @@ def _generate(chosen: argparse.Namespace) -> int:
             raise Stop(f"there is no target '{name}'; there are {', '.join(BUILT_IN)}", 2) from None
     if chosen.templates is not None and not chosen.templates.is_dir():
         raise Stop(f"there is no folder {chosen.templates}", 2)
+    if chosen.biss_dtd is not None and "biss" not in names:
+        raise Stop("--biss-dtd is for the target biss", 2)
     library = Library(_load(chosen.specs), chosen.templates)
     try:
         files = {name: made(library) for name, made in targets.items()}
@@ -163,7 +176,31 @@ def _generate(chosen: argparse.Namespace) -> int:
         print(f"{_count(len(found), 'file')} up to date")
     else:
         print(f"{_count(stale, 'file')} changed, {len(found) - stale} unchanged" if stale else f"all {len(found)} files unchanged")
+    if chosen.biss_dtd is not None:
+        _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
     return 0
+
+
+def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
+    """Holds every idbiss file against the document type ``dtd``.
+
+    Raises:
+        Stop: One is not valid, exit code 1, or ``dtd`` cannot be used, exit code 2.
+    """
+    from .biss_dtd import DtdError, faults, read_dtd
+
+    names = [name for name in files if Path(name).name.startswith("idbiss")]
+    try:
+        text = read_dtd(dtd)
+        found = [fault for name in names for fault in faults(files[name], (output / name).as_posix(), text, dtd.as_posix())]
+    except DtdError as error:
+        raise Stop(str(error), 2) from None
+    for fault in found:
+        print(fault, file=sys.stderr)
+    if found:
+        raise Stop(f"not valid by {dtd}: {_count(len(found), 'fault')}", 1)
+    for name in names:
+        print(f"valid by {dtd}: {(output / name).as_posix()}")
 
 
 def _check(chosen: argparse.Namespace) -> int:
@@ -277,8 +314,44 @@ def _held(pairs: Sequence[str]) -> dict[int, int]:
     return held
 
 
+def _master(chosen: argparse.Namespace) -> int:
+    from . import masters, masters_text
+    from .masters_record import NoRecord, record
+    from .problems import suggestion
+    from .run_time import RegisterError, with_registers
+
+    known, report = masters.load_masters(chosen.masters)
+    if report:
+        for problem in report.problems:
+            print(problem.format(), file=sys.stderr)
+        raise Stop(_count(len(report), "problem"), 1)
+    if chosen.order_code is None:
+        if chosen.json:
+            _print_json(masters_text.masters_data(known))
+        else:
+            print(masters_text.masters_text(known))
+        return 0
+    names = [item.name for item in known]
+    if chosen.master is not None and chosen.master not in names:
+        raise Stop(f"there is no master '{chosen.master}'{suggestion(chosen.master, names) or '; codewheel master lists them'}", 2)
+    device, match = _find(_load(chosen.specs), chosen.order_code)
+    try:
+        variant = with_registers(device, match.variant, _held(chosen.register))
+        found = record(device, variant, as_delivered=not chosen.register)
+    except RegisterError as error:
+        raise Stop(str(error), 2) from None
+    except NoRecord as error:
+        raise Stop(str(error), 1) from None
+    sheets = [masters.sheet(item, found) for item in known if chosen.master in (None, item.name)]
+    if chosen.json:
+        _print_json(masters_text.sheet_data(match, found, sheets))
+    else:
+        print(masters_text.sheet_text(match, device.title, found, sheets))
+    return 1 if chosen.master is not None and sheets[0].refusals else 0
+
+
 def _decode(chosen: argparse.Namespace) -> int:
-    from .decode import FrameTextError, decode_register_text, decode_text, decoded_data, explain
+    from .decode import FrameTextError, decode_register_text, decode_text, decoded_data, explain, why_text
     from .run_time import RegisterError, with_registers
 
     devices = _load(chosen.specs)
@@ -293,9 +366,10 @@ def _decode(chosen: argparse.Namespace) -> int:
     for line in lines:
         try:
             if chosen.register_name is not None:
-                decoded = decode_register_text(device, match.variant, chosen.register_name, line)
+                decoded, why = decode_register_text(device, match.variant, chosen.register_name, line), None
             else:
                 decoded = decode_text(device, match.variant, chosen.sender, line, chosen.layout)
+                why = why_text(device, match.variant, chosen.sender, line, decoded)
         except (FrameTextError, RegisterError) as error:
             print(f"codewheel: {error}", file=sys.stderr)
             code = 2
@@ -304,9 +378,9 @@ def _decode(chosen: argparse.Namespace) -> int:
             code = max(code, 1)
         if chosen.json:
             # One object a line for a stream of frames, so that a reader need not wait for the end.
-            data = decoded_data(device, match.variant, chosen.sender, decoded)
+            data = decoded_data(device, match.variant, chosen.sender, decoded, why)
             print(json.dumps(data, ensure_ascii=False) if chosen.frame == ["-"] else json.dumps(data, indent=2, ensure_ascii=False))
         else:
-            print(("" if first else "\n") + explain(device, match, chosen.sender, decoded))
+            print(("" if first else "\n") + explain(device, match, chosen.sender, decoded, why))
         first = False
     return code

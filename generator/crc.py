@@ -61,20 +61,23 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
 
     Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word above bit n*2^k can be added to the part
     below it once in place and once shifted by m*2^k. For x^n + 1 both places are the same part, added once. The largest power is not always
-    the best: a smaller one may leave a word that the next steps bring down sooner. Among plans of as many steps the one that starts
-    with the larger powers is taken, so that every polynomial has one plan; all steps of a polynomial cost the same operations.
+    the best: a smaller one may leave a word that the next steps bring down sooner. Among plans of as many steps the one is taken that is
+    within 32 bits soonest, and then the one of the smaller powers: a short mask is a cheaper constant.
     """
     middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
 
     @cache
-    def powers(left: int) -> tuple[int, ...]:
+    def cheapest(left: int) -> tuple[int, int, int, tuple[int, ...]]:
+        """Steps, those that leave more than 32 bits, the sum of the powers, and the powers."""
         if left <= width:
-            return ()
+            return 0, 0, 0, ()
         plans = []
         for power in range((left - 1).bit_length()):
             shift, back = width << power, middle << power
             if shift < left:
-                plans.append((power, *powers(max(shift, left - shift + back))))
-        return min(plans, key=lambda plan: (len(plan), [-power for power in plan]))
+                rest = max(shift, left - shift + back)
+                steps, wide, total, powers = cheapest(rest)
+                plans.append((steps + 1, wide + (rest > 32), total + power, (power, *powers)))
+        return min(plans)
 
-    return tuple(FoldStep(width << power, (1 << (width << power)) - 1, middle << power) for power in powers(bits))
+    return tuple(FoldStep(width << power, (1 << (width << power)) - 1, middle << power) for power in cheapest(bits)[-1])

@@ -1,4 +1,4 @@
-"""``codewheel decode``: the text of a frame in, every bit named out."""
+"""``codewheel decode``: the text of a frame in, every bit named out, and where it does not fit, what would make it fit."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from .order_codes import Match
 from .relevant import parameters_of
 from .render import wrapped
 from .run_time import decode_register
+from .why import BitText, Explanation, Why, explain_bits, explain_bytes
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 #: Far above any frame; it keeps a line of megabytes from being worked on.
@@ -75,19 +76,35 @@ def _bytes(text: str) -> bytes:
     return bytes.fromhex(digits)
 
 
-def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decoded:
+def _bit_text(placed: PlacedLayout, text: str) -> BitText:
     compact = re.sub(r"[\s_]", "", text)
     if re.fullmatch(r"0[bB][01]+", compact):
-        if len(compact) - 2 != placed.bits:
-            wrong = f"'{placed.name}' has {placed.bits} bits; this has {len(compact) - 2}"
-            return codec.Decoded(placed, int(compact, 2), (), None, (codec.Problem("length", "", wrong),))
-        return codec.decode(device, placed, int(compact, 2))
+        return BitText(int(compact, 2), len(compact) - 2, exact=True)
     if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact):
-        return codec.decode(device, placed, int(compact, 16))
+        number = int(compact, 16)
+        return BitText(number, number.bit_length(), exact=False)
     raise FrameTextError(f"'{text[:20]}' is no frame of bits; write 0b and all {placed.bits} bits, first sent first, or 0x and hex digits")
 
 
-def decoded_data(device: Device, variant: Variant, sender: str, decoded: codec.Decoded) -> dict[str, Any]:
+def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decoded:
+    given = _bit_text(placed, text)
+    if given.exact and given.bits != placed.bits:
+        wrong = f"'{placed.name}' has {placed.bits} bits; this has {given.bits}"
+        return codec.Decoded(placed, given.number, (), None, (codec.Problem("length", "", wrong),))
+    return codec.decode(device, placed, given.number)
+
+
+def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
+    """What would explain the frame that ``text`` writes, if its CRC or its length is wrong; ``decoded`` is what ``decode_text`` made of it."""
+    placed = decoded.layout
+    if placed is not None and not any(item.kind in ("crc", "length") for item in decoded.problems):
+        return None
+    if placed is not None and placed.layout.carried_as == "bits":
+        return explain_bits(device, variant, placed, _bit_text(placed, text.strip()))
+    return explain_bytes(device, variant, sender, placed, _bytes(text.strip()))
+
+
+def decoded_data(device: Device, variant: Variant, sender: str, decoded: codec.Decoded, why: Why | None = None) -> dict[str, Any]:
     """The result as plain data, in the shape of ``decode.schema.json``."""
     return {
         "version": VERSION,
@@ -97,10 +114,23 @@ def decoded_data(device: Device, variant: Variant, sender: str, decoded: codec.D
         "fields": [{"name": item.name, "raw": item.raw, "value": item.value, "unit": item.unit or None, "meaning": item.meaning} for item in decoded.fields],
         "crc": {"received": decoded.crc.received, "computed": decoded.crc.computed, "ok": decoded.crc.ok} if decoded.crc is not None else None,
         "problems": [{"kind": item.kind, "field": item.field or None, "message": item.message} for item in decoded.problems],
+        "why": _why_data(why) if why is not None else None,
     }
 
 
-def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -> str:
+def _why_data(why: Why) -> dict[str, Any]:
+    return {
+        "explanations": [
+            {"kind": item.kind, "text": item.text, "one_in": item.one_in, "twice": item.twice, "order_codes": list(item.codes), "reads": dict(item.reads)}
+            for item in why.explanations
+        ],
+        "tried": why.tried,
+        "coincidence": round(why.coincidence, 4),
+        "cannot_see": list(why.cannot_see),
+    }
+
+
+def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded, why: Why | None = None) -> str:
     """The result for a person, at most 80 columns wide."""
     variant = match.variant
     is_frame = decoded.layout is None or decoded.layout.layout.sender != ""
@@ -129,11 +159,35 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded) -
     if decoded.problems:
         lines.append("")
         lines += [wrapped(f"{item.kind} fault: {item.message}", 80, "  ", "") for item in decoded.problems]
+        lines += _why_lines(why) if why is not None else []
     elif crc is None and decoded.layout is not None and decoded.layout.layout.sender:
         lines += ["", "no fault; this frame carries no CRC"]
     else:
         lines += ["", "no fault"]
     return "\n".join(lines)
+
+
+def _why_lines(why: Why) -> list[str]:
+    by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "not 1"
+    noise = f"{why.tried} usual mistakes tried; of 100 frames of random bits {by_chance} would fit one or more of them"
+    if not why.explanations:
+        lines = ["", wrapped(f"Nothing usual would make it fit ({noise}).", 80, "  ", "")]
+    else:
+        twice = "No single mistake would make it fit. Two at once would" if why.explanations[-1].twice else "What would make it fit"
+        lines = ["", wrapped(f"{twice}, likeliest first ({noise}):", 80, "  ", "")]
+        for item in why.explanations:
+            lines.append(wrapped(item.text, 80, " " * 6, "    - "))
+            lines.append(wrapped(_beside(item), 80, " " * 6, " " * 6))
+    return [*lines, wrapped(f"Such a CRC cannot see {'; nor '.join(why.cannot_see)}.", 80, "  ", "")]
+
+
+def _beside(item: Explanation) -> str:
+    reads = ", ".join(f"{name} {value}" for name, value in item.reads.items())
+    return f"by coincidence in {_one_in(item.one_in)} frames" + (f"; it would read {reads}" if reads else "")
+
+
+def _one_in(number: int) -> str:
+    return f"1 of {number:,}" if number < 1_000_000 else "less than 1 of a million"
 
 
 def _size(placed: PlacedLayout) -> str:

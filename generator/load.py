@@ -21,6 +21,16 @@ def packaged_specs() -> Path:
     return Path(str(resources.files("codewheel.specs")))
 
 
+def packaged_masters() -> Path:
+    """The folder of the descriptions of masters that ship with the tool."""
+    return packaged_specs() / "masters"
+
+
+def _packaged_families() -> list[Path]:
+    """The folders of the specs that describe encoders."""
+    return sorted(path for path in packaged_specs().iterdir() if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml")))
+
+
 def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
     """Every device that the specs at ``paths`` describe, in order of name, and everything that is wrong with them.
 
@@ -31,7 +41,7 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
         The devices, to be used only when the report is empty, and the report.
     """
     report = Report()
-    documents = read_specs(paths or [packaged_specs()], report)
+    documents = read_specs(paths or _packaged_families(), report)
     documents += _missing_manufacturers(documents, report)
     checked = [(document, check_document(document, report)) for document in documents]
     makers: dict[str, Manufacturer] = {}

@@ -41,7 +41,7 @@ def check_schema(document: Document, report: Report) -> Checked | None:
     """Checks a document against the schema of its kind, adds a problem for each fault, and cuts the faults out.
 
     Returns:
-        What is left, or None where the document is neither a device nor a manufacturer file.
+        What is left, or None where the document is no device, manufacturer or master file.
     """
     kind = _kind(document.data)
     if kind is None:
@@ -63,7 +63,7 @@ def check_schema(document: Document, report: Report) -> Checked | None:
 
 @functools.cache
 def load_schema(kind: str) -> dict[str, Any]:
-    """The JSON Schema of ``device`` or ``manufacturer`` files; to be read, not changed."""
+    """The JSON Schema of ``device``, ``manufacturer`` or ``master`` files; to be read, not changed."""
     text = resources.files(f"{__package__}.spec").joinpath(f"{kind}.schema.json").read_text(encoding="utf-8")
     schema: dict[str, Any] = json.loads(text)
     return schema
@@ -72,6 +72,8 @@ def load_schema(kind: str) -> dict[str, Any]:
 def _kind(data: dict[str, Any]) -> str | None:
     """A file with a key that only device files have is one, even where ``device`` itself is missing or misspelt."""
     shared = set(load_schema("manufacturer")["properties"])
+    if "master" in data or "takes" in data:
+        return "master"
     if "device" in data or any(key in data for key in load_schema("device")["properties"] if key not in shared):
         return "device"
     return "manufacturer" if "manufacturer" in data else None

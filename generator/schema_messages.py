@@ -40,6 +40,7 @@ _ITEMS = {
     "sets": "a parameter that is set",
     "join": "a joined number",
     "names": "a name",
+    "when": "a condition",
 }
 
 
@@ -58,7 +59,7 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
 
     Args:
         error: A ``jsonschema.ValidationError``.
-        kind: ``device`` or ``manufacturer``.
+        kind: ``device``, ``manufacturer`` or ``master``.
     """
     path: Path = tuple(error.absolute_path)
     if "propertyNames" in error.relative_schema_path:

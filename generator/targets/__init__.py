@@ -6,7 +6,7 @@ bit position. Others can add one by the entry point group ``codewheel.targets``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -25,6 +25,11 @@ class Library:
         """The devices of each manufacturer, in order of name."""
         makers = {device.manufacturer.name: device.manufacturer for device in self.devices}
         return [(maker, tuple(item for item in self.devices if item.manufacturer.name == name)) for name, maker in sorted(makers.items())]
+
+
+def has_biss(devices: Iterable[Device]) -> bool:
+    """Whether any of these devices speaks BiSS, so that what all BiSS encoders share is of use."""
+    return any(interface.kind == "biss" for device in devices for interface in device.interfaces)
 
 
 class TargetError(ValueError):

@@ -42,6 +42,7 @@ class Node:
     notes_of_data: tuple[str, ...] = ()
     crc_polynomial: str = ""
     length: int = 0
+    data_label: str = ""
     devices: tuple[Node, ...] = ()
 
 
@@ -107,7 +108,8 @@ def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], li
 _MANUFACTURER_NOTE = (
     "Inferred: Range counts the bits of the 64-bit identity that device ID (78h to 7Dh) and manufacturer ID (7Eh, 7Fh) form, high byte first: "
     "bit 63 is the highest of 78h, bit 0 the lowest of 7Fh. Publicly it is seen with the 16-bit profile ID only.\n"
-    "Inferred: a Device inside a Device refines it, so that all Id on the way down have to hold."
+    "Inferred: a Device inside a Device refines it, so that all Id on the way down have to hold, and the SCDS on the way describe one data channel.\n"
+    "Inferred: Label names maker and device, its pieces joined in the order of Pos. Publicly it is seen with names of profiles only."
 )
 
 
@@ -129,34 +131,47 @@ def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
     manual = device.manual
     notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
     polynomial = f"0x{crc.poly_with_top_bit:02X}"
-    inner = () if run_time_widths(device, layout) else _by_length(ids, lengths) or _by_profile(device, lengths)
+    inner = () if run_time_widths(device, layout) else _by_length(device, layout, ids, lengths) or _by_profile(device, layout, lengths)
     return Node(ids, f", {device.title}", 1, notes, (_to_tell(device, layout, crc, lengths, ids),), polynomial, devices=inner)
 
 
-def _by_length(ids: tuple[IdBits, ...], lengths: Sequence[DataLength]) -> tuple[Node, ...]:
+def _by_length(device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]) -> tuple[Node, ...]:
     """The one length that a device ID stands for."""
     if len({item.data_bits for item in lengths}) != 1:
         return ()
     notes = ("The same identity again: CrcPoly and Length are not seen in one SCDS.",)
-    return (Node(ids, notes=notes, notes_of_data=(_LENGTH_NOTE,), length=lengths[0].data_bits),)
+    return (Node(ids, notes=notes, notes_of_data=(_LENGTH_NOTE,), length=lengths[0].data_bits, data_label=_data_label(device, layout)),)
 
 
-def _by_profile(device: Device, lengths: Sequence[DataLength]) -> tuple[Node, ...]:
+def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
+    """The length of the data for each profile ID, where the profile ID tells the models apart; else nothing."""
+    by_code = {code: item.data_bits for item in lengths for code in item.codes}
+    sizes = {number: {by_code[code] for code in codes} for number, codes in profile_ids(device).items()}
+    return {number: min(found) for number, found in sizes.items()} if len(sizes) > 1 and all(len(found) == 1 for found in sizes.values()) else {}
+
+
+def _by_profile(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> tuple[Node, ...]:
     """A length for each profile ID, where the profile ID tells the models apart."""
     profiles = profile_ids(device)
-    by_code = {code: item.data_bits for item in lengths for code in item.codes}
-    sizes = {number: {by_code[code] for code in codes} for number, codes in profiles.items()}
-    if len(profiles) < 2 or any(len(found) != 1 for found in sizes.values()):
-        return ()
     nodes: list[Node] = []
-    for number, codes in profiles.items():
-        bits = IdBits(15, 0, number, "profile ID, registers 42h and 43h")
-        notes = (_PROFILE_NOTE,) if not nodes else ()
-        nodes.append(Node((bits,), notes=(*notes, f"{', '.join(codes)}"), notes_of_data=() if nodes else (_LENGTH_NOTE,), length=min(sizes[number])))
+    for number, length in _length_by_profile(device, lengths).items():
+        bits = IdBits(15, 0, number, "16-bit profile ID, registers 42h and 43h")
+        notes = (*((_PROFILE_NOTE,) if not nodes else ()), ", ".join(profiles[number]))
+        nodes.append(Node((bits,), notes=notes, notes_of_data=() if nodes else (_LENGTH_NOTE,), length=length, data_label=_data_label(device, layout)))
     return tuple(nodes)
 
 
-_LENGTH_NOTE = "Inferred: Length counts the data without error, warning and CRC bits, as the profile IDs of sensors do."
+def _data_label(device: Device, layout: Layout) -> str:
+    """What the data channel carries, as the last piece of the name."""
+    measurement = device.measurement_of("biss")
+    return f", {measurement.of if measurement is not None else plain(layout.name.replace('_', ' '))}"
+
+
+_LENGTH_NOTE = (
+    "Inferred: Length counts all bits of data on the line, zeros beside the position included, without error, warning and CRC bits; profile IDs "
+    "that tell a data length leave those out, too.\n"
+    "Inferred: the Label beside it, which is seen in this place, names what the data channel carries."
+)
 _PROFILE_NOTE = (
     "One device ID stands for all models; the profile ID tells them apart. Range counts its 16 bits, as in profilebiss.xml. "
     "Inferred: that such an Id can stand below those that count the 64-bit identity, whose bits 15:0 are the manufacturer ID."
@@ -177,14 +192,28 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     lines.append(f"  CRC: {_crc_words(crc)}; CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
     lines += _clock(device.interface("biss"))
-    profiles = profile_ids(device)
-    if len(profiles) == 1:
-        lines.append(f"  profile ID, registers 42h and 43h: {min(profiles):04X}h{', whatever the length' if len({item.data_bits for item in lengths}) > 1 else ''}")
+    lines += _one_profile(device, lengths)
     paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{item.register}" for item in ids)]
     errata = dict.fromkeys(item for path in paths for item in device.errata_for(path) if item.severity != "wording")
     lines += [f"  erratum of the manual, {item.name} ({item.status}). Printed: {_sentence(item.printed)} Used: {_sentence(item.used)}" for item in errata]
     lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
+
+
+def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
+    """The profile ID that all models share, and for which of them its low byte is the length of the data."""
+    profiles = profile_ids(device)
+    if len(profiles) != 1:
+        return []
+    number = min(profiles)
+    if number == 0:
+        return ["  profile ID, registers 42h and 43h: 0000h, which is no profile"]
+    line = f"  profile ID, registers 42h and 43h: {number:04X}h"
+    if len({item.data_bits for item in lengths}) > 1:
+        fitting = [code for item in lengths if item.data_bits == number & 0xFF for code in item.codes]
+        only = f"; its low byte, {number & 0xFF}, is the data length of {', '.join(fitting)} only" if fitting else ""
+        line += f", whatever the length{only}"
+    return [line]
 
 
 def _crc_words(crc: Crc) -> str:
@@ -210,7 +239,7 @@ def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength])
         return f"No Length: it follows what {' and '.join(held)} hold at the moment, and the master must be told. As delivered it is:"
     if len(sizes) == 1:
         return "Besides what stands here the master must be told, by order code:"
-    if _by_profile(device, lengths):
+    if _length_by_profile(device, lengths):
         return f"One device ID stands for {len(sizes)} data lengths; the profile ID tells which. Besides, the master must be told, by order code:"
     return f"No Length: one device ID stands for {len(sizes)} data lengths. The master must be told the one of the order code:"
 

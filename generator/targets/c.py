@@ -12,49 +12,33 @@ from collections.abc import Callable, Mapping
 
 from ..markdown import text as markdown_text
 from ..render import render
-from . import Library, TargetError
+from . import Library, TargetError, has_biss
 from .c_device import DeviceView
-from .c_source import c_name, code, comment, comment_lines, in_comment, noted, string
+from .c_package import package_files
+from .c_source import code, comment, comment_lines, in_comment, noted, string
 
 
 def generate(library: Library) -> dict[str, str]:
-    """The headers and their README."""
+    """The headers, their README, and what makes a package of them."""
     files = {}
-    guides = {}
+    views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
         shared = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
         files[f"c/include/{maker.name}/encoder.h"] = _render(library, "encoder.h.jinja", shared)
+        if has_biss(devices):
+            files[f"c/include/{maker.name}/biss.h"] = _render(library, "biss.h.jinja", shared)
         for device in devices:
-            if device.name == "encoder":
-                raise TargetError("a family cannot be called 'encoder': that is the name of the header that all share")
-            view = DeviceView(device)
-            guides[device.name] = Guide(view)
+            if device.name in ("biss", "encoder"):
+                raise TargetError(f"a family cannot be called '{device.name}': that is the name of a header that all share")
+            views[device.name] = view = DeviceView(device)
             files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**shared, "d": view})
-    files["c/README.md"] = _render(library, "README.md.jinja", {"guides": [guides[device.name] for device in library.devices]})
+    if library.devices:
+        package = package_files(library.by_manufacturer(), views, lambda template, values: _render(library, template, values))
+        files |= {f"c/{path}": text for path, text in package.items()}
+        files["c/MISRA.md"] = _render(library, "MISRA.md.jinja", {})
     return files
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
     filters: dict[str, Callable[..., str]] = {"comment": comment, "comment_lines": comment_lines, "noted": noted, "code": code, "text": in_comment, "string": string, "md": lambda value: markdown_text(in_comment(value))}
     return render("c", template, values, filters=filters, own_templates=library.own_templates)
-
-
-class Guide:
-    """What the README says about a device: names that exist, so that its example compiles."""
-
-    def __init__(self, view: DeviceView) -> None:
-        device = self.device = view.device
-        self.maker = device.manufacturer
-        self.prefix, self.PREFIX = view.prefix, view.PREFIX
-        self.title = device.title
-        ordered = sorted(device.interfaces, key=lambda item: ("biss", "ssi", "rs485").index(item.kind))
-        kind = ordered[0].kind
-        pairs = [(row, variant) for row, variant in zip(view.codes, device.variants) if variant.interface == kind] or list(zip(view.codes, device.variants))
-        chosen, _ = max(pairs, key=lambda pair: sum(pair[1].parameters.values()))
-        self.macro, self.code = chosen[0], chosen[2]
-        layout = ordered[0].layouts[0]
-        self.layout = f"{self.prefix}_{layout.name}"
-        self.carried_as = layout.carried_as
-        self.length = f"{self.PREFIX}_{layout.name.upper()}_LENGTH"
-        members = [join.name for join in layout.joins] or [field.name for field in layout.data_fields if field.name != layout.selector or len(layout.selects) > 1]
-        self.member = c_name(members[0]) if members else "no_data"

@@ -19,7 +19,7 @@ def codec(source: LayoutSource, about: Sequence[Paragraph], limited: str = "", l
     """The codec of a layout; ``limits`` bound the member ``limited`` of what is encoded."""
     layout = source.layout
     decoder, encoder = Decoder(source), Encoder(source, limited, limits)
-    locals_, checks, fills = tuple(decoder.locals()), tuple(decoder.checks()), tuple(decoder.fills())
+    first_checks, locals_, checks, fills = tuple(decoder.first_checks()), tuple(decoder.locals()), tuple(decoder.checks()), tuple(decoder.fills())
     encode_checks, puts, crc_lines = tuple(encoder.checks()), tuple(encoder.puts()), tuple(encoder.crc_lines())
     order = range(source.length) if layout.byte_order == "low_byte_first" else range(source.length - 1, -1, -1)
     terms = [f"(uint64_t)bytes[{byte}]" if place == 0 else f"((uint64_t)bytes[{byte}] << {8 * place}U)" for place, byte in enumerate(order)]
@@ -36,13 +36,14 @@ def codec(source: LayoutSource, about: Sequence[Paragraph], limited: str = "", l
         uses_word=source.by_word,
         word_from_bytes=" |\n        ".join(terms),
         bytes_from_word=tuple(f"bytes[{byte}] = (uint8_t)(word >> {8 * place}U);" if place else f"bytes[{byte}] = (uint8_t)word;" for place, byte in enumerate(order)),
+        first_checks=first_checks,
         locals=locals_,
         decode_checks=checks,
         fills=fills,
         encode_checks=encode_checks,
         puts=puts,
         crc_line=crc_lines,
-        decode_needs_variant=layout.carried_as == "bits" or needs_variant(locals_, checks, fills),
+        decode_needs_variant=layout.carried_as == "bits" or needs_variant(first_checks, locals_, checks, fills),
         encode_needs_variant=needs_variant(encode_checks, puts, crc_lines),
         setters=tuple(_setters(source)),
         expected=tuple(expected),
@@ -63,9 +64,9 @@ def _fold(source: LayoutSource) -> CrcView | None:
 
 
 def _fold_body(source: LayoutSource, crc: Crc) -> tuple[str, ...]:
-    """The remainder of a whole word; the final XOR is taken out of the CRC bits first, so that it is 0 for a sound one."""
-    start = f"word ^ {number(crc.xorout, True)}" if crc.xorout else "word"
-    return (*fold_lines(source.layout.fold, source.layout.widest, start), f"return ({unsigned(crc.width)})v;")
+    """The remainder of a whole word. The final XOR, which lies in the bits of the CRC where no step moves it, is taken out at the end."""
+    remainder = f"v ^ {number(crc.xorout, True)}" if crc.xorout else "v"
+    return (*fold_lines(source.layout.fold, source.layout.widest, "word"), f"return {remainder};")
 
 
 def _setters(source: LayoutSource) -> Iterable[Setter]:

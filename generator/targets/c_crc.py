@@ -6,27 +6,43 @@ from collections.abc import Sequence
 
 from ..crc import fold_plan
 from ..model import Crc, Device, FoldStep, cite
-from .c_source import Paragraph, bracketed, errata_at, errata_text, mask, number, sentence, unsigned
+from .c_source import Paragraph, errata_at, errata_text, mask, number, sentence, unsigned
 from .c_views import CrcView
 
 
-def fold_lines(steps: Sequence[FoldStep], bits: int, start: str) -> list[str]:
-    """The steps as code that ends with the remainder in ``v``, a number of 32 bits: as soon as the value fits, so that small machines save work."""
-    lines = [f"uint32_t v = (uint32_t){bracketed(start)};"] if bits <= 32 else [f"uint64_t wide = {start};", "uint32_t v;"]
-    name = "v" if bits <= 32 else "wide"
+def fold_lines(steps: Sequence[FoldStep], bits: int, start: str, name: str = "v") -> list[str]:
+    """The steps over the number ``start`` as code that leaves the remainder in a new local of 32 bits, ``name``.
+
+    Small machines work in 32 bits and shift wider numbers slowly: the step that makes the number fit takes what is above and what is below
+    its place out of the halves of the wide one.
+    """
+    lines: list[str] = []
+    current = start
     for step in steps:
-        if name == "wide" and bits <= 32:
-            name = "v"
-            lines.append("v = (uint32_t)wide;")
-        lines.append(fold_line(name, step))
-        bits = max(step.shift, bits - step.shift + step.back)
-    return lines if name == "v" else [*lines, "v = (uint32_t)wide;"]
+        left = max(step.shift, bits - step.shift + step.back)
+        if current == name:
+            lines.append(f"{name} = {fold_step(name, step)};")
+        elif left > 32 or bits - step.shift > 32:
+            lines.append(f"{'' if current == 'wide' else 'uint64_t '}wide = {fold_step(current, step)};")
+            current = "wide"
+        elif bits <= 32:
+            lines += [f"uint32_t {name} = (uint32_t){current};", f"{name} = {fold_step(name, step)};"]
+            current = name
+        else:
+            low = f"(uint32_t){current}" if step.shift == 32 else f"((uint32_t){current} & {mask(step.shift)})"
+            back = f" ^ (high << {step.back}U)" if step.back else ""
+            upper = f"(uint32_t)({current} >> 32U)"
+            high = upper if step.shift == 32 else f"({upper} << {32 - step.shift}U) | ((uint32_t){current} >> {step.shift}U)"
+            lines += [f"const uint32_t high = {high};", f"uint32_t {name} = {low} ^ high{back};"]
+            current = name
+        bits = left
+    return lines if current == name else [*lines, f"const uint32_t {name} = (uint32_t){current};"]
 
 
-def fold_line(name: str, step: FoldStep) -> str:
+def fold_step(name: str, step: FoldStep) -> str:
     shifted = f"({name} >> {step.shift}U)"
     back = f" ^ ({shifted} << {step.back}U)" if step.back else ""
-    return f"{name} = ({name} & {mask(step.shift)}) ^ {shifted}{back};"
+    return f"({name} & {mask(step.shift)}) ^ {shifted}{back}"
 
 
 def crc_body(crc: Crc) -> tuple[str, ...]:
@@ -34,10 +50,10 @@ def crc_body(crc: Crc) -> tuple[str, ...]:
     lines = fold_lines(fold_plan(crc.width, crc.poly, 64), 64, "data")
     again = fold_plan(crc.width, crc.poly, 2 * crc.width)
     if 2 * crc.width <= 32:
-        lines += [f"v <<= {crc.width}U;", *(fold_line("v", step) for step in again)]
-    else:
-        lines += [f"wide = (uint64_t)v << {crc.width}U;", *(fold_line("wide", step) for step in again), "v = (uint32_t)wide;"]
-    return (*lines, f"return ({unsigned(crc.width)})(v ^ {number(crc.xorout, True)});")
+        lines += [f"v <<= {crc.width}U;", *(f"v = {fold_step('v', step)};" for step in again)]
+        return (*lines, f"return ({unsigned(crc.width)})(v ^ {number(crc.xorout, True)});")
+    lines += [f"uint64_t raised = (uint64_t)v << {crc.width}U;", *(f"raised = {fold_step('raised', step)};" for step in again)]
+    return (*lines, f"return ({unsigned(crc.width)})(raised ^ {number(crc.xorout, True)});")
 
 
 def crc_view(device: Device, crc: Crc, style: str, name: str) -> CrcView:

@@ -24,23 +24,36 @@ class Decoder:
         if self.layout.gray_of:
             yield f"const uint64_t plain = {self.source.gray('from', 'word')};"
         for field in self.layout.fields:
-            if field.kind in ("constant", "crc", "text"):
+            if field.kind in ("constant", "crc", "text") or self._is_plain_flag(field):
                 continue
             kind, expression = self.source.raw(field)
             yield f"const {kind} {self.local(field)} = {expression};"
 
+    def _is_plain_flag(self, field: Field) -> bool:
+        """A flag that nothing but its own member looks at."""
+        used = {name for join in self.layout.joins for name in join.fields} | {other.parity_of for other in self.layout.fields}
+        return field.kind == "flag" and field.name not in used
+
     # -- faults
 
-    def checks(self) -> Iterable[Check]:
+    def first_checks(self) -> Iterable[Check]:
+        """The checks that come before anything is taken out: a disturbed frame costs no more, and registers are free for them."""
         crc_field = self.layout.crc_field
         if crc_field is not None:
             yield Check(self._crc_condition(crc_field), "CRC")
-        yield from self._constants_in_word() if self.source.by_word else self._constants_in_bytes()
+        if not self.layout.gray_of:
+            yield from self._constants_in_word() if self.source.by_word else self._constants_in_bytes()
+
+    def checks(self) -> Iterable[Check]:
+        if self.layout.gray_of:
+            yield from self._constants_in_word()
+        elif not self.source.by_word:
+            yield from self._padding()
         for field in self.layout.fields:
             if field.kind == "parity":
                 yield Check(f"{self.local(field)} != {self._parity(field)}", "CONSTANT", f"even parity of {field.parity_of}")
         for field in self.layout.fields:
-            condition = self.source.choice_condition(field, self.local(field))
+            condition = self.source.choice_condition(field, self.local(field), is_raw=True)
             if condition:
                 yield Check(condition, "RANGE")
             if field.digits:
@@ -54,6 +67,8 @@ class Decoder:
                 return f"{self.source.name}_crc(word) != 0U"
             covered = f"word >> {crc.width}U, {self.scope.text(self.layout.bits - Expression(crc.width))}"
             return f"{self.view.crc_name(crc, 'bits')}({covered}) != (word & {mask(crc.width)})"
+        if crc.form == "xor":
+            return f"{self.view.crc_name(crc, 'bytes')}(bytes, {self.source.length_macro}) != 0U"
         _, received = self.source.raw(field)
         received = f"({received})" if " | " in received else received
         return f"{self.view.crc_name(crc, 'bytes')}(bytes, {self.source.length_macro} - {crc.width // 8}U) != {received}"
@@ -73,7 +88,7 @@ class Decoder:
                 continue
             if field.padding_of:
                 padded = self.layout.field(field.padding_of)
-                yield Check(f"{self.local(padded)} > {self.source.width(padded)}", "CONSTANT", f"bits above {padded.name} are always 0")
+                by_byte |= {piece.byte: (0xFF, 0, [f"above {padded.name.replace('_', ' ')}"]) for piece in self.source.padding(padded)}
                 continue
             for piece in field.pieces:
                 bits, value, names = by_byte.get(piece.byte, (0, 0, []))
@@ -82,6 +97,12 @@ class Decoder:
         for byte, (bits, value, names) in sorted(by_byte.items()):
             found = f"bytes[{byte}]" if bits == 0xFF else f"(bytes[{byte}] & {number(bits, True)})"
             yield Check(f"{found} != {number(value, True)}", "CONSTANT", ", ".join(dict.fromkeys(names)))
+
+    def _padding(self) -> Iterable[Check]:
+        """The bits above a field in the bytes that it reaches."""
+        for padded in (self.layout.field(field.padding_of) for field in self.layout.fields if field.padding_of):
+            if not padded.width.is_constant or padded.container - 8 * len(self.source.padding(padded)) > padded.widest:
+                yield Check(f"{self.local(padded)} > {self.source.width(padded)}", "CONSTANT", f"bits above {padded.name.replace('_', ' ')} are always 0")
 
     def _parity(self, field: Field) -> str:
         of = self.layout.field(field.parity_of)
@@ -93,7 +114,12 @@ class Decoder:
     # -- members
 
     def fills(self) -> Iterable[str]:
+        plain = [] if self.source.by_word else [field for field in self.source.member_fields if self._is_plain_flag(field)]
+        first = [field for before, field in zip([None, *plain], plain) if before is None or before.pieces[0].byte != field.pieces[0].byte]
         for field in self.source.member_fields:
+            if field in first:
+                declared = "" if field is not first[0] else "uint8_t " if len(first) > 1 else "const uint8_t "
+                yield f"{declared}flags = bytes[{field.pieces[0].byte}];"
             yield from self._fill(field)
             name = self.local(field)
             for run in field.digits:
@@ -101,7 +127,7 @@ class Decoder:
                 whole = divided if run is field.digits[0] else f"{divided} % {number(run.modulus)}"
                 yield f"out->{c_name(run.name)} = ({unsigned((run.modulus - 1).bit_length())})({whole});"
         for join in self.layout.joins:
-            yield f"out->{c_name(join.name)} = {self.source.joined(join, self.local)};"
+            yield f"out->{c_name(join.name)} = {self.source.join_in_word(join) or self.source.joined(join, self.local)};"
         if not self.source.member_fields:
             yield "out->no_data = 0U;"
 
@@ -113,7 +139,8 @@ class Decoder:
             return
         kind = self.source.member_type(field)
         if field.kind == "flag":
-            yield f"{target} = ({name} {'==' if field.active_low else '!='} 0U);"
+            bit = self.source.bit(field) if self._is_plain_flag(field) else name
+            yield f"{target} = ({bit} {'==' if field.active_low else '!='} 0U);"
         elif field.signed:
             yield f"{target} = ({kind}){self.maker}_signed({name}, {self.source.bits_text(field)});"
         elif field.zero_means:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from ..model import Alarm, Crc, Device, Field, Input, Interface, Manufacturer, Parameter, Register, Timing, Value, Variant, cite
+from .c_access import state_registers
 from .c_crc import crc_view
 from .c_identity import identities
 from .c_interface import InterfaceSource
@@ -47,6 +48,7 @@ class DeviceView:
         self.meanings = list(meanings(self))
         self.registers = [item.build() for item in self._register_sources.values()]
         self.takers = list(takers(self))
+        self.read_state = self.unique(f"{self.prefix}_read_state") if state_registers(self) else ""
         self.identities = identities(self)
         self.procedures = [ProcedureSource(self, item).build() for item in device.procedures]
         self.inputs = [self._input(item) for item in device.inputs]

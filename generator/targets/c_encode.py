@@ -54,7 +54,9 @@ class Encoder:
         if condition or field.signed or field.zero_means:
             return
         if field.kind in ("number", "choice") and not (field.width.is_constant and size_of(field.widest) == field.widest):
-            yield Check(f"{name} > {self.source.width(field)}", "RANGE")
+            choice = self.source.choice(field)
+            as_number = f"({unsigned(field.widest)}){name}" if choice is not None and choice.is_enum else name
+            yield Check(f"{as_number} > {self.source.width(field)}", "RANGE")
 
     def _from_digits(self, field: Field) -> str:
         work = unsigned(max(field.widest, 32))

@@ -42,6 +42,8 @@ def _identity(view: DeviceView, kind: str, registers: list[Register], alone: boo
         type=view.unique(f"{prefix}_identity"),
         function=view.unique(f"{prefix}_could_be"),
         next=view.unique(f"{prefix}_next_candidate"),
+        read=view.unique(f"{prefix}_read_identity"),
+        reads=tuple((c_name(item.name), view.register_view(item).access) for item in registers),
         connection=f"{view.maker.name.upper()}_INTERFACE_{kind.upper()}",
         title=interface.title,
         members=tuple(Line(f"uint8_t {c_name(item.name)}[{item.length}];", f"from {item.address:02X}h: {title(item)}") for item in registers),

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
+from ..expressions import Expression
 from ..model import Field, Join, Layout, Piece, Register
 from . import TargetError
-from .c_source import Paragraph, bracketed, c_name, described, mask, number, plain_expression, printed, sentence, size_of, span_text, title, unsigned
+from .c_source import Paragraph, bracketed, c_name, described, mask, number, plain_expression, printed, sentence, size_of, span_text, title, unbracketed, unsigned
 from .c_views import Choice, Line
 
 if TYPE_CHECKING:
     from .c_device import DeviceView
 
 #: What the generated functions call their own arguments and locals; the locals of fields take other names.
-LOCALS = frozenset(("variant", "word", "plain", "bytes", "length", "out", "in", "crc", "index", "v", "wide", "value"))
+LOCALS = frozenset(("variant", "word", "plain", "bytes", "length", "out", "in", "crc", "index", "v", "wide", "value", "flags"))
 
 
 class LayoutSource:
@@ -132,12 +133,43 @@ class LayoutSource:
 
     def in_word(self, field: Field) -> str:
         """The bits of a field at a fixed place in the word."""
-        shifted = f"({self.word} >> {field.low.constant}U)" if field.low.constant else self.word
-        return f"({shifted} & {mask(field.width.constant)})"
+        return self._at_fixed_place(field.low.constant, field.width.constant)
+
+    def _at_fixed_place(self, low: int, width: int) -> str:
+        """In 32 bits where they lie within the lower half."""
+        word = f"(uint32_t){self.word}" if low + width <= 32 and self.layout.widest > 32 else self.word
+        shifted = f"({word} >> {low}U)" if low else word
+        return f"({shifted} & {mask(width)})"
+
+    def bit(self, field: Field) -> str:
+        """The bit of a flag where it is: in the word, or in the byte ``flags``."""
+        if not self.by_word:
+            return f"(flags & {number(field.pieces[0].mask << field.pieces[0].right, True)})"
+        if not (field.low.is_constant and field.width.is_constant):
+            return self.moving(field)
+        low = field.low.constant
+        word = f"(uint32_t){self.word}" if low < 32 and self.layout.widest > 32 else self.word
+        return f"({word} & {number(1 << low, True)})"
 
     def moving(self, field: Field) -> str:
         """The bits of a field whose place in the word depends on the variant."""
-        return f"{self.maker}_field({self.word}, {self.scope.text(field.low)}, {self.scope.text(field.width)})"
+        return self._moving(field.low, field.width)
+
+    def _moving(self, low: Expression, width: Expression) -> str:
+        if self.layout.carried_as == "bits" and self.layout.bits - low - width == Expression(0):
+            # Nothing lies above it: the length has been checked.
+            return f"({self.word} >> {low.constant}U)" if low.is_constant else f"{self.maker}_above({self.word}, {self.scope.text(low)})"
+        return f"{self.maker}_field({self.word}, {self.scope.text(low)}, {self.scope.text(width)})"
+
+    def join_in_word(self, join: Join) -> str:
+        """The number of a join where its fields lie side by side in the word; empty where they do not."""
+        fields = [self.layout.field(name) for name in join.fields]
+        if not self.by_word or any(upper.low != lower.low + lower.width for upper, lower in zip(fields, fields[1:])):
+            return ""
+        low, width = fields[-1].low, sum((field.width for field in fields), Expression(0))
+        kind = self.join_type(join)
+        inner = self._at_fixed_place(low.constant, width.constant) if low.is_constant and width.is_constant else self._moving(low, width)
+        return unbracketed(inner) if kind == "uint64_t" else f"({kind}){inner}"
 
     def _raw_of_word(self, field: Field) -> tuple[str, str]:
         kind = unsigned(field.widest)
@@ -147,13 +179,18 @@ class LayoutSource:
         return kind, inner if kind == "uint64_t" else f"({kind}){inner}"
 
     def _raw_of_bytes(self, field: Field) -> tuple[str, str]:
-        bits = field.container or field.widest
+        pieces = [piece for piece in field.pieces if piece not in self.padding(field)]
+        bits = sum(piece.mask.bit_length() for piece in pieces)
         kind = unsigned(bits)
-        if len(field.pieces) == 1:
-            return kind, _only_piece(field.pieces[0])
+        if len(pieces) == 1:
+            return kind, _only_piece(pieces[0])
         work = "uint64_t" if bits > 32 else "uint32_t"
-        joined = " | ".join(_piece(piece, work) for piece in field.pieces)
+        joined = " | ".join(_piece(piece, work) for piece in pieces)
         return kind, joined if kind == work else f"({kind})({joined})"
+
+    def padding(self, field: Field) -> list[Piece]:
+        """The bytes of a container that its field never reaches."""
+        return [piece for piece in field.pieces if field.container and piece.left >= field.widest]
 
     def characters(self, field: Field) -> Iterable[tuple[int, int]]:
         """The characters of a text in reading order: index, and the byte that holds it."""
@@ -186,8 +223,11 @@ class LayoutSource:
         call = f"{self.maker}_{change}_gray({word}, {self.scope.text(parts[-1].low)}, {self.scope.text(bits)})"
         return f"({self.scope.atom(self.layout.gray_when)} != 0U) ? {call} : {word}"
 
-    def choice_condition(self, field: Field, name: str) -> str:
-        """When ``name`` is none of the values that the field can take here; empty where it can take all."""
+    def choice_condition(self, field: Field, name: str, is_raw: bool = False) -> str:
+        """When ``name`` is none of the values that the field can take here; empty where it can take all.
+
+        ``is_raw`` says that ``name`` is the bits as read, a number rather than one of the field's enumeration.
+        """
         is_selector = field.name == self.layout.selector
         if field.kind != "choice" and not is_selector:
             return ""
@@ -196,6 +236,8 @@ class LayoutSource:
             return ""
         choice = self.choice(field)
         names = choice.names if choice is not None else {}
+        if choice is not None and choice.is_enum and is_raw:
+            names = {value: f"({self.raw(field)[0]}){entry}" for value, entry in names.items()}
         differences = [f"{name} != {names.get(value, number(value, True))}" for value in dict.fromkeys(allowed)]
         return differences[0] if len(differences) == 1 else " && ".join(f"({item})" for item in differences)
 

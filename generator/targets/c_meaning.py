@@ -51,17 +51,21 @@ def _of_angle(view: DeviceView, prefix: str, steps: Expression, turns: Expressio
         product = f"{per_turn}(variant)" if one else f"{per_turn}(variant) * {bracketed(view.scope.text(turns))}"
         about = f"The position{over} starts again at 0 after so many counts" + (": those of one revolution." if one else ": those of all revolutions.")
         yield from _rolling(view, prefix, product, about)
-    yield _function(view, f"{prefix}_turns", "double", "uint64_t position", f"(double)position / (double){per_turn}(variant)", f"A position{over} in revolutions.")
-    lines = (f"const uint64_t steps = {per_turn}(variant);", "return (double)(position % steps) * 360.0 / (double)steps;")
+    steps_line = f"const uint64_t steps = {per_turn}(variant);"
+    lines: tuple[str, ...] = (steps_line, "return (double)position / (double)steps;")
+    yield Function(view.unique(f"{prefix}_turns"), "double", "uint64_t position", lines, f"A position{over} in revolutions.", True)
+    lines = (steps_line, "const uint64_t angle = position % steps;", "return ((double)angle * 360.0) / (double)steps;")
     yield Function(view.unique(f"{prefix}_degrees"), "double", "uint64_t position", lines, f"A position{over} in degrees within its revolution, from 0 to below 360.", True)
 
 
 def _of_length(view: DeviceView, prefix: str, step: Expression, steps: Expression | None, over: str, where: str) -> Iterable[Function]:
     if steps is not None:
         yield from _rolling(view, prefix, _wide(view, steps), f"The position{over} starts again at 0 after so many counts {where}.")
-    text = f"position * {bracketed(view.scope.text(step)) if not step.is_constant else step.constant}"
-    yield _function(view, f"{prefix}_micrometres", "int64_t", "int64_t position", text, f"A position{over} in micrometres {where}.")
-    yield _function(view, f"{prefix}_millimetres", "double", "int64_t position", f"(double){prefix}_micrometres(variant, position) / 1000.0", f"A position{over} in millimetres.")
+    width = str(step.constant) if step.is_constant else f"(int64_t){bracketed(view.scope.text(step))}"
+    lines: tuple[str, ...] = (f"const int64_t step = {width};", "return position * step;")
+    yield Function(view.unique(f"{prefix}_micrometres"), "int64_t", "int64_t position", lines, f"A position{over} in micrometres {where}.", needs_variant(lines))
+    lines = (f"const int64_t micrometres = {prefix}_micrometres(variant, position);", "return (double)micrometres / 1000.0;")
+    yield Function(view.unique(f"{prefix}_millimetres"), "double", "int64_t position", lines, f"A position{over} in millimetres.", True)
 
 
 def _rolling(view: DeviceView, prefix: str, modulus: str, about: str) -> Iterable[Function]:

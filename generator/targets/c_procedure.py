@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from .. import codec
 from ..model import Field, Procedure, Register, Step, cite
 from . import TargetError
-from .c_source import Paragraph, c_name, errata_at, errata_text, mask, needs_variant, number, sentence, size_of, title, unsigned, words
+from .c_source import Paragraph, c_name, described, errata_at, errata_text, mask, needs_variant, number, sentence, size_of, title, unsigned, words
 from .c_views import ArgumentView, Check, CodecView, Line, ProcedureView, StepGroup
 
 if TYPE_CHECKING:
     from .c_device import DeviceView
 
 #: What the generated functions call their own arguments and locals.
-_TAKEN = frozenset(("variant", "steps", "capacity", "count", "index", "result", "address"))
+_TAKEN = frozenset(("variant", "steps", "capacity", "count", "index", "result", "address", "transport", "out", "failure", "bytes"))
 
 
 class ProcedureSource:
@@ -30,6 +30,10 @@ class ProcedureSource:
         self.groups: list[StepGroup] = []
         self.filled: dict[str, ArgumentView] = {}
         self.checks: list[Check] = []
+        #: What is read, in order: the member that takes it, how many bytes, what it is.
+        self.reads: list[tuple[str, int, str]] = []
+        #: Whether a step writes some bits of a byte, so that the byte is read first.
+        self.reads_to_write = False
 
     def build(self) -> ProcedureView:
         name = f"{self.view.prefix}_{self.procedure.name}_steps"
@@ -37,8 +41,13 @@ class ProcedureSource:
             if step.do == "write" and step.value is None:
                 self._write_argument(step)
                 continue
-            for call, initialiser, note in self._step_rows(step):
+            rows = list(self._step_rows(step))
+            for call, initialiser, note in rows:
                 self._add(call, note, f"{{ {initialiser} }}")
+            if step.do == "read":
+                self._add_read(step, len(rows))
+            elif step.do == "write" and step.field:
+                self.reads_to_write |= any(bits != 0xFF for _, bits, _ in self._step_bytes(self.device.register(step.register), step))
         return ProcedureView(
             name=self.view.unique(name),
             about=tuple(self._about()),
@@ -51,7 +60,40 @@ class ProcedureSource:
             groups=tuple(self.groups),
             has_loop=bool(self.filled),
             needs_variant=bool(self.filled) or needs_variant(self.checks),
+            run=self.view.unique(f"{self.view.prefix}_{self.procedure.name}"),
+            run_about=tuple(self._run_about()),
+            read_type=self.view.unique(f"{self.view.prefix}_{self.procedure.name}_read") if self.reads else "",
+            read_members=tuple(Line(f"uint8_t {name}[{length}];", note) for name, length, note in self.reads),
+            read_bytes=sum(length for _, length, _ in self.reads),
+            read_fills=tuple(self._read_fills()),
         )
+
+    # -- carrying it out
+
+    def _run_about(self) -> Iterable[Paragraph]:
+        procedure = self.procedure
+        *calls, last = self._calls()
+        needed = f"{', '.join(calls)} and {last}" if calls else last
+        yield f"Carries it out over {self.device.interface(procedure.interface).title}; the transport needs {needed}."
+        written = {(step.register, step.field) for step in procedure.steps if step.do == "write"}
+        if self.view.read_state and any({(item.register, ""), (item.register, item.field)} & written for item in self.device.run_time_parameters):
+            yield f"The frames depend on what it writes: {self.view.read_state}() makes the variant follow."
+
+    def _calls(self) -> list[str]:
+        """The functions of a transport that the steps call."""
+        does = {step.do for step in self.procedure.steps}
+        uses = {
+            "read_registers": bool(does & {"read", "poll"}) or self.reads_to_write,
+            "write_registers": "write" in does,
+            "wait_us": bool(does & {"wait", "poll"}) or any(step.do == "send" and step.microseconds for step in self.procedure.steps),
+            "send_request": "send" in does,
+        }
+        return [name for name, used in uses.items() if used]
+
+    def _read_fills(self) -> Iterable[str]:
+        """Assignments from the bytes as they were read, one after the other."""
+        places = [f"{name}[{index}]" for name, length, _ in self.reads for index in range(length)]
+        yield from (f"out->{place} = bytes[{index}];" for index, place in enumerate(places))
 
     def _about(self) -> Iterable[Paragraph]:
         procedure = self.procedure
@@ -61,6 +103,13 @@ class ProcedureSource:
         yield ("Result: ", sentence(procedure.result))
         yield sentence(procedure.note)
         yield from (errata_text(item) for item in errata_at(self.device, f"procedures.{procedure.name}"))
+
+    def _add_read(self, step: Step, length: int) -> None:
+        register = self.device.register(step.register)
+        taken = {name for name, _, _ in self.reads}
+        base = c_name(register.name) if length == register.length else c_name(f"{register.name}_{step.field}")
+        name = next(name for name in (base, *(f"{base}_{number}" for number in range(2, len(taken) + 3))) if name not in taken)
+        self.reads.append((name, length, described(title(register), step.meaning)))
 
     def _add(self, call: str, note: str = "", initialiser: str = "") -> None:
         self.groups.append(StepGroup(f"steps[{len(self.rows)}] = {self.maker}_step_{call};", note))
@@ -86,6 +135,7 @@ class ProcedureSource:
     def _write_field(self, step: Step, register: Register, field: Field) -> None:
         """The argument is one field of the register."""
         name = self.names[step.value_name]
+        self.reads_to_write |= any(piece.mask << piece.right != 0xFF for piece in field.pieces)
         self.types.setdefault(step.value_name, unsigned(field.widest))
         self.checks += self._field_checks(register, field, name)
         for index, piece in enumerate(field.pieces):

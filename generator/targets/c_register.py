@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Field, Register, RegisterMeaning, cite
 from . import TargetError
+from .c_access import access
 from .c_codec import codec
 from .c_layout import LayoutSource
 from .c_source import Paragraph, bracketed, errata_at, errata_text, needs_variant, number, sentence, signed_number, span_text, title, unbracketed, unsigned, words
@@ -39,6 +40,7 @@ class RegisterSource:
         if not self.is_plain and len([mask for mask in masks if not mask.variable]) < len(self.layout.fields):
             about += self.source.table()
         about += [errata_text(item) for item in errata_at(self.device, f"registers.{self.register.name}")]
+        struct = codec(self.source, (), self.limited_member, limits) if not self.is_plain else None
         return RegisterView(
             about=tuple(about),
             macros=macros,
@@ -47,7 +49,8 @@ class RegisterSource:
             meanings=tuple(MeaningView(tuple(self._meaning(item)), self.limits(item)) for item in self.register.meanings),
             choices=self.view.choices_of_register(self.register),
             explained=tuple(self._explained()),
-            codec=codec(self.source, (), self.limited_member, limits) if not self.is_plain else None,
+            codec=struct,
+            access=access(self.view, self.register, self.source, struct, limits),
         )
 
     def _macros(self) -> Iterable[Line]:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from .c_device import DeviceView
 
 
+#: What the function that reads the registers calls its own arguments and locals.
+_TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
+
+
 def takers(view: DeviceView) -> Iterable[TakeView]:
     """One function for each register that holds parameters."""
     by_register: dict[str, list[Parameter]] = {}
@@ -58,6 +62,8 @@ def _taker(view: DeviceView, register: Register, parameters: list[Parameter]) ->
         locals=tuple(locals_),
         checks=tuple(checks),
         fills=tuple(fills),
+        bytes=c_name(register.name, _TAKEN),
+        access=view.register_view(register).access,
     )
 
 

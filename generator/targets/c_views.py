@@ -82,6 +82,7 @@ class CodecView:
     uses_word: bool
     word_from_bytes: str
     bytes_from_word: tuple[str, ...]
+    first_checks: tuple[Check, ...]
     locals: tuple[str, ...]
     decode_checks: tuple[Check, ...]
     fills: tuple[str, ...]
@@ -150,6 +151,25 @@ class MeaningView:
 
 
 @dataclass(frozen=True)
+class AccessView:
+    """The functions that read and write a register over a transport; an empty name where there is none. Without ``struct`` it is one byte."""
+
+    read: str
+    write: str
+    read_about: tuple[Paragraph, ...]
+    write_about: tuple[Paragraph, ...]
+    type: str
+    struct: str
+    stem: str
+    bank_address: str
+    bank: str
+    read_checks: tuple[Check, ...]
+    write_checks: tuple[Check, ...]
+    wait: str
+    write_needs_variant: bool
+
+
+@dataclass(frozen=True)
 class RegisterView:
     about: tuple[Paragraph, ...]
     macros: tuple[Line, ...]
@@ -159,6 +179,7 @@ class RegisterView:
     choices: tuple[Choice, ...]
     explained: tuple[Line, ...]
     codec: CodecView | None
+    access: AccessView
 
 
 @dataclass(frozen=True)
@@ -230,6 +251,12 @@ class ProcedureView:
     groups: tuple[StepGroup, ...]
     has_loop: bool
     needs_variant: bool
+    run: str
+    run_about: tuple[Paragraph, ...]
+    read_type: str
+    read_members: tuple[Line, ...]
+    read_bytes: int
+    read_fills: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -248,6 +275,8 @@ class TakeView:
     locals: tuple[str, ...]
     checks: tuple[Check, ...]
     fills: tuple[str, ...]
+    bytes: str
+    access: AccessView
 
 
 @dataclass(frozen=True)
@@ -257,6 +286,8 @@ class IdentityView:
     type: str
     function: str
     next: str
+    read: str
+    reads: tuple[tuple[str, AccessView], ...]
     connection: str
     title: str
     members: tuple[Line, ...]

@@ -12,7 +12,8 @@ from ..model import Device, FieldGroup, Interface, Layout, Register, Timing
 from ..relevant import follows_registers
 from ..render import render
 from ..words import hertz, language
-from . import Library
+from ..masters import shipped_masters
+from . import Library, TargetError, docs_masters
 
 FILTERS: Mapping[str, Callable[..., Any]] = {
     "md": markdown.text, "paragraph": markdown.paragraph, "code": markdown.code, "cited": markdown.cited, "anchor": markdown.anchor, "sentence": markdown.sentence,
@@ -21,10 +22,17 @@ FILTERS: Mapping[str, Callable[..., Any]] = {
 
 
 def generate(library: Library) -> dict[str, str]:
-    """``docs/README.md``, and for each device ``docs/<device>.md`` with its pictures in a folder of that name."""
+    """``docs/README.md``, and for each device ``docs/<device>.md`` with its pictures in a folder of that name, and ``docs/<device>-masters.md``."""
+    try:
+        masters = shipped_masters()
+    except ValueError as error:
+        raise TargetError(str(error)) from None
     files = {"docs/README.md": _index(library)}
     for device in library.devices:
         files[f"docs/{device.name}.md"] = _tidy(render("markdown", "device.md.jinja", _device_values(device), FILTERS, library.own_templates))
+        if docs_masters.has_masters(device):
+            values = {"table": markdown.table, **docs_masters.page_values(device, masters)}
+            files[f"docs/{device.name}-masters.md"] = _tidy(render("markdown", "masters.md.jinja", values, FILTERS, library.own_templates))
         files |= {f"docs/{device.name}/{name}.svg": picture for name, picture in _pictures(device).items()}
     return files
 
@@ -43,7 +51,8 @@ def _index(library: Library) -> str:
     for device in library.devices:
         manual = f"{text(device.manual.title)}, revision {text(device.manual.revision)}" + (f" of {device.manual.date}" if device.manual.date else "")
         titles = ", ".join(item.title for item in device.interfaces)
-        rows.append([link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title), titles, f"{len(device.variants)}", manual])
+        masters = link("settings", f"{device.name}-masters.md") if docs_masters.has_masters(device) else ""
+        rows.append([link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title), titles, f"{len(device.variants)}", masters, manual])
     patterns = [
         [", ".join(code(item.code) for item in device.variants if item.interface == part.kind), link(part.title, f"{device.name}.md#interface-{part.kind}")]
         for device in library.devices
@@ -63,6 +72,7 @@ def _pictures(device: Device) -> dict[str, str]:
 def _device_values(device: Device) -> dict[str, Any]:
     return {
         "device": device,
+        "has_masters": docs_masters.has_masters(device),
         "table": markdown.table,
         "timing_rows": _timings,
         "errata_links": partial(page.errata_links, device),

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from ..model import Device, Manufacturer
 from ..render import plain, render
-from . import Library
-from .python_module import SHARED, Module
+from . import Library, has_biss
+from .python_module import BISS, SHARED, Module
 from .python_source import WIDTH, docstring
 
 
@@ -27,6 +27,7 @@ def generate(library: Library) -> dict[str, str]:
 def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library) -> dict[str, str]:
     package = maker.python_package
     modules = [Module(device) for device in devices]
+    biss = (BISS,) if has_biss(devices) else ()
     values = {
         "package": package,
         "distribution": package.replace("_", "-"),
@@ -39,6 +40,8 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         "toml": _toml,
         "markdown": _markdown,
         "names": [module.name for module in modules],
+        "biss": biss,
+        "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.codes.identity],
         "width": WIDTH,
     }
@@ -53,7 +56,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         f"{package}/__init__.py": made("__init__.py.jinja"),
         f"{package}/py.typed": "",
     }
-    for name in SHARED:
+    for name in (*SHARED, *biss):
         files[f"{package}/{name}.py"] = made(f"{name}.py.jinja")
     for module in modules:
         header = _header(f"the specification of {plain(module.device.title)}")

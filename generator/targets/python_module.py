@@ -19,6 +19,9 @@ from .python_views import Branch, Codec, CrcFunction, Dispatch, Enumeration, Fol
 #: What the package's modules are called that hold no device.
 SHARED = ("_codec", "_facts", "_order_codes")
 
+#: The module for register access over BiSS, in packages with a family that speaks it.
+BISS = "biss"
+
 #: Names that every device module uses for itself, besides what it imports.
 _MODULE = (
     "ALARMS", "Address", "ArithmeticError", "BISS", "CHARACTERISTICS", "CONNECTORS", "CRCS", "DOCUMENTS", "ERRATA", "Ellipsis", "Exception",
@@ -66,7 +69,7 @@ class Module:
 
     def __post_init__(self) -> None:
         device = self.device
-        self.name = attribute(device.name, SHARED)
+        self.name = attribute(device.name, (*SHARED, BISS))
         self.parameter_names = {item.name: attribute(item.name, _VARIANT) for item in device.parameters}
         self.crc_names = {item.name: self.taken.take(f"crc_{item.name}", "_") for item in device.crcs}
         self.classes: dict[str, str] = {}

@@ -7,7 +7,9 @@ import re
 import shutil
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
+import pytest
 from lxml import etree
 
 from codewheel.biss_identity import device_bits
@@ -17,7 +19,7 @@ from codewheel.model import Device
 from codewheel.output import device_dump
 from codewheel.targets import Library
 from codewheel.targets import docs
-from codewheel.targets.biss import ascii_only, comment, generate
+from codewheel.targets.biss import ascii_only, ascii_text, comment, generate
 
 NAME = "biss/idbiss4C69.xml"
 PROVEN = {"BiSS-Identifier": {"Version"}, "Profile": set(), "Device": set(), "Id": {"Range", "type"}, "Label": {"Pos"}, "SCDS": set(), "CrcPoly": set(), "Length": set()}
@@ -28,7 +30,7 @@ def dtd() -> etree.DTD:
         return etree.DTD(file)
 
 
-def check_format(text: str) -> etree._Element:
+def check_format(text: str) -> Any:
     """The root of a file that has nothing but proven elements, attributes and orders."""
     text.encode("ascii")
     assert text.startswith('<?xml version="1.0" encoding="ISO-8859-1"?>\n<!DOCTYPE BiSS-Identifier SYSTEM "idbiss.dtd">\n')
@@ -62,7 +64,37 @@ def test_amm5_is_known_by_its_ids(library: Library) -> None:
     assert label is not None and label.get("Pos") == "1" and (label.text or "").startswith(", ")
 
 
-def known(root: etree._Element, name: str) -> etree._Element:
+def test_each_id_names_the_identity_that_it_counts(library: Library) -> None:
+    """The comment behind every Id: 64 bits of device and manufacturer ID, or 16 bits of profile ID, where they are read, and the value in hex."""
+    root = check_format(generate(library)[NAME])
+    for item in root.iter("Id"):
+        high, _ = map(int, item.get("Range", "").split(":"))
+        behind = item.getnext()
+        assert behind is not None and behind.tag is etree.Comment
+        value = f"{int(item.text or '', 2):X}h"
+        of_profile = item.getparent().find("Label") is None
+        start = "16-bit profile ID, registers 42h and 43h" if of_profile else "64-bit identity: manufacturer ID" if high == 15 else "64-bit identity: device ID, register"
+        assert str(behind.text).strip().startswith(start) and value in str(behind.text), behind.text
+
+
+def test_each_inferred_place_says_so(library: Library) -> None:
+    """Section 1.3 and 1.4 of what is publicly known: the wrapper, what Range counts, that inner devices refine, labels, and what Length counts."""
+    root = check_format(generate(library)[NAME])
+    maker = root.find("Profile/Device")
+    assert maker is not None
+
+    def comments(element: Any) -> str:
+        return " ".join(" ".join(str(item.text).split()) for item in element if item.tag is etree.Comment)
+
+    assert "Inferred: Profile is the only parent of Device that is publicly known" in comments(root)
+    for words in ("Inferred: Range counts the bits of the 64-bit identity", "Inferred: a Device inside a Device refines it", "Inferred: Label names maker and device"):
+        assert words in comments(maker)
+    first = next(item.getparent().getparent() for item in root.iter("Length"))
+    assert "Inferred: that such an Id can stand below those that count the 64-bit identity" in comments(first)
+    assert "Inferred: Length counts all bits of data on the line" in comments(first) and "Inferred: the Label beside it" in comments(first)
+
+
+def known(root: Any, name: str) -> Any:
     """The Device element whose label has ``name`` in it."""
     return next(item for item in root.iter("Device") if name in (item.findtext("Label") or ""))
 
@@ -87,7 +119,8 @@ def test_no_length_where_the_identity_does_not_tell_it(library: Library) -> None
     assert "it follows what register 56h (singleturn_bits_used.bits) and register 57h (multiturn_bits_used.bits) hold at the moment" in plain
     assert "multiturn 16 + singleturn 20 = 36 bits; with status bits 38; with CRC 44" in plain
     assert "position 25 + zero 1 = 26 bits; with status bits 28; with CRC 34" in plain
-    assert "profile ID, registers 42h and 43h: 281Ah, whatever the length" in plain
+    assert "281Ah, whatever the length; its low byte, 26, is the data length of ASC8525/SC1, ASC8525/SC2 only" in plain
+    assert "profile ID, registers 42h and 43h: 0000h, which is no profile" in plain
 
 
 def test_the_comment_tells_what_the_format_cannot(library: Library) -> None:
@@ -135,6 +168,15 @@ def test_hostile_text_stays_text(hostile: Library) -> None:
     assert {str(element.tag) for element in root.iter(etree.Element)} <= set(PROVEN)
     for found in re.findall(r"<!--(.*?)-->", text, re.DOTALL):
         assert "--" not in found and not found.endswith("-")
+
+
+@pytest.mark.parametrize("text", ["a\x00b\x1b[31mc", "-\x00-\x01->", "-\u00ad-", "\uff0d\uff0d>", "\ufe63\ufe63>", "\u2014\u2014>", "x\x85y\u2028z", "-" * 400, "\ud800", "--!>", "<!--"])
+def test_no_character_leaves_a_comment_or_an_element(text: str) -> None:
+    """Control characters, characters that become hyphens in ASCII, and long runs of hyphens, in both shapes of a comment and in an element."""
+    for made in (str(comment(text, "  ")), str(comment(f"{text}\n{text} {'word ' * 60}{text}", "  "))):
+        root = read_xml(f"<a>{made}<b>{ascii_text(text)}</b></a>".encode("ascii"))
+        assert [item.tag for item in root] == [etree.Comment, "b"] and len(root[1]) == 0
+        assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f]", made) and "--" not in made.strip()[4:-3]
 
 
 def test_comments_are_ascii() -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 from lxml import etree
 
 from codewheel import xsd
-from codewheel.description import NAMESPACE, from_xml, read_xml, to_xml
+from codewheel.description import from_xml, read_xml, to_xml
 from codewheel.model import Device
 from codewheel.order_codes import find
 from codewheel.output import device_dump, variant_dump
@@ -71,25 +69,3 @@ def test_entities_and_network_stay_off(tmp_path: object) -> None:
     bomb = b'<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]><x>&a;</x>'
     root = read_xml(bomb)
     assert "root:" not in "".join(root.itertext())
-
-
-def test_a_frame_can_be_decoded_from_the_file_alone(device: Device) -> None:
-    """Twenty lines with lxml, written as a stranger would, on the public reply 02 20 C7 D1 6A 5E (position 7,000,519)."""
-    # A stranger's script begins here.
-    ns = {"d": NAMESPACE}
-    root = etree.fromstring(to_xml(device_dump(device)).encode())
-    parameters = {entry.get("name"): int(entry.text) for entry in root.find(".//d:order_code[@code='AMM5A23/65KJP1']/d:parameters", ns)}
-
-    def number(text: str) -> int:
-        total = 0
-        for sign, term in re.findall(r"([+-]?) ?([a-z0-9_]+)", text):
-            total += (-1 if sign == "-" else 1) * (int(term) if term.isdigit() else parameters[term])
-        return total
-
-    frame = int.from_bytes(bytes.fromhex("0220C7D16A5E"), "little")
-    values = {}
-    for field in root.find(".//d:layout[@name='singleturn_reply']/d:fields", ns):
-        values[field.get("name")] = frame >> number(field.get("low")) & ((1 << number(field.get("width"))) - 1)
-    # It ends here.
-    assert values["singleturn"] == 7_000_519
-    assert (values["data_id"], values["status_other_error"], values["status_st_error"], values["crc"]) == (0, 1, 0, 0x5E)

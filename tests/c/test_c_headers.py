@@ -89,10 +89,42 @@ def test_no_version_date_or_path(include: Path, c_devices: tuple[Device, ...]) -
 def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
     readme = (include.parent / "README.md").read_text()
     code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
-    assert len(code) == 1
-    main = '#include <stdio.h>\nint main(void)\n{\n    uint64_t position = 0U;\n    printf("%d %lu\\n", (int)read_encoder(0xFBU, &position), (unsigned long)position);\n    return 0;\n}\n'
-    program = compile_c(["gcc", "-std=c99"], code[0] + main, tmp_path, include)
-    assert subprocess.run([str(program)], capture_output=True, text=True).stdout == "0 0\n"
+    assert len(code) == 2
+    main = """#include <stdio.h>
+int32_t bus_read(void *context, uint16_t address, uint8_t *bytes, size_t length)
+{
+    (void)context;
+    printf("r %02X %d\\n", (unsigned)address, (int)length);
+    for (; length > 0U; length--) {
+        bytes[length - 1U] = 0U;
+    }
+    return 0;
+}
+int32_t bus_write(void *context, uint16_t address, const uint8_t *bytes, size_t length)
+{
+    (void)context;
+    printf("w %02X %02X\\n", (unsigned)address, (unsigned)bytes[0]);
+    return length == 1U && address != 0x77U ? 0 : -5;
+}
+int32_t bus_wait(void *context, uint32_t microseconds)
+{
+    (void)context;
+    return microseconds == 0U ? 1 : 0;
+}
+int main(void)
+{
+    uint64_t position = 0U;
+    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0 };
+    printf("%d %lu\\n", (int)read_encoder(0xFBU, &position), (unsigned long)position);
+    printf("%d", (int)set_up(&failure));
+    printf(" %d %02X %d\\n", (int)failure.step, (unsigned)failure.address, (int)failure.error);
+    return 0;
+}
+"""
+    program = compile_c(["gcc", "-std=c99"], code[0] + code[1] + main, tmp_path, include)
+    preset = "".join(f"w {line}\n" for line in ("40 01", "11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00", "40 00", "77 01"))
+    # The serial number is read, and the manual's preset written until the command fails in step 9 with the bus's own -5.
+    assert subprocess.run([str(program)], capture_output=True, text=True).stdout == f"0 0\nr 44 4\n{preset}5 9 77 -5\n"
 
 
 def test_a_constant_variant_costs_nothing(include: Path, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final, TypeAlias, Union
 
-from . import am36, amm5, asc85, sma21
+from . import am36, amm5, asc85, biss, sma21
 from ._codec import (
     BitField,
     ConstantError,
@@ -55,6 +55,7 @@ __all__ = [
     "am36",
     "amm5",
     "asc85",
+    "biss",
     "sma21",
     "identify",
     "lookup",

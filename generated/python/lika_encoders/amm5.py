@@ -377,8 +377,8 @@ def _remainder_biss_6_47(word: int) -> int:
     """
     high = word >> 24
     word = word & 0xFFFFFF ^ high ^ high << 4
-    high = word >> 24
-    word = word & 0xFFFFFF ^ high ^ high << 4
+    high = word >> 6
+    word = word & 0x3F ^ high ^ high << 1
     high = word >> 12
     word = word & 0xFFF ^ high ^ high << 2
     high = word >> 6

@@ -286,8 +286,8 @@ def _remainder_biss_6_34(word: int) -> int:
     A word is folded at multiples of the polynomial's powers, which have no more terms than itself; this takes the place
     of a table.
     """
-    high = word >> 24
-    word = word & 0xFFFFFF ^ high ^ high << 4
+    high = word >> 12
+    word = word & 0xFFF ^ high ^ high << 2
     high = word >> 12
     word = word & 0xFFF ^ high ^ high << 2
     high = word >> 6

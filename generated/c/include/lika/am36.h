@@ -235,7 +235,7 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
     if (found != NULL) {
         return found;
     }
-    for (index = 0U; index < sizeof(patterns) / sizeof(patterns[0]); index++) {
+    for (index = 0U; index < (sizeof(patterns) / sizeof(patterns[0])); index++) {
         const size_t length = lika_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
@@ -258,11 +258,9 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
  */
 static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFU) ^ (data >> 24U) ^ ((data >> 24U) << 4U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 8U) | ((uint32_t)wide >> 24U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
@@ -282,11 +280,9 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
  */
 static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFFFU) ^ (wide >> 32U) ^ ((wide >> 32U) << 8U);
-    wide = (wide & 0xFFFFU) ^ (wide >> 16U) ^ ((wide >> 16U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFFFU) ^ (data >> 32U) ^ ((data >> 32U) << 8U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 16U) | ((uint32_t)wide >> 16U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFFU) ^ (v >> 16U) ^ ((v >> 16U) << 4U);
     v = (v & 0xFFU) ^ (v >> 8U) ^ ((v >> 8U) << 2U);
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
@@ -392,17 +388,16 @@ static inline lika_result lika_am36_ssi_word_set_position(
 static inline lika_result lika_am36_ssi_word_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_ssi_word *out)
 {
-    if ((word & ~lika_mask(lika_am36_ssi_word_bits(variant))) != 0U) {
+    if (lika_above(word, lika_am36_ssi_word_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
     const uint64_t plain = (variant->ssi_gray != 0U) ? lika_from_gray(word, 0U,
         (uint32_t)variant->multiturn_bits + variant->singleturn_bits) : word;
-    const uint16_t multiturn =
-        (uint16_t)lika_field(plain, variant->singleturn_bits, variant->multiturn_bits);
+    const uint16_t multiturn = (uint16_t)lika_above(plain, variant->singleturn_bits);
     const uint32_t singleturn = (uint32_t)lika_field(plain, 0U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->position = ((uint32_t)multiturn << variant->singleturn_bits) | singleturn;
+    out->position = (uint32_t)(plain >> 0U);
     return LIKA_OK;
 }
 
@@ -508,16 +503,14 @@ static inline uint32_t lika_am36_single_cycle_data_bits(const lika_am36_variant 
  * CRC biss_6 of a whole word, without a table: 0 when the word is sound. For a word with 0 in place
  * of its CRC, the CRC to send.
  */
-static inline uint8_t lika_am36_single_cycle_data_crc(uint64_t word)
+static inline uint32_t lika_am36_single_cycle_data_crc(uint64_t word)
 {
-    uint64_t wide = word ^ 0x3FU;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
+    const uint32_t high = ((uint32_t)(word >> 32U) << 8U) | ((uint32_t)word >> 24U);
+    uint32_t v = ((uint32_t)word & 0xFFFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
-    return (uint8_t)v;
+    return v ^ 0x3FU;
 }
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
@@ -539,26 +532,25 @@ static inline lika_result lika_am36_single_cycle_data_set_position(
 static inline lika_result lika_am36_single_cycle_data_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_single_cycle_data *out)
 {
-    if ((word & ~lika_mask(lika_am36_single_cycle_data_bits(variant))) != 0U) {
+    if (lika_above(word, lika_am36_single_cycle_data_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint64_t plain = (lika_am36_biss_gray(variant) != 0U) ? lika_from_gray(word, 8U,
-        (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
-    const uint16_t multiturn = (uint16_t)lika_field(plain, 8U + variant->used_singleturn_bits,
-        variant->used_multiturn_bits);
-    const uint32_t singleturn = (uint32_t)lika_field(plain, 8U, variant->used_singleturn_bits);
     if (lika_am36_single_cycle_data_crc(word) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    if (((plain >> 7U) & 0x01U) != 0x01U) { /* error */
+    const uint64_t plain = (lika_am36_biss_gray(variant) != 0U) ? lika_from_gray(word, 8U,
+        (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
+    const uint16_t multiturn = (uint16_t)lika_above(plain, 8U + variant->used_singleturn_bits);
+    const uint32_t singleturn = (uint32_t)lika_field(plain, 8U, variant->used_singleturn_bits);
+    if ((((uint32_t)plain >> 7U) & 0x01U) != 0x01U) { /* error */
         return LIKA_FAULT_CONSTANT;
     }
-    if (((plain >> 6U) & 0x01U) != 0x01U) { /* warning */
+    if ((((uint32_t)plain >> 6U) & 0x01U) != 0x01U) { /* warning */
         return LIKA_FAULT_CONSTANT;
     }
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->position = ((uint64_t)multiturn << variant->used_singleturn_bits) | singleturn;
+    out->position = plain >> 8U;
     return LIKA_OK;
 }
 
@@ -616,14 +608,16 @@ static inline int64_t lika_am36_ssi_position_difference(
 /* A position over SSI in revolutions. */
 static inline double lika_am36_ssi_turns(const lika_am36_variant *variant, uint64_t position)
 {
-    return (double)position / (double)lika_am36_ssi_steps_per_turn(variant);
+    const uint64_t steps = lika_am36_ssi_steps_per_turn(variant);
+    return (double)position / (double)steps;
 }
 
 /* A position over SSI in degrees within its revolution, from 0 to below 360. */
 static inline double lika_am36_ssi_degrees(const lika_am36_variant *variant, uint64_t position)
 {
     const uint64_t steps = lika_am36_ssi_steps_per_turn(variant);
-    return (double)(position % steps) * 360.0 / (double)steps;
+    const uint64_t angle = position % steps;
+    return ((double)angle * 360.0) / (double)steps;
 }
 
 /* Counts of one revolution over BiSS C-mode [6.5 p.27; 6.5 p.28]. */
@@ -653,21 +647,24 @@ static inline int64_t lika_am36_biss_position_difference(
 /* A position over BiSS C-mode in revolutions. */
 static inline double lika_am36_biss_turns(const lika_am36_variant *variant, uint64_t position)
 {
-    return (double)position / (double)lika_am36_biss_steps_per_turn(variant);
+    const uint64_t steps = lika_am36_biss_steps_per_turn(variant);
+    return (double)position / (double)steps;
 }
 
 /* A position over BiSS C-mode in degrees within its revolution, from 0 to below 360. */
 static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, uint64_t position)
 {
     const uint64_t steps = lika_am36_biss_steps_per_turn(variant);
-    return (double)(position % steps) * 360.0 / (double)steps;
+    const uint64_t angle = position % steps;
+    return ((double)angle * 360.0) / (double)steps;
 }
 
 /* -- registers --------------------------------------------------------------------------------- */
 
 /*
  * Shifts and masks refer to a register as one number. Decoders and encoders work on its bytes in
- * ascending order of address.
+ * ascending order of address. The functions _read_ and _write_ carry them over your transport, all
+ * of a register by one call; a register that is reserved to the manufacturer is only read.
  */
 
 /*
@@ -725,6 +722,20 @@ static inline bool lika_am36_reg_profile_id_is_expected(
 {
     (void)variant;
     return in->profile == LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED;
+}
+
+/* Reads Profile ID, 42h to 43h. */
+static inline lika_result lika_am36_read_profile_id(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_profile_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_PROFILE_ID_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_AM36_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_profile_id_decode(variant, bytes, sizeof(bytes), out);
 }
 
 /*
@@ -785,6 +796,21 @@ static inline lika_result lika_am36_reg_serial_number_encode(
     return LIKA_OK;
 }
 
+/* Reads Serial number, 44h to 47h. */
+static inline lika_result lika_am36_read_serial_number(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_serial_number *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_SERIAL_NUMBER_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Command, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
  * Saves the parameters, activates the preset, or restores the defaults.
@@ -823,6 +849,29 @@ typedef enum lika_am36_command {
      */
     LIKA_AM36_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_am36_command;
+
+/*
+ * Writes Command, 48h.
+ * Then waits 30 ms.
+ */
+static inline lika_result lika_am36_write_command(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_command value, lika_failure *failure)
+{
+    lika_result result;
+    (void)variant;
+    if ((value != LIKA_AM36_COMMAND_NORMAL_OPERATIONAL_STATE) &&
+        (value != LIKA_AM36_COMMAND_SAVE_PARAMETERS) &&
+        (value != LIKA_AM36_COMMAND_SAVE_AND_ACTIVATE_PRESET) &&
+        (value != LIKA_AM36_COMMAND_RESTORE_DEFAULTS)) {
+        return LIKA_FAULT_RANGE;
+    }
+    result = lika_write_byte(transport, LIKA_AM36_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+return lika_wait(transport, 30000U, failure);
+}
 
 /*
  * Configuration, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
@@ -901,13 +950,13 @@ static inline lika_result lika_am36_reg_configuration_decode(
     if (length != LIKA_AM36_REG_CONFIGURATION_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t counting_direction = (uint8_t)((bytes[0] >> 6U) & 0x01U);
-    const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
-    const uint8_t enable_preset = (uint8_t)((bytes[0] >> 2U) & 0x01U);
     /* zero above counting direction, zero below output code, zero below enable preset */
     if ((bytes[0] & 0x9BU) != 0x00U) {
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t counting_direction = (uint8_t)((bytes[0] >> 6U) & 0x01U);
+    const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
+    const uint8_t enable_preset = (uint8_t)((bytes[0] >> 2U) & 0x01U);
     out->counting_direction = (lika_am36_counting_direction)counting_direction;
     out->output_code = (lika_am36_output_code)output_code;
     out->enable_preset = (lika_am36_enable_preset)enable_preset;
@@ -923,18 +972,51 @@ static inline lika_result lika_am36_reg_configuration_encode(
     if (length != LIKA_AM36_REG_CONFIGURATION_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    if (in->counting_direction > 0x01U) {
+    if ((uint8_t)in->counting_direction > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if (in->output_code > 0x01U) {
+    if ((uint8_t)in->output_code > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if (in->enable_preset > 0x01U) {
+    if ((uint8_t)in->enable_preset > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(((uint32_t)in->counting_direction << 6U) |
         ((uint32_t)in->output_code << 5U) | ((uint32_t)in->enable_preset << 2U));
     return LIKA_OK;
+}
+
+/* Reads Configuration, 49h. */
+static inline lika_result lika_am36_read_configuration(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_configuration *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_CONFIGURATION_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_configuration_decode(variant, bytes, sizeof(bytes), out);
+}
+
+/*
+ * Writes Configuration, 49h.
+ * The frames depend on it: lika_am36_read_state() makes the variant follow.
+ */
+static inline lika_result lika_am36_write_configuration(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_configuration *in, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_CONFIGURATION_LENGTH];
+    lika_result result;
+    result = lika_am36_reg_configuration_encode(variant, in, bytes, sizeof(bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_write(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes),
+        failure);
 }
 
 /*
@@ -1016,6 +1098,36 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
     return LIKA_OK;
 }
 
+/* Reads Information per revolution, 4Bh to 4Dh. */
+static inline lika_result lika_am36_read_information_per_revolution(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_information_per_revolution *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS, bytes,
+        sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_information_per_revolution_decode(variant, bytes, sizeof(bytes), out);
+}
+
+/* Writes Information per revolution, 4Bh to 4Dh. */
+static inline lika_result lika_am36_write_information_per_revolution(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_information_per_revolution *in, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH];
+    lika_result result;
+    result = lika_am36_reg_information_per_revolution_encode(variant, in, bytes, sizeof(bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_write(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS, bytes,
+        sizeof(bytes), failure);
+}
+
 /*
  * Number of revolutions, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
  * Multiturn resolution.
@@ -1092,6 +1204,39 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
     return LIKA_OK;
 }
 
+/* Reads Number of revolutions, 4Eh to 4Fh. */
+static inline lika_result lika_am36_read_number_of_revolutions(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_number_of_revolutions *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS, bytes, sizeof(bytes),
+        failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_number_of_revolutions_decode(variant, bytes, sizeof(bytes), out);
+}
+
+/*
+ * Writes Number of revolutions, 4Eh to 4Fh.
+ * The frames depend on it: lika_am36_read_state() makes the variant follow.
+ */
+static inline lika_result lika_am36_write_number_of_revolutions(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_number_of_revolutions *in, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
+    lika_result result;
+    result = lika_am36_reg_number_of_revolutions_encode(variant, in, bytes, sizeof(bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_write(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS, bytes, sizeof(bytes),
+        failure);
+}
+
 /*
  * Preset, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
  * Position that the encoder shows, from the activation on, at the place where its shaft stands at
@@ -1143,12 +1288,12 @@ static inline lika_result lika_am36_reg_preset_decode(
     if (length != LIKA_AM36_REG_PRESET_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint64_t position = (uint64_t)bytes[4] | ((uint64_t)bytes[3] << 8U) |
-        ((uint64_t)bytes[2] << 16U) | ((uint64_t)bytes[1] << 24U) |
-        ((uint64_t)(bytes[0] & 0x0FU) << 32U);
     if ((bytes[0] & 0xF0U) != 0x00U) { /* zero above position */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint64_t position = (uint64_t)bytes[4] | ((uint64_t)bytes[3] << 8U) |
+        ((uint64_t)bytes[2] << 16U) | ((uint64_t)bytes[1] << 24U) |
+        ((uint64_t)(bytes[0] & 0x0FU) << 32U);
     out->position = position;
     return LIKA_OK;
 }
@@ -1172,6 +1317,34 @@ static inline lika_result lika_am36_reg_preset_encode(
     return LIKA_OK;
 }
 
+/* Reads Preset, 50h to 54h. */
+static inline lika_result lika_am36_read_preset(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_preset *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_PRESET_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_AM36_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_preset_decode(variant, bytes, sizeof(bytes), out);
+}
+
+/* Writes Preset, 50h to 54h. */
+static inline lika_result lika_am36_write_preset(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    const lika_am36_reg_preset *in, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_PRESET_LENGTH];
+    lika_result result;
+    result = lika_am36_reg_preset_encode(variant, in, bytes, sizeof(bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_write(transport, LIKA_AM36_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+}
+
 /*
  * Device type, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
@@ -1182,6 +1355,22 @@ static inline lika_result lika_am36_reg_preset_encode(
 #define LIKA_AM36_REG_DEVICE_TYPE_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_DEVICE_TYPE_DEFAULT 0x02U /* value as delivered */
 #define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /* what it always reads */
+
+/* Reads Device type, 55h. */
+static inline lika_result lika_am36_read_device_type(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    uint8_t *out, lika_failure *failure)
+{
+    uint8_t value = 0U;
+    lika_result result;
+    (void)variant;
+    result = lika_read(transport, LIKA_AM36_REG_DEVICE_TYPE_ADDRESS, &value, 1U, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+*out = value;
+    return LIKA_OK;
+}
 
 /*
  * No. of bits used for singleturn resolution, read only, over BiSS C-mode [6.5 p.31].
@@ -1200,6 +1389,22 @@ static inline lika_result lika_am36_reg_preset_encode(
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH 1U /* byte */
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_DEFAULT 0x14U /* value as delivered */
+
+/* Reads No. of bits used for singleturn resolution, 56h. */
+static inline lika_result lika_am36_read_singleturn_bits_used(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    uint8_t *out, lika_failure *failure)
+{
+    uint8_t value = 0U;
+    lika_result result;
+    (void)variant;
+    result = lika_read(transport, LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS, &value, 1U, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+*out = value;
+    return LIKA_OK;
+}
 
 /*
  * No. of bits used for multiturn resolution, read only, over BiSS C-mode [6.5 p.31].
@@ -1220,6 +1425,22 @@ static inline lika_result lika_am36_reg_preset_encode(
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH 1U /* byte */
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_DEFAULT 0x10U /* value as delivered */
+
+/* Reads No. of bits used for multiturn resolution, 57h. */
+static inline lika_result lika_am36_read_multiturn_bits_used(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    uint8_t *out, lika_failure *failure)
+{
+    uint8_t value = 0U;
+    lika_result result;
+    (void)variant;
+    result = lika_read(transport, LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS, &value, 1U, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+*out = value;
+    return LIKA_OK;
+}
 
 /*
  * Device ID, read only, over BiSS C-mode [6.5 p.31].
@@ -1300,6 +1521,20 @@ static inline bool lika_am36_reg_device_id_is_expected(
         (in->enclosure[0] == LIKA_AM36_REG_DEVICE_ID_ENCLOSURE_EXPECTED[0]);
 }
 
+/* Reads Device ID, 78h to 7Dh. */
+static inline lika_result lika_am36_read_device_id(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_device_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_DEVICE_ID_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_AM36_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Manufacturer ID, read only, over BiSS C-mode [6.5 p.32].
  * Manufacturer.
@@ -1351,6 +1586,21 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
     (void)variant;
     return (in->name[0] == LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED[0]) &&
         (in->name[1] == LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
+}
+
+/* Reads Manufacturer ID, 7Eh to 7Fh. */
+static inline lika_result lika_am36_read_manufacturer_id(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_reg_manufacturer_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AM36_REG_MANUFACTURER_ID_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_am36_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
 }
 
 /* -- run-time state ---------------------------------------------------------------------------- */
@@ -1424,6 +1674,64 @@ static inline lika_result lika_am36_take_configuration(
     return LIKA_OK;
 }
 
+/*
+ * Reads these registers and takes over all that they hold: after power-on, and after a write or a
+ * procedure that changes them. In a failure the steps are the registers, in the order of the
+ * functions above.
+ */
+static inline lika_result lika_am36_read_state(
+    const lika_transport *transport, lika_am36_variant *variant,
+    lika_failure *failure)
+{
+    uint8_t singleturn_bits_used[LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH];
+    uint8_t multiturn_bits_used[LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH];
+    uint8_t number_of_revolutions[LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
+    uint8_t configuration[LIKA_AM36_REG_CONFIGURATION_LENGTH];
+    lika_am36_variant taken = *variant;
+    lika_result result;
+    result = lika_read(transport, LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS, singleturn_bits_used,
+        sizeof(singleturn_bits_used), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 0U, failure);
+    }
+    result = lika_am36_take_singleturn_bits_used(&taken, singleturn_bits_used,
+        sizeof(singleturn_bits_used));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    result = lika_read(transport, LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS, multiturn_bits_used,
+        sizeof(multiturn_bits_used), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 1U, failure);
+    }
+    result = lika_am36_take_multiturn_bits_used(&taken, multiturn_bits_used,
+        sizeof(multiturn_bits_used));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    result = lika_read(transport, LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS,
+        number_of_revolutions, sizeof(number_of_revolutions), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 2U, failure);
+    }
+    result = lika_am36_take_number_of_revolutions(&taken, number_of_revolutions,
+        sizeof(number_of_revolutions));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    result = lika_read(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, configuration,
+        sizeof(configuration), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 3U, failure);
+    }
+    result = lika_am36_take_configuration(&taken, configuration, sizeof(configuration));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    *variant = taken;
+    return LIKA_OK;
+}
+
 /* -- identification ---------------------------------------------------------------------------- */
 
 /* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
@@ -1433,6 +1741,36 @@ typedef struct lika_am36_identity {
     uint8_t device_id[6]; /* from 78h: Device ID */
     uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
 } lika_am36_identity;
+
+/* Reads them. In a failure the steps are the registers, in the order of the members. */
+static inline lika_result lika_am36_read_identity(
+    const lika_transport *transport, lika_am36_identity *out, lika_failure *failure)
+{
+    lika_am36_identity found;
+    lika_result result;
+    result = lika_read(transport, LIKA_AM36_REG_PROFILE_ID_ADDRESS, found.profile_id,
+        sizeof(found.profile_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 0U, failure);
+    }
+    result = lika_read(transport, LIKA_AM36_REG_DEVICE_TYPE_ADDRESS, found.device_type,
+        sizeof(found.device_type), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 1U, failure);
+    }
+    result = lika_read(transport, LIKA_AM36_REG_DEVICE_ID_ADDRESS, found.device_id,
+        sizeof(found.device_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 2U, failure);
+    }
+    result = lika_read(transport, LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+        sizeof(found.manufacturer_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 3U, failure);
+    }
+    *out = found;
+    return LIKA_OK;
+}
 
 /* Whether an encoder of this order code reads so. */
 static inline bool lika_am36_could_be(
@@ -1508,6 +1846,26 @@ static inline lika_result lika_am36_set_configuration_steps(
 }
 
 /*
+ * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
+ * The frames depend on what it writes: lika_am36_read_state() makes the variant follow.
+ */
+static inline lika_result lika_am36_set_configuration(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    uint8_t configuration,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT];
+    lika_result result;
+    result = lika_am36_set_configuration_steps(variant, configuration,
+        steps, LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT, &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
+/*
  * Set, save and activate a preset [6.5 p.29].
  * Before: Suggested with the shaft at a standstill.
  * position: Value that the present position is to get.
@@ -1547,6 +1905,25 @@ static inline lika_result lika_am36_set_preset_steps(
     steps[7] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AM36_SET_PRESET_STEPS_COUNT;
     return LIKA_OK;
+}
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_am36_set_preset(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    uint64_t position,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_AM36_SET_PRESET_STEPS_COUNT];
+    lika_result result;
+    result = lika_am36_set_preset_steps(variant, position, steps, LIKA_AM36_SET_PRESET_STEPS_COUNT,
+        &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -1591,6 +1968,25 @@ static inline lika_result lika_am36_store_preset_steps(
 }
 
 /*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_am36_store_preset(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    uint64_t position,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_AM36_STORE_PRESET_STEPS_COUNT];
+    lika_result result;
+    result = lika_am36_store_preset_steps(variant, position,
+        steps, LIKA_AM36_STORE_PRESET_STEPS_COUNT, &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
+/*
  * Save the parameters [6.5 p.24].
  * Result: Newly set register values are saved.
  */
@@ -1604,6 +2000,17 @@ static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
     };
     *count = LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_am36_save_parameters(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_am36_save_parameters_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -1621,6 +2028,17 @@ static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
     };
     *count = LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_am36_activate_preset(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_am36_activate_preset_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -1642,6 +2060,17 @@ static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
     };
     *count = LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_am36_restore_defaults(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_am36_restore_defaults_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -1736,6 +2165,43 @@ static inline lika_result lika_am36_set_resolution_steps(
     return LIKA_OK;
 }
 
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_am36_set_resolution_read {
+    /* No. of bits used for singleturn resolution: singleturn bits of the frames from now on */
+    uint8_t singleturn_bits_used[1];
+    /* No. of bits used for multiturn resolution: multiturn bits of the frames from now on */
+    uint8_t multiturn_bits_used[1];
+} lika_am36_set_resolution_read;
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ * The frames depend on what it writes: lika_am36_read_state() makes the variant follow.
+ */
+static inline lika_result lika_am36_set_resolution(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    uint32_t information_per_revolution,
+    uint32_t number_of_revolutions,
+    uint64_t position,
+    lika_am36_set_resolution_read *out, lika_failure *failure)
+{
+    uint8_t bytes[2];
+    size_t count = 0U;
+    lika_step steps[LIKA_AM36_SET_RESOLUTION_STEPS_COUNT];
+    lika_result result;
+    result = lika_am36_set_resolution_steps(variant, information_per_revolution,
+        number_of_revolutions, position, steps, LIKA_AM36_SET_RESOLUTION_STEPS_COUNT, &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->singleturn_bits_used[0] = bytes[0];
+    out->multiturn_bits_used[0] = bytes[1];
+    return LIKA_OK;
+}
+
 /*
  * Read what identifies the encoder [6.5].
  * Result: AM36 and AMC36, and all resolutions, answer alike but for the last two registers, which
@@ -1767,6 +2233,54 @@ static inline const lika_step *lika_am36_identify_steps(size_t *count)
     };
     *count = LIKA_AM36_IDENTIFY_STEPS_COUNT;
     return steps;
+}
+
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_am36_identify_read {
+    uint8_t manufacturer_id[2]; /* Manufacturer ID: Li is Lika Electronic */
+    /* Device ID: AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
+    uint8_t device_id[6];
+    uint8_t profile_id[2]; /* Profile ID */
+    uint8_t device_type[1]; /* Device type: 02 is a multiturn encoder */
+    uint8_t serial_number[4]; /* Serial number */
+    /* No. of bits used for singleturn resolution: singleturn bits of the frame */
+    uint8_t singleturn_bits_used[1];
+    /* No. of bits used for multiturn resolution: multiturn bits of the frame */
+    uint8_t multiturn_bits_used[1];
+} lika_am36_identify_read;
+
+/* Carries it out over BiSS C-mode; the transport needs read_registers. */
+static inline lika_result lika_am36_identify(
+    const lika_transport *transport, const lika_am36_variant *variant,
+    lika_am36_identify_read *out, lika_failure *failure)
+{
+    uint8_t bytes[17];
+    size_t count = 0U;
+    const lika_step *const steps = lika_am36_identify_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->manufacturer_id[0] = bytes[0];
+    out->manufacturer_id[1] = bytes[1];
+    out->device_id[0] = bytes[2];
+    out->device_id[1] = bytes[3];
+    out->device_id[2] = bytes[4];
+    out->device_id[3] = bytes[5];
+    out->device_id[4] = bytes[6];
+    out->device_id[5] = bytes[7];
+    out->profile_id[0] = bytes[8];
+    out->profile_id[1] = bytes[9];
+    out->device_type[0] = bytes[10];
+    out->serial_number[0] = bytes[11];
+    out->serial_number[1] = bytes[12];
+    out->serial_number[2] = bytes[13];
+    out->serial_number[3] = bytes[14];
+    out->singleturn_bits_used[0] = bytes[15];
+    out->multiturn_bits_used[0] = bytes[16];
+    return LIKA_OK;
 }
 
 /* -- hardware inputs --------------------------------------------------------------------------- */

@@ -225,11 +225,9 @@ static inline const lika_amm5_order_code *lika_amm5_find_order_code(
  */
 static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFU) ^ (data >> 24U) ^ ((data >> 24U) << 4U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 8U) | ((uint32_t)wide >> 24U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
@@ -249,11 +247,9 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
  */
 static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFFFU) ^ (wide >> 32U) ^ ((wide >> 32U) << 8U);
-    wide = (wide & 0xFFFFU) ^ (wide >> 16U) ^ ((wide >> 16U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFFFU) ^ (data >> 32U) ^ ((data >> 32U) << 8U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 16U) | ((uint32_t)wide >> 16U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFFU) ^ (v >> 16U) ^ ((v >> 16U) << 4U);
     v = (v & 0xFFU) ^ (v >> 8U) ^ ((v >> 8U) << 2U);
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
@@ -379,15 +375,14 @@ static inline lika_result lika_amm5_ssi_word_set_position(
 static inline lika_result lika_amm5_ssi_word_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_ssi_word *out)
 {
-    if ((word & ~lika_mask(lika_amm5_ssi_word_bits(variant))) != 0U) {
+    if (lika_above(word, lika_amm5_ssi_word_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint16_t multiturn =
-        (uint16_t)lika_field(word, variant->singleturn_bits, variant->multiturn_bits);
+    const uint16_t multiturn = (uint16_t)lika_above(word, variant->singleturn_bits);
     const uint32_t singleturn = (uint32_t)lika_field(word, 0U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
+    out->position = word >> 0U;
     return LIKA_OK;
 }
 
@@ -457,7 +452,7 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
     if (clock_hz == 0U) {
         return 0U;
     }
-    return product / clock_hz + (((product % clock_hz) != 0U) ? 1U : 0U);
+    return (product / clock_hz) + (((product % clock_hz) != 0U) ? 1U : 0U);
 }
 
 /*
@@ -505,17 +500,15 @@ static inline uint32_t lika_amm5_single_cycle_data_bits(const lika_amm5_variant 
  * CRC biss_6 of a whole word, without a table: 0 when the word is sound. For a word with 0 in place
  * of its CRC, the CRC to send.
  */
-static inline uint8_t lika_amm5_single_cycle_data_crc(uint64_t word)
+static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
 {
-    uint64_t wide = word ^ 0x3FU;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
-    v = (v & 0xFFFFFFU) ^ (v >> 24U) ^ ((v >> 24U) << 4U);
+    const uint32_t high = ((uint32_t)(word >> 32U) << 8U) | ((uint32_t)word >> 24U);
+    uint32_t v = ((uint32_t)word & 0xFFFFFFU) ^ high ^ (high << 4U);
+    v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
-    return (uint8_t)v;
+    return v ^ 0x3FU;
 }
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
@@ -536,22 +529,19 @@ static inline lika_result lika_amm5_single_cycle_data_set_position(
 static inline lika_result lika_amm5_single_cycle_data_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_single_cycle_data *out)
 {
-    if ((word & ~lika_mask(lika_amm5_single_cycle_data_bits(variant))) != 0U) {
+    if (lika_above(word, lika_amm5_single_cycle_data_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint16_t multiturn =
-        (uint16_t)lika_field(word, 8U + variant->singleturn_bits, variant->multiturn_bits);
-    const uint32_t singleturn = (uint32_t)lika_field(word, 8U, variant->singleturn_bits);
-    const uint8_t error = (uint8_t)((word >> 7U) & 0x01U);
-    const uint8_t warning = (uint8_t)((word >> 6U) & 0x01U);
     if (lika_amm5_single_cycle_data_crc(word) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint16_t multiturn = (uint16_t)lika_above(word, 8U + variant->singleturn_bits);
+    const uint32_t singleturn = (uint32_t)lika_field(word, 8U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->error = (error == 0U);
-    out->warning = (warning == 0U);
-    out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
+    out->error = (((uint32_t)word & 0x80U) == 0U);
+    out->warning = (((uint32_t)word & 0x40U) == 0U);
+    out->position = word >> 8U;
     return LIKA_OK;
 }
 
@@ -681,19 +671,21 @@ static inline lika_result lika_amm5_data_request_decode(
     if (length != LIKA_AMM5_DATA_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((data_id != LIKA_AMM5_DATA_ID_SINGLETURN) && (data_id != LIKA_AMM5_DATA_ID_MULTITURN) &&
-        (data_id != LIKA_AMM5_DATA_ID_ENCODER_ID) && (data_id != LIKA_AMM5_DATA_ID_ALL_DATA) &&
-        (data_id != LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
-        (data_id != LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
-        (data_id != LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_SINGLETURN) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
         return LIKA_FAULT_RANGE;
     }
     out->data_id = (lika_amm5_data_id)data_id;
@@ -752,11 +744,7 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
     if (length != LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    const uint8_t data = bytes[2];
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH - 1U) != bytes[3]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -765,10 +753,14 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
     if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
+    const uint8_t data = bytes[2];
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_AMM5_DATA_ID_EEPROM_WRITE) {
+    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) {
         return LIKA_FAULT_RANGE;
     }
     out->address = address;
@@ -822,10 +814,7 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
     if (length != LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH - 1U) != bytes[2]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -834,10 +823,13 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
     if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_AMM5_DATA_ID_EEPROM_READ) {
+    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) {
         return LIKA_FAULT_RANGE;
     }
     out->address = address;
@@ -898,17 +890,8 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
     if (length != LIKA_AMM5_SINGLETURN_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t status_st_error = (uint8_t)((bytes[1] >> 4U) & 0x01U);
-    const uint8_t status_other_error = (uint8_t)((bytes[1] >> 5U) & 0x01U);
-    const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
-        ((uint32_t)bytes[4] << 16U);
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH - 1U) != bytes[5]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
-    }
-    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
@@ -916,17 +899,26 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
+        ((uint32_t)bytes[4] << 16U);
+    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((data_id != LIKA_AMM5_DATA_ID_SINGLETURN) && (data_id != LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
-        (data_id != LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
-        (data_id != LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_SINGLETURN) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_ERRORS) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN) &&
+        (data_id != (uint8_t)LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
         return LIKA_FAULT_RANGE;
     }
     out->data_id = (lika_amm5_data_id)data_id;
-    out->status_st_error = (status_st_error != 0U);
-    out->status_other_error = (status_other_error != 0U);
+    const uint8_t flags = bytes[1];
+    out->status_st_error = ((flags & 0x10U) != 0U);
+    out->status_other_error = ((flags & 0x20U) != 0U);
     out->singleturn = singleturn;
     return LIKA_OK;
 }
@@ -990,17 +982,8 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
     if (length != LIKA_AMM5_MULTITURN_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t status_st_error = (uint8_t)((bytes[1] >> 4U) & 0x01U);
-    const uint8_t status_other_error = (uint8_t)((bytes[1] >> 5U) & 0x01U);
-    const uint32_t multiturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
-        ((uint32_t)bytes[4] << 16U);
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH - 1U) != bytes[5]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
-    }
-    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
@@ -1008,15 +991,25 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
+    if (bytes[4] != 0x00U) { /* above multiturn */
+        return LIKA_FAULT_CONSTANT;
+    }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint16_t multiturn = (uint16_t)((uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U));
+    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_AMM5_DATA_ID_MULTITURN) {
+    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) {
         return LIKA_FAULT_RANGE;
     }
-    out->status_st_error = (status_st_error != 0U);
-    out->status_other_error = (status_other_error != 0U);
-    out->multiturn = (uint16_t)multiturn;
+    const uint8_t flags = bytes[1];
+    out->status_st_error = ((flags & 0x10U) != 0U);
+    out->status_other_error = ((flags & 0x20U) != 0U);
+    out->multiturn = multiturn;
     return LIKA_OK;
 }
 
@@ -1071,11 +1064,7 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     if (length != LIKA_AMM5_ENCODER_ID_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t status_st_error = (uint8_t)((bytes[1] >> 4U) & 0x01U);
-    const uint8_t status_other_error = (uint8_t)((bytes[1] >> 5U) & 0x01U);
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH - 1U) != bytes[3]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -1087,14 +1076,17 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     if (bytes[2] != 0x23U) { /* encoder id */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_AMM5_DATA_ID_ENCODER_ID) {
+    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) {
         return LIKA_FAULT_RANGE;
     }
-    out->status_st_error = (status_st_error != 0U);
-    out->status_other_error = (status_other_error != 0U);
+    const uint8_t flags = bytes[1];
+    out->status_st_error = ((flags & 0x10U) != 0U);
+    out->status_other_error = ((flags & 0x20U) != 0U);
     return LIKA_OK;
 }
 
@@ -1175,27 +1167,8 @@ static inline lika_result lika_amm5_complete_reply_decode(
     if (length != LIKA_AMM5_COMPLETE_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t status_st_error = (uint8_t)((bytes[1] >> 4U) & 0x01U);
-    const uint8_t status_other_error = (uint8_t)((bytes[1] >> 5U) & 0x01U);
-    const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
-        ((uint32_t)bytes[4] << 16U);
-    const uint32_t multiturn = (uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U) |
-        ((uint32_t)bytes[8] << 16U);
-    const uint8_t busy = (uint8_t)((bytes[9] >> 1U) & 0x01U);
-    const uint8_t st_error = (uint8_t)((bytes[9] >> 2U) & 0x01U);
-    const uint8_t ps_error = (uint8_t)((bytes[9] >> 5U) & 0x01U);
-    const uint8_t mt_error = (uint8_t)((bytes[9] >> 6U) & 0x01U);
-    const uint8_t battery_alarm = (uint8_t)(bytes[9] >> 7U);
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH - 1U) != bytes[10]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
-    }
-    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
@@ -1206,24 +1179,40 @@ static inline lika_result lika_amm5_complete_reply_decode(
     if (bytes[5] != 0x23U) { /* encoder id */
         return LIKA_FAULT_CONSTANT;
     }
+    if (bytes[8] != 0x00U) { /* above multiturn */
+        return LIKA_FAULT_CONSTANT;
+    }
     if ((bytes[9] & 0x19U) != 0x00U) { /* alarm zero 0, alarm zero 3 4 */
+        return LIKA_FAULT_CONSTANT;
+    }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
+        ((uint32_t)bytes[4] << 16U);
+    const uint16_t multiturn = (uint16_t)((uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U));
+    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
+    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
         return LIKA_FAULT_CONSTANT;
     }
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_AMM5_DATA_ID_ALL_DATA) {
+    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) {
         return LIKA_FAULT_RANGE;
     }
-    out->status_st_error = (status_st_error != 0U);
-    out->status_other_error = (status_other_error != 0U);
+    uint8_t flags = bytes[1];
+    out->status_st_error = ((flags & 0x10U) != 0U);
+    out->status_other_error = ((flags & 0x20U) != 0U);
     out->singleturn = singleturn;
-    out->multiturn = (uint16_t)multiturn;
-    out->busy = (busy != 0U);
-    out->st_error = (st_error != 0U);
-    out->ps_error = (ps_error != 0U);
-    out->mt_error = (mt_error != 0U);
-    out->battery_alarm = (battery_alarm != 0U);
+    out->multiturn = multiturn;
+    flags = bytes[9];
+    out->busy = ((flags & 0x02U) != 0U);
+    out->st_error = ((flags & 0x04U) != 0U);
+    out->ps_error = ((flags & 0x20U) != 0U);
+    out->mt_error = ((flags & 0x40U) != 0U);
+    out->battery_alarm = ((flags & 0x80U) != 0U);
     out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
     return LIKA_OK;
 }
@@ -1293,24 +1282,24 @@ static inline lika_result lika_amm5_eeprom_write_reply_decode(
     if (length != LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t mem_busy = (uint8_t)(bytes[1] & 0x01U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    const uint8_t data = bytes[2];
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH - 1U) != bytes[3]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
+    const uint8_t data = bytes[2];
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_AMM5_DATA_ID_EEPROM_WRITE) {
+    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) {
         return LIKA_FAULT_RANGE;
     }
-    out->mem_busy = (mem_busy != 0U);
+    const uint8_t flags = bytes[1];
+    out->mem_busy = ((flags & 0x01U) != 0U);
     out->address = address;
     out->data = data;
     return LIKA_OK;
@@ -1365,24 +1354,24 @@ static inline lika_result lika_amm5_eeprom_read_reply_decode(
     if (length != LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t mem_busy = (uint8_t)(bytes[1] & 0x01U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    const uint8_t data = bytes[2];
-    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH - 1U) != bytes[3]) {
+    if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
+    const uint8_t data = bytes[2];
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_AMM5_DATA_ID_EEPROM_READ) {
+    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) {
         return LIKA_FAULT_RANGE;
     }
-    out->mem_busy = (mem_busy != 0U);
+    const uint8_t flags = bytes[1];
+    out->mem_busy = ((flags & 0x01U) != 0U);
     out->address = address;
     out->data = data;
     return LIKA_OK;
@@ -1556,21 +1545,24 @@ static inline int64_t lika_amm5_position_difference(
 /* A position in revolutions. */
 static inline double lika_amm5_turns(const lika_amm5_variant *variant, uint64_t position)
 {
-    return (double)position / (double)lika_amm5_steps_per_turn(variant);
+    const uint64_t steps = lika_amm5_steps_per_turn(variant);
+    return (double)position / (double)steps;
 }
 
 /* A position in degrees within its revolution, from 0 to below 360. */
 static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_t position)
 {
     const uint64_t steps = lika_amm5_steps_per_turn(variant);
-    return (double)(position % steps) * 360.0 / (double)steps;
+    const uint64_t angle = position % steps;
+    return ((double)angle * 360.0) / (double)steps;
 }
 
 /* -- registers --------------------------------------------------------------------------------- */
 
 /*
  * Shifts and masks refer to a register as one number. Decoders and encoders work on its bytes in
- * ascending order of address.
+ * ascending order of address. The functions _read_ and _write_ carry them over your transport, all
+ * of a register by one call; a register that is reserved to the manufacturer is only read.
  */
 
 /*
@@ -1673,10 +1665,6 @@ static inline lika_result lika_amm5_reg_preset_decode(
         ((uint64_t)bytes[4] << 32U) |
         ((uint64_t)bytes[5] << 40U) |
         ((uint64_t)bytes[6] << 48U);
-    const uint16_t multiturn =
-        (uint16_t)lika_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
-    const uint32_t singleturn =
-        (uint32_t)lika_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
     if (((word >> 49U) & 0x7FU) != 0x00U) { /* zero above multiturn */
         return LIKA_FAULT_CONSTANT;
     }
@@ -1686,6 +1674,10 @@ static inline lika_result lika_amm5_reg_preset_decode(
     if (lika_field(word, 0U, 33U - variant->singleturn_bits) != 0x00U) { /* zero below singleturn */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint16_t multiturn =
+        (uint16_t)lika_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
+    const uint32_t singleturn =
+        (uint32_t)lika_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
@@ -1722,6 +1714,34 @@ static inline lika_result lika_amm5_reg_preset_encode(
     return LIKA_OK;
 }
 
+/* Reads Preset, 11h to 17h. */
+static inline lika_result lika_amm5_read_preset(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_preset *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AMM5_REG_PRESET_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_AMM5_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_amm5_reg_preset_decode(variant, bytes, sizeof(bytes), out);
+}
+
+/* Writes Preset, 11h to 17h. */
+static inline lika_result lika_amm5_write_preset(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    const lika_amm5_reg_preset *in, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AMM5_REG_PRESET_LENGTH];
+    lika_result result;
+    result = lika_amm5_reg_preset_encode(variant, in, bytes, sizeof(bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_write(transport, LIKA_AMM5_REG_PRESET_ADDRESS, bytes, sizeof(bytes), failure);
+}
+
 /*
  * Preset setting enable (it: Abilitazione impostazione preset), write only, over BiSS C-mode [6.4
  * p.38; it: 6.4 p.38; 10 p.52].
@@ -1741,6 +1761,20 @@ typedef enum lika_amm5_preset_setting_enable {
     LIKA_AMM5_PRESET_SETTING_ENABLE_DISABLE = 0x00,
     LIKA_AMM5_PRESET_SETTING_ENABLE_ENABLE = 0x01 /* 01: Preset registers open */
 } lika_amm5_preset_setting_enable;
+
+/* Writes Preset setting enable, 40h. */
+static inline lika_result lika_amm5_write_preset_setting_enable(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_preset_setting_enable value, lika_failure *failure)
+{
+    (void)variant;
+    if ((value != LIKA_AMM5_PRESET_SETTING_ENABLE_DISABLE) &&
+        (value != LIKA_AMM5_PRESET_SETTING_ENABLE_ENABLE)) {
+        return LIKA_FAULT_RANGE;
+    }
+    return lika_write_byte(transport, LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ADDRESS, (uint8_t)value,
+        failure);
+}
 
 /*
  * Serial number (it: Numero di serie), read only, over BiSS C-mode [6.4 p.38; it: 6.4 p.39].
@@ -1825,6 +1859,21 @@ static inline lika_result lika_amm5_reg_serial_number_encode(
     return LIKA_OK;
 }
 
+/* Reads Serial number, 44h to 47h. */
+static inline lika_result lika_amm5_read_serial_number(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_serial_number *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_amm5_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Command (it: Comando), write only, over BiSS C-mode [6.4 p.39].
  * Saves the parameters or activates the preset.
@@ -1843,6 +1892,27 @@ typedef enum lika_amm5_command {
     LIKA_AMM5_COMMAND_SAVE_PARAMETERS = 0x01,
     LIKA_AMM5_COMMAND_ACTIVATE_PRESET = 0x02 /* Gives the present position the saved preset value */
 } lika_amm5_command;
+
+/*
+ * Writes Command, 77h.
+ * Then waits 30 ms.
+ */
+static inline lika_result lika_amm5_write_command(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_command value, lika_failure *failure)
+{
+    lika_result result;
+    (void)variant;
+    if ((value != LIKA_AMM5_COMMAND_SAVE_PARAMETERS) &&
+        (value != LIKA_AMM5_COMMAND_ACTIVATE_PRESET)) {
+        return LIKA_FAULT_RANGE;
+    }
+    result = lika_write_byte(transport, LIKA_AMM5_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+return lika_wait(transport, 30000U, failure);
+}
 
 /*
  * Device ID (it: ID dispositivo), read only, over BiSS C-mode [6.4 p.39].
@@ -1914,6 +1984,20 @@ static inline bool lika_amm5_reg_device_id_is_expected(
         (in->name[3] == LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
+/* Reads Device ID, 78h to 7Dh. */
+static inline lika_result lika_amm5_read_device_id(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_device_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AMM5_REG_DEVICE_ID_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_AMM5_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_amm5_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Manufacturer ID (it: ID costruttore), read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
  * Manufacturer.
@@ -1967,6 +2051,21 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
+/* Reads Manufacturer ID, 7Eh to 7Fh. */
+static inline lika_result lika_amm5_read_manufacturer_id(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_amm5_reg_manufacturer_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_amm5_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /* -- identification ---------------------------------------------------------------------------- */
 
 /* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
@@ -1974,6 +2073,26 @@ typedef struct lika_amm5_identity {
     uint8_t device_id[6]; /* from 78h: Device ID */
     uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
 } lika_amm5_identity;
+
+/* Reads them. In a failure the steps are the registers, in the order of the members. */
+static inline lika_result lika_amm5_read_identity(
+    const lika_transport *transport, lika_amm5_identity *out, lika_failure *failure)
+{
+    lika_amm5_identity found;
+    lika_result result;
+    result = lika_read(transport, LIKA_AMM5_REG_DEVICE_ID_ADDRESS, found.device_id,
+        sizeof(found.device_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 0U, failure);
+    }
+    result = lika_read(transport, LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+        sizeof(found.manufacturer_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 1U, failure);
+    }
+    *out = found;
+    return LIKA_OK;
+}
 
 /* Whether an encoder of this order code reads so. */
 static inline bool lika_amm5_could_be(
@@ -2060,6 +2179,23 @@ static inline lika_result lika_amm5_set_preset_steps(
     return LIKA_OK;
 }
 
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_amm5_set_preset(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    uint64_t position,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_AMM5_SET_PRESET_STEPS_COUNT];
+    lika_result result;
+    result = lika_amm5_set_preset_steps(variant, position, steps, LIKA_AMM5_SET_PRESET_STEPS_COUNT,
+        &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
 /*
  * Set and save a preset without activating it [6.4 p.35].
  * position: Value to keep for a later activation.
@@ -2102,6 +2238,23 @@ static inline lika_result lika_amm5_store_preset_steps(
     return LIKA_OK;
 }
 
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_amm5_store_preset(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    uint64_t position,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_AMM5_STORE_PRESET_STEPS_COUNT];
+    lika_result result;
+    result = lika_amm5_store_preset_steps(variant, position,
+        steps, LIKA_AMM5_STORE_PRESET_STEPS_COUNT, &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
 /*
  * Save the parameters [6.4 p.39].
  * Result: Newly set register values are saved.
@@ -2116,6 +2269,17 @@ static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
     };
     *count = LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_amm5_save_parameters(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_amm5_save_parameters_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -2133,6 +2297,17 @@ static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
     };
     *count = LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_amm5_activate_preset(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_amm5_activate_preset_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -2161,6 +2336,17 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
     return steps;
 }
 
+/* Carries it out over RS-485; the transport needs wait_us and send_request. */
+static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_amm5_reset_singleturn_and_multiturn_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
 /*
  * Reset multiturn data and all errors [7.4.2 p.45].
  * Before: Shaft at a standstill, that is 300 rpm or less.
@@ -2185,6 +2371,17 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
     return steps;
 }
 
+/* Carries it out over RS-485; the transport needs wait_us and send_request. */
+static inline lika_result lika_amm5_reset_multiturn_and_errors(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_amm5_reset_multiturn_and_errors_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
 /*
  * Reset all errors [7.4.2 p.45].
  * Before: Shaft at a standstill, that is 300 rpm or less.
@@ -2207,6 +2404,17 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
     };
     *count = LIKA_AMM5_RESET_ERRORS_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over RS-485; the transport needs wait_us and send_request. */
+static inline lika_result lika_amm5_reset_errors(
+    const lika_transport *transport, const lika_amm5_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_amm5_reset_errors_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /* -- alarms ------------------------------------------------------------------------------------ */

@@ -217,7 +217,7 @@ static inline const lika_asc85_order_code *lika_asc85_find_order_code(
     if (found != NULL) {
         return found;
     }
-    for (index = 0U; index < sizeof(patterns) / sizeof(patterns[0]); index++) {
+    for (index = 0U; index < (sizeof(patterns) / sizeof(patterns[0])); index++) {
         const size_t length = lika_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
@@ -241,11 +241,9 @@ static inline const lika_asc85_order_code *lika_asc85_find_order_code(
  */
 static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFU) ^ (data >> 24U) ^ ((data >> 24U) << 4U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 8U) | ((uint32_t)wide >> 24U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
@@ -265,11 +263,9 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
  */
 static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFFFU) ^ (wide >> 32U) ^ ((wide >> 32U) << 8U);
-    wide = (wide & 0xFFFFU) ^ (wide >> 16U) ^ ((wide >> 16U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFFFU) ^ (data >> 32U) ^ ((data >> 32U) << 8U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 16U) | ((uint32_t)wide >> 16U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFFU) ^ (v >> 16U) ^ ((v >> 16U) << 4U);
     v = (v & 0xFFU) ^ (v >> 8U) ^ ((v >> 8U) << 2U);
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
@@ -358,12 +354,12 @@ static inline uint32_t lika_asc85_ssi_word_bits(const lika_asc85_variant *varian
 static inline lika_result lika_asc85_ssi_word_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_ssi_word *out)
 {
-    if ((word & ~lika_mask(lika_asc85_ssi_word_bits(variant))) != 0U) {
+    if (lika_above(word, lika_asc85_ssi_word_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
     const uint64_t plain = (variant->ssi_gray != 0U) ?
         lika_from_gray(word, 0U, variant->position_bits) : word;
-    const uint32_t position = (uint32_t)lika_field(plain, 0U, variant->position_bits);
+    const uint32_t position = (uint32_t)(plain >> 0U);
     out->position = position;
     return LIKA_OK;
 }
@@ -454,37 +450,33 @@ static inline uint32_t lika_asc85_single_cycle_data_bits(const lika_asc85_varian
  * CRC biss_6 of a whole word, without a table: 0 when the word is sound. For a word with 0 in place
  * of its CRC, the CRC to send.
  */
-static inline uint8_t lika_asc85_single_cycle_data_crc(uint64_t word)
+static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 {
-    uint64_t wide = word ^ 0x3FU;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
+    const uint32_t high = ((uint32_t)(word >> 32U) << 20U) | ((uint32_t)word >> 12U);
+    uint32_t v = ((uint32_t)word & 0xFFFU) ^ high ^ (high << 2U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
-    return (uint8_t)v;
+    return v ^ 0x3FU;
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
 static inline lika_result lika_asc85_single_cycle_data_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_single_cycle_data *out)
 {
-    if ((word & ~lika_mask(lika_asc85_single_cycle_data_bits(variant))) != 0U) {
+    if (lika_above(word, lika_asc85_single_cycle_data_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint32_t position = (uint32_t)lika_field(word, 9U, variant->position_bits);
-    const uint8_t error = (uint8_t)((word >> 7U) & 0x01U);
-    const uint8_t warning = (uint8_t)((word >> 6U) & 0x01U);
     if (lika_asc85_single_cycle_data_crc(word) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    if (((word >> 8U) & 0x01U) != 0x00U) { /* zero */
+    if ((((uint32_t)word >> 8U) & 0x01U) != 0x00U) { /* zero */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint32_t position = (uint32_t)(word >> 9U);
     out->position = position;
-    out->error = (error == 0U);
-    out->warning = (warning == 0U);
+    out->error = (((uint32_t)word & 0x80U) == 0U);
+    out->warning = (((uint32_t)word & 0x40U) == 0U);
     return LIKA_OK;
 }
 
@@ -531,21 +523,24 @@ static inline int64_t lika_asc85_position_difference(
 /* A position in revolutions. */
 static inline double lika_asc85_turns(const lika_asc85_variant *variant, uint64_t position)
 {
-    return (double)position / (double)lika_asc85_steps_per_turn(variant);
+    const uint64_t steps = lika_asc85_steps_per_turn(variant);
+    return (double)position / (double)steps;
 }
 
 /* A position in degrees within its revolution, from 0 to below 360. */
 static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint64_t position)
 {
     const uint64_t steps = lika_asc85_steps_per_turn(variant);
-    return (double)(position % steps) * 360.0 / (double)steps;
+    const uint64_t angle = position % steps;
+    return ((double)angle * 360.0) / (double)steps;
 }
 
 /* -- registers --------------------------------------------------------------------------------- */
 
 /*
  * Shifts and masks refer to a register as one number. Decoders and encoders work on its bytes in
- * ascending order of address.
+ * ascending order of address. The functions _read_ and _write_ carry them over your transport, all
+ * of a register by one call; a register that is reserved to the manufacturer is only read.
  */
 
 /*
@@ -614,6 +609,20 @@ static inline bool lika_asc85_reg_profile_id_is_expected(
     return in->variant == LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED;
 }
 
+/* Reads Profile ID, 42h to 43h. */
+static inline lika_result lika_asc85_read_profile_id(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_profile_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_PROFILE_ID_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_ASC85_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_profile_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Serial number, read only, over BiSS C-mode [6.4 p.23].
  * Serial number of the device, in ascending order.
@@ -659,6 +668,21 @@ static inline lika_result lika_asc85_reg_serial_number_encode(
     bytes[2] = (uint8_t)(in->serial >> 8U);
     bytes[3] = (uint8_t)in->serial;
     return LIKA_OK;
+}
+
+/* Reads Serial number, 44h to 47h. */
+static inline lika_result lika_asc85_read_serial_number(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_serial_number *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
 }
 
 /*
@@ -735,22 +759,15 @@ static inline lika_result lika_asc85_reg_diagnostic_data_decode(
     if (length != LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t amplitude_control_maximum_current = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t signal_level_maximum_amplitude = (uint8_t)((bytes[0] >> 6U) & 0x01U);
-    const uint8_t dc_maximum_offset = (uint8_t)((bytes[0] >> 5U) & 0x01U);
-    const uint8_t ac_maximum_amplitude = (uint8_t)((bytes[0] >> 4U) & 0x01U);
-    const uint8_t amplitude_control_minimum_current = (uint8_t)((bytes[0] >> 3U) & 0x01U);
-    const uint8_t signal_level_minimum_amplitude = (uint8_t)((bytes[0] >> 2U) & 0x01U);
-    const uint8_t dc_minimum_offset = (uint8_t)((bytes[0] >> 1U) & 0x01U);
-    const uint8_t ac_minimum_amplitude = (uint8_t)(bytes[0] & 0x01U);
-    out->amplitude_control_maximum_current = (amplitude_control_maximum_current != 0U);
-    out->signal_level_maximum_amplitude = (signal_level_maximum_amplitude != 0U);
-    out->dc_maximum_offset = (dc_maximum_offset != 0U);
-    out->ac_maximum_amplitude = (ac_maximum_amplitude != 0U);
-    out->amplitude_control_minimum_current = (amplitude_control_minimum_current != 0U);
-    out->signal_level_minimum_amplitude = (signal_level_minimum_amplitude != 0U);
-    out->dc_minimum_offset = (dc_minimum_offset != 0U);
-    out->ac_minimum_amplitude = (ac_minimum_amplitude != 0U);
+    const uint8_t flags = bytes[0];
+    out->amplitude_control_maximum_current = ((flags & 0x80U) != 0U);
+    out->signal_level_maximum_amplitude = ((flags & 0x40U) != 0U);
+    out->dc_maximum_offset = ((flags & 0x20U) != 0U);
+    out->ac_maximum_amplitude = ((flags & 0x10U) != 0U);
+    out->amplitude_control_minimum_current = ((flags & 0x08U) != 0U);
+    out->signal_level_minimum_amplitude = ((flags & 0x04U) != 0U);
+    out->dc_minimum_offset = ((flags & 0x02U) != 0U);
+    out->ac_minimum_amplitude = ((flags & 0x01U) != 0U);
     return LIKA_OK;
 }
 
@@ -770,6 +787,21 @@ static inline lika_result lika_asc85_reg_diagnostic_data_encode(
         (in->signal_level_minimum_amplitude ? 0x04U : 0x00U) |
         (in->dc_minimum_offset ? 0x02U : 0x00U) | (in->ac_minimum_amplitude ? 0x01U : 0x00U));
     return LIKA_OK;
+}
+
+/* Reads Diagnostic data, 5Ah. */
+static inline lika_result lika_asc85_read_diagnostic_data(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_diagnostic_data *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_DIAGNOSTIC_DATA_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_ASC85_REG_DIAGNOSTIC_DATA_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_diagnostic_data_decode(variant, bytes, sizeof(bytes), out);
 }
 
 /*
@@ -826,6 +858,24 @@ typedef enum lika_asc85_command {
      */
     LIKA_ASC85_COMMAND_CLEAR_SIMULATED_ERROR = 0x06
 } lika_asc85_command;
+
+/* Writes Command & status, Command mode, 60h. */
+static inline lika_result lika_asc85_write_command(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_command value, lika_failure *failure)
+{
+    (void)variant;
+    if ((value != LIKA_ASC85_COMMAND_REQUEST_POSITION) &&
+        (value != LIKA_ASC85_COMMAND_SAVE_CONFIGURATION) &&
+        (value != LIKA_ASC85_COMMAND_READ_ABSOLUTE_DATA) &&
+        (value != LIKA_ASC85_COMMAND_SOFTWARE_RESET) &&
+        (value != LIKA_ASC85_COMMAND_VERIFY_CONFIGURATION) &&
+        (value != LIKA_ASC85_COMMAND_SIMULATE_ERROR) &&
+        (value != LIKA_ASC85_COMMAND_CLEAR_SIMULATED_ERROR)) {
+        return LIKA_FAULT_RANGE;
+    }
+    return lika_write_byte(transport, LIKA_ASC85_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+}
 
 /*
  * Command & status, Status mode, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
@@ -900,22 +950,15 @@ static inline lika_result lika_asc85_reg_status_decode(
     if (length != LIKA_ASC85_REG_STATUS_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t configuration_completed = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t error_message = (uint8_t)((bytes[0] >> 6U) & 0x01U);
-    const uint8_t warning_message = (uint8_t)((bytes[0] >> 5U) & 0x01U);
-    const uint8_t conf_write_access = (uint8_t)((bytes[0] >> 4U) & 0x01U);
-    const uint8_t eds_write_access = (uint8_t)((bytes[0] >> 3U) & 0x01U);
-    const uint8_t internal_data_bus_busy = (uint8_t)((bytes[0] >> 2U) & 0x01U);
-    const uint8_t absolute_data_valid = (uint8_t)((bytes[0] >> 1U) & 0x01U);
-    const uint8_t position_data_valid = (uint8_t)(bytes[0] & 0x01U);
-    out->configuration_completed = (configuration_completed != 0U);
-    out->error_message = (error_message != 0U);
-    out->warning_message = (warning_message != 0U);
-    out->conf_write_access = (conf_write_access != 0U);
-    out->eds_write_access = (eds_write_access != 0U);
-    out->internal_data_bus_busy = (internal_data_bus_busy != 0U);
-    out->absolute_data_valid = (absolute_data_valid != 0U);
-    out->position_data_valid = (position_data_valid != 0U);
+    const uint8_t flags = bytes[0];
+    out->configuration_completed = ((flags & 0x80U) != 0U);
+    out->error_message = ((flags & 0x40U) != 0U);
+    out->warning_message = ((flags & 0x20U) != 0U);
+    out->conf_write_access = ((flags & 0x10U) != 0U);
+    out->eds_write_access = ((flags & 0x08U) != 0U);
+    out->internal_data_bus_busy = ((flags & 0x04U) != 0U);
+    out->absolute_data_valid = ((flags & 0x02U) != 0U);
+    out->position_data_valid = ((flags & 0x01U) != 0U);
     return LIKA_OK;
 }
 
@@ -934,6 +977,20 @@ static inline lika_result lika_asc85_reg_status_encode(
         (in->internal_data_bus_busy ? 0x04U : 0x00U) | (in->absolute_data_valid ? 0x02U : 0x00U) |
         (in->position_data_valid ? 0x01U : 0x00U));
     return LIKA_OK;
+}
+
+/* Reads Command & status, Status mode, 60h. */
+static inline lika_result lika_asc85_read_status(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_status *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_STATUS_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_ASC85_REG_STATUS_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_status_decode(variant, bytes, sizeof(bytes), out);
 }
 
 /*
@@ -998,6 +1055,20 @@ static inline lika_result lika_asc85_reg_position_encode(
     return LIKA_OK;
 }
 
+/* Reads Position, 61h to 64h. */
+static inline lika_result lika_asc85_read_position(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_position *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_POSITION_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_ASC85_REG_POSITION_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_position_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Error register, read only, over BiSS C-mode [6.4 p.29].
  * Error and warning messages that are active at present.
@@ -1056,18 +1127,13 @@ static inline lika_result lika_asc85_reg_error_register_decode(
     if (length != LIKA_ASC85_REG_ERROR_REGISTER_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t absolute_data_error = (uint8_t)((bytes[0] >> 6U) & 0x01U);
-    const uint8_t interpolation_error = (uint8_t)((bytes[0] >> 5U) & 0x01U);
-    const uint8_t configuration_error = (uint8_t)((bytes[0] >> 4U) & 0x01U);
-    const uint8_t synchronization_error = (uint8_t)((bytes[0] >> 3U) & 0x01U);
-    const uint8_t signal_error = (uint8_t)((bytes[0] >> 1U) & 0x01U);
-    const uint8_t control_error = (uint8_t)(bytes[0] & 0x01U);
-    out->absolute_data_error = (absolute_data_error != 0U);
-    out->interpolation_error = (interpolation_error != 0U);
-    out->configuration_error = (configuration_error != 0U);
-    out->synchronization_error = (synchronization_error != 0U);
-    out->signal_error = (signal_error != 0U);
-    out->control_error = (control_error != 0U);
+    const uint8_t flags = bytes[0];
+    out->absolute_data_error = ((flags & 0x40U) != 0U);
+    out->interpolation_error = ((flags & 0x20U) != 0U);
+    out->configuration_error = ((flags & 0x10U) != 0U);
+    out->synchronization_error = ((flags & 0x08U) != 0U);
+    out->signal_error = ((flags & 0x02U) != 0U);
+    out->control_error = ((flags & 0x01U) != 0U);
     return LIKA_OK;
 }
 
@@ -1085,6 +1151,21 @@ static inline lika_result lika_asc85_reg_error_register_encode(
         (in->synchronization_error ? 0x08U : 0x00U) | (in->signal_error ? 0x02U : 0x00U) |
         (in->control_error ? 0x01U : 0x00U));
     return LIKA_OK;
+}
+
+/* Reads Error register, 69h. */
+static inline lika_result lika_asc85_read_error_register(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_error_register *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_ERROR_REGISTER_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_ASC85_REG_ERROR_REGISTER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_error_register_decode(variant, bytes, sizeof(bytes), out);
 }
 
 /*
@@ -1161,6 +1242,20 @@ static inline bool lika_asc85_reg_device_id_is_expected(
         (in->name[3] == LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
+/* Reads Device ID, 78h to 7Dh. */
+static inline lika_result lika_asc85_read_device_id(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_device_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_DEVICE_ID_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_ASC85_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Manufacturer ID, read only, over BiSS C-mode [6.4 p.32].
  * Manufacturer.
@@ -1214,6 +1309,21 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
+/* Reads Manufacturer ID, 7Eh to 7Fh. */
+static inline lika_result lika_asc85_read_manufacturer_id(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reg_manufacturer_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_asc85_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /* -- identification ---------------------------------------------------------------------------- */
 
 /* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
@@ -1222,6 +1332,31 @@ typedef struct lika_asc85_identity {
     uint8_t device_id[6]; /* from 78h: Device ID */
     uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
 } lika_asc85_identity;
+
+/* Reads them. In a failure the steps are the registers, in the order of the members. */
+static inline lika_result lika_asc85_read_identity(
+    const lika_transport *transport, lika_asc85_identity *out, lika_failure *failure)
+{
+    lika_asc85_identity found;
+    lika_result result;
+    result = lika_read(transport, LIKA_ASC85_REG_PROFILE_ID_ADDRESS, found.profile_id,
+        sizeof(found.profile_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 0U, failure);
+    }
+    result = lika_read(transport, LIKA_ASC85_REG_DEVICE_ID_ADDRESS, found.device_id,
+        sizeof(found.device_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 1U, failure);
+    }
+    result = lika_read(transport, LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+        sizeof(found.manufacturer_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 2U, failure);
+    }
+    *out = found;
+    return LIKA_OK;
+}
 
 /* Whether an encoder of this order code reads so. */
 static inline bool lika_asc85_could_be(
@@ -1292,6 +1427,34 @@ static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
     return steps;
 }
 
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_request_position_read {
+    uint8_t position[4]; /* Position */
+} lika_asc85_request_position_read;
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_asc85_request_position(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_request_position_read *out, lika_failure *failure)
+{
+    uint8_t bytes[4];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_request_position_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->position[0] = bytes[0];
+    out->position[1] = bytes[1];
+    out->position[2] = bytes[2];
+    out->position[3] = bytes[3];
+    return LIKA_OK;
+}
+
 /*
  * Save the configuration [6.4 p.26].
  * Before: An EEPROM was connected at power-on; without it the command has no effect.
@@ -1313,6 +1476,31 @@ static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count
     };
     *count = LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT;
     return steps;
+}
+
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_save_configuration_read {
+    uint8_t error_register[1]; /* Error register: 0 again unless the writing failed */
+} lika_asc85_save_configuration_read;
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_asc85_save_configuration(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_save_configuration_read *out, lika_failure *failure)
+{
+    uint8_t bytes[1];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_save_configuration_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->error_register[0] = bytes[0];
+    return LIKA_OK;
 }
 
 /*
@@ -1338,6 +1526,31 @@ static inline const lika_step *lika_asc85_read_absolute_data_steps(size_t *count
     return steps;
 }
 
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_read_absolute_data_read {
+    uint8_t error_register[1]; /* Error register: 1 if the data were refused */
+} lika_asc85_read_absolute_data_read;
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_asc85_read_absolute_data(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_read_absolute_data_read *out, lika_failure *failure)
+{
+    uint8_t bytes[1];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_read_absolute_data_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->error_register[0] = bytes[0];
+    return LIKA_OK;
+}
+
 /*
  * Reset the encoder [6.4 p.26].
  * Result: The encoder works with the configuration of the EEPROM.
@@ -1361,6 +1574,34 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
     return steps;
 }
 
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_software_reset_read {
+    /*
+     * Error register: 0; to be read as well when the poll is given up, if the encoder still answers
+     */
+    uint8_t error_register[1];
+} lika_asc85_software_reset_read;
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_asc85_software_reset(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_software_reset_read *out, lika_failure *failure)
+{
+    uint8_t bytes[1];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_software_reset_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->error_register[0] = bytes[0];
+    return LIKA_OK;
+}
+
 /*
  * Verify the CRC of the configuration [6.4 p.27].
  * Result: Configuration error tells whether the configuration registers agree with their check sum.
@@ -1381,6 +1622,31 @@ static inline const lika_step *lika_asc85_verify_configuration_steps(size_t *cou
     return steps;
 }
 
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_verify_configuration_read {
+    uint8_t error_register[1]; /* Error register: 0 again unless the verification failed */
+} lika_asc85_verify_configuration_read;
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_asc85_verify_configuration(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_verify_configuration_read *out, lika_failure *failure)
+{
+    uint8_t bytes[1];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_verify_configuration_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->error_register[0] = bytes[0];
+    return LIKA_OK;
+}
+
 /*
  * Simulate an error [6.4 p.27].
  * Result: The status Error message is forced to 1.
@@ -1398,6 +1664,29 @@ static inline const lika_step *lika_asc85_simulate_error_steps(size_t *count)
     return steps;
 }
 
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_simulate_error_read {
+    uint8_t status[1]; /* Command & status, Status mode: 1 while the error is simulated */
+} lika_asc85_simulate_error_read;
+
+/* Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
+static inline lika_result lika_asc85_simulate_error(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_simulate_error_read *out, lika_failure *failure)
+{
+    uint8_t bytes[1];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_simulate_error_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->status[0] = bytes[0];
+    return LIKA_OK;
+}
+
 /*
  * End the simulation of an error [6.4 p.27].
  * Result: The status Error message is forced to 0.
@@ -1413,6 +1702,29 @@ static inline const lika_step *lika_asc85_clear_simulated_error_steps(size_t *co
     };
     *count = LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT;
     return steps;
+}
+
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_clear_simulated_error_read {
+    uint8_t status[1]; /* Command & status, Status mode: 0 after the simulation */
+} lika_asc85_clear_simulated_error_read;
+
+/* Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
+static inline lika_result lika_asc85_clear_simulated_error(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_clear_simulated_error_read *out, lika_failure *failure)
+{
+    uint8_t bytes[1];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_clear_simulated_error_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->status[0] = bytes[0];
+    return LIKA_OK;
 }
 
 /*
@@ -1439,6 +1751,38 @@ static inline const lika_step *lika_asc85_reset_errors_steps(size_t *count)
     };
     *count = LIKA_ASC85_RESET_ERRORS_STEPS_COUNT;
     return steps;
+}
+
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_reset_errors_read {
+    uint8_t error_register[1]; /* Error register: which messages are active */
+    uint8_t diagnostic_data[1]; /* Diagnostic data: what is behind Control error and Signal error */
+    uint8_t position[4]; /* Position: reading out position data resets the messages */
+    uint8_t error_register_2[1]; /* Error register: what stands here now has a cause that lasts */
+} lika_asc85_reset_errors_read;
+
+/* Carries it out over BiSS C-mode; the transport needs read_registers. */
+static inline lika_result lika_asc85_reset_errors(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_reset_errors_read *out, lika_failure *failure)
+{
+    uint8_t bytes[7];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_reset_errors_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->error_register[0] = bytes[0];
+    out->diagnostic_data[0] = bytes[1];
+    out->position[0] = bytes[2];
+    out->position[1] = bytes[3];
+    out->position[2] = bytes[4];
+    out->position[3] = bytes[5];
+    out->error_register_2[0] = bytes[6];
+    return LIKA_OK;
 }
 
 /*
@@ -1470,6 +1814,45 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
     };
     *count = LIKA_ASC85_IDENTIFY_STEPS_COUNT;
     return steps;
+}
+
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_asc85_identify_read {
+    uint8_t manufacturer_id[2]; /* Manufacturer ID: Li: an encoder of Lika Electronic */
+    uint8_t device_id[6]; /* Device ID: AS85 and the release */
+    uint8_t profile_id[2]; /* Profile ID: 281Ah is printed for all models */
+    uint8_t serial_number[4]; /* Serial number */
+} lika_asc85_identify_read;
+
+/* Carries it out over BiSS C-mode; the transport needs read_registers. */
+static inline lika_result lika_asc85_identify(
+    const lika_transport *transport, const lika_asc85_variant *variant,
+    lika_asc85_identify_read *out, lika_failure *failure)
+{
+    uint8_t bytes[14];
+    size_t count = 0U;
+    const lika_step *const steps = lika_asc85_identify_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->manufacturer_id[0] = bytes[0];
+    out->manufacturer_id[1] = bytes[1];
+    out->device_id[0] = bytes[2];
+    out->device_id[1] = bytes[3];
+    out->device_id[2] = bytes[4];
+    out->device_id[3] = bytes[5];
+    out->device_id[4] = bytes[6];
+    out->device_id[5] = bytes[7];
+    out->profile_id[0] = bytes[8];
+    out->profile_id[1] = bytes[9];
+    out->serial_number[0] = bytes[10];
+    out->serial_number[1] = bytes[11];
+    out->serial_number[2] = bytes[12];
+    out->serial_number[3] = bytes[13];
+    return LIKA_OK;
 }
 
 /* -- alarms ------------------------------------------------------------------------------------ */

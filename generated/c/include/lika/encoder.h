@@ -26,10 +26,13 @@ extern "C" {
  */
 typedef enum lika_result {
     LIKA_OK = 0,
-    LIKA_FAULT_LENGTH = 1,   /* too many or too few bits, bytes or places */
-    LIKA_FAULT_CRC = 2,      /* disturbed on the line */
-    LIKA_FAULT_CONSTANT = 3, /* a fixed bit or a parity bit is not as it has to be */
-    LIKA_FAULT_RANGE = 4     /* a value that the manual does not list or that does not fit */
+    LIKA_FAULT_LENGTH = 1,     /* too many or too few bits, bytes or places */
+    LIKA_FAULT_CRC = 2,        /* disturbed on the line */
+    LIKA_FAULT_CONSTANT = 3,   /* a fixed bit or a parity bit is not as it has to be */
+    LIKA_FAULT_RANGE = 4,      /* a value that the manual does not list or that does not fit */
+    LIKA_FAULT_TRANSPORT = 5,  /* a function of the transport failed; its own number says why */
+    LIKA_FAULT_TIMEOUT = 6,    /* what a poll waits for has not come within its bound */
+    LIKA_FAULT_UNSUPPORTED = 7 /* the transport does not have a function that is needed */
 } lika_result;
 
 /* How an encoder is connected. */
@@ -107,6 +110,289 @@ static inline lika_step lika_step_poll(uint16_t address, uint8_t mask, uint8_t v
     return step;
 }
 
+/* -- transport --------------------------------------------------------------------------------- */
+
+/*
+ * The way to the encoder, which is yours: functions that carry bytes over your bus, and one that
+ * waits. Each gets the context as it stands here, and returns 0, or a number of your own that says
+ * what went wrong and is handed on. One that your bus cannot have is NULL; what needs it then says
+ * UNSUPPORTED.
+ *   read_registers   reads so many bytes: the first at the address, the others at those after it
+ *   write_registers  writes so many bytes in the same way
+ *   wait_us          comes back after so many microseconds, or later
+ *   send_request     sends this byte, which is a whole request over RS-485 (its control field), and
+ *                    receives the reply or lets it pass; what it says is not needed
+ * A poll reads again and again until the encoder is done. No manual says how long that may take, so
+ * that the bound is yours as well: so many readings at most, so many microseconds of pause between
+ * two. With 0 readings the bound is LIKA_POLL_AT_MOST and the pause LIKA_POLL_PAUSE_US.
+ */
+typedef struct lika_transport {
+    void *context;
+    int32_t (*read_registers)(void *context, uint16_t address, uint8_t *bytes, size_t length);
+    int32_t (*write_registers)(
+        void *context, uint16_t address, const uint8_t *bytes, size_t length);
+    int32_t (*wait_us)(void *context, uint32_t microseconds);
+    int32_t (*send_request)(void *context, uint8_t request);
+    uint32_t poll_at_most;
+    uint32_t poll_pause_us;
+} lika_transport;
+
+#define LIKA_POLL_AT_MOST 1000U /* readings of a poll, where the transport says nothing */
+#define LIKA_POLL_PAUSE_US 1000U /* microseconds between them */
+
+/*
+ * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED. A fault that is found
+ * before the first step, or in what was read, leaves it as it was. NULL will do in its place.
+ */
+typedef struct lika_failure {
+    size_t step; /* which step, the first is 0 */
+    lika_step_kind kind; /* what kind of step that is */
+    /*
+     * What it was doing: READ, WRITE, WAIT or SEND for the function of the transport that failed or
+     * is missing, POLL where what it waited for did not come.
+     */
+    lika_step_kind call;
+    uint16_t address; /* the first register byte of that step; 0 where it has none */
+    int32_t error; /* what the transport's function returned; 0 where it did not fail */
+} lika_failure;
+
+/* Tells what failed, and gives the result back. */
+static inline lika_result lika_failed(
+    lika_result result, lika_step_kind call, uint16_t address, int32_t error,
+    lika_failure *failure)
+{
+    if (failure != NULL) {
+        failure->step = 0U;
+        failure->kind = call;
+        failure->call = call;
+        failure->address = address;
+        failure->error = error;
+    }
+    return result;
+}
+
+/* Tells in which of several steps it failed, and gives the result back. */
+static inline lika_result lika_failed_at(
+    lika_result result, size_t step, lika_failure *failure)
+{
+    if (failure != NULL) {
+        failure->step = step;
+    }
+    return result;
+}
+
+/* Reads so many bytes, the first at the address. */
+static inline lika_result lika_read(
+    const lika_transport *transport, uint16_t address, uint8_t *bytes, size_t length,
+    lika_failure *failure)
+{
+    int32_t error;
+    if (transport->read_registers == NULL) {
+        return lika_failed(LIKA_FAULT_UNSUPPORTED, LIKA_STEP_READ, address, 0, failure);
+    }
+    error = transport->read_registers(transport->context, address, bytes, length);
+    if (error != 0) {
+        return lika_failed(LIKA_FAULT_TRANSPORT, LIKA_STEP_READ, address, error, failure);
+    }
+    return LIKA_OK;
+}
+
+/* Writes so many bytes, the first at the address. */
+static inline lika_result lika_write(
+    const lika_transport *transport, uint16_t address, const uint8_t *bytes, size_t length,
+    lika_failure *failure)
+{
+    int32_t error;
+    if (transport->write_registers == NULL) {
+        return lika_failed(LIKA_FAULT_UNSUPPORTED, LIKA_STEP_WRITE, address, 0, failure);
+    }
+    error = transport->write_registers(transport->context, address, bytes, length);
+    if (error != 0) {
+        return lika_failed(LIKA_FAULT_TRANSPORT, LIKA_STEP_WRITE, address, error, failure);
+    }
+    return LIKA_OK;
+}
+
+/* Writes one byte. */
+static inline lika_result lika_write_byte(
+    const lika_transport *transport, uint16_t address, uint8_t byte,
+    lika_failure *failure)
+{
+    return lika_write(transport, address, &byte, 1U, failure);
+}
+
+/* Waits so many microseconds at least. */
+static inline lika_result lika_wait(
+    const lika_transport *transport, uint32_t microseconds, lika_failure *failure)
+{
+    int32_t error;
+    if (transport->wait_us == NULL) {
+        return lika_failed(LIKA_FAULT_UNSUPPORTED, LIKA_STEP_WAIT, 0U, 0, failure);
+    }
+    error = transport->wait_us(transport->context, microseconds);
+    if (error != 0) {
+        return lika_failed(LIKA_FAULT_TRANSPORT, LIKA_STEP_WAIT, 0U, error, failure);
+    }
+    return LIKA_OK;
+}
+
+/* Sends a request of one byte. */
+static inline lika_result lika_send(
+    const lika_transport *transport, uint8_t request, lika_failure *failure)
+{
+    int32_t error;
+    if (transport->send_request == NULL) {
+        return lika_failed(LIKA_FAULT_UNSUPPORTED, LIKA_STEP_SEND, 0U, 0, failure);
+    }
+    error = transport->send_request(transport->context, request);
+    if (error != 0) {
+        return lika_failed(LIKA_FAULT_TRANSPORT, LIKA_STEP_SEND, 0U, error, failure);
+    }
+    return LIKA_OK;
+}
+
+/* Carries out a step that writes. */
+static inline lika_result lika_run_write(
+    const lika_transport *transport, const lika_step *step, lika_failure *failure)
+{
+    uint8_t byte = step->value;
+    if (step->mask != 0xFFU) {
+        uint8_t held = 0U;
+        const lika_result result = lika_read(transport, step->address, &held, 1U, failure);
+        if (result != LIKA_OK) {
+            return result;
+        }
+        byte = (uint8_t)(((uint32_t)held & ~(uint32_t)step->mask) |
+            ((uint32_t)step->value & (uint32_t)step->mask));
+    }
+    return lika_write_byte(transport, step->address, byte, failure);
+}
+
+/* Carries out a step that sends. */
+static inline lika_result lika_run_send(
+    const lika_transport *transport, const lika_step *step, lika_failure *failure)
+{
+    lika_result result = LIKA_OK;
+    uint16_t sent;
+    for (sent = 0U; (sent < step->times) && (result == LIKA_OK); sent++) {
+        if ((sent != 0U) && (step->microseconds != 0U)) {
+            result = lika_wait(transport, step->microseconds, failure);
+        }
+        if (result == LIKA_OK) {
+            result = lika_send(transport, step->value, failure);
+        }
+    }
+    return result;
+}
+
+/* Carries out a step that polls. */
+static inline lika_result lika_run_poll(
+    const lika_transport *transport, const lika_step *step, lika_failure *failure)
+{
+    const bool bounded = transport->poll_at_most != 0U;
+    const uint32_t at_most = bounded ? transport->poll_at_most : LIKA_POLL_AT_MOST;
+    const uint32_t pause = bounded ? transport->poll_pause_us : LIKA_POLL_PAUSE_US;
+    uint32_t readings;
+    for (readings = 0U; readings < at_most; readings++) {
+        uint8_t held = 0U;
+        lika_result result = LIKA_OK;
+        if ((readings != 0U) && (pause != 0U)) {
+            result = lika_wait(transport, pause, failure);
+        }
+        if (result == LIKA_OK) {
+            result = lika_read(transport, step->address, &held, 1U, failure);
+        }
+        if (result != LIKA_OK) {
+            return result;
+        }
+        if (((uint32_t)held & (uint32_t)step->mask) == (uint32_t)step->value) {
+            return LIKA_OK;
+        }
+    }
+    return lika_failed(LIKA_FAULT_TIMEOUT, LIKA_STEP_POLL, step->address, 0, failure);
+}
+
+/* How many bytes the steps read. */
+static inline size_t lika_run_reads(const lika_step *steps, size_t count)
+{
+    size_t reads = 0U;
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        if (steps[index].kind == LIKA_STEP_READ) {
+            reads++;
+        }
+    }
+    return reads;
+}
+
+/* How many steps from the first on read bytes that follow each other: these are read at once. */
+static inline size_t lika_run_together(const lika_step *steps, size_t count)
+{
+    size_t together = 1U;
+    while ((together < count) && (steps[together].kind == LIKA_STEP_READ) &&
+        ((size_t)steps[together].address == ((size_t)steps[0].address + together))) {
+        together++;
+    }
+    return together;
+}
+
+/* Carries out one step that is no reading. */
+static inline lika_result lika_run_step(
+    const lika_transport *transport, const lika_step *step,
+    lika_failure *failure)
+{
+    switch (step->kind) {
+    case LIKA_STEP_WRITE:
+        return lika_run_write(transport, step, failure);
+    case LIKA_STEP_WAIT:
+        return lika_wait(transport, step->microseconds, failure);
+    case LIKA_STEP_SEND:
+        return lika_run_send(transport, step, failure);
+    case LIKA_STEP_POLL:
+        return lika_run_poll(transport, step, failure);
+    case LIKA_STEP_READ:
+    default:
+        return lika_failed(LIKA_FAULT_RANGE, step->kind, step->address, 0, failure);
+    }
+}
+
+/*
+ * Carries out steps one after the other, up to the first that fails. The bytes that they read are
+ * put into bytes, of which there are exactly as many (else LENGTH, and nothing is done); those that
+ * lie beside each other in the encoder are read by one call. After a fault bytes is of no use.
+ */
+static inline lika_result lika_run(
+    const lika_transport *transport, const lika_step *steps, size_t count,
+    uint8_t *bytes, size_t length, lika_failure *failure)
+{
+    size_t read = 0U;
+    size_t index = 0U;
+    if (lika_run_reads(steps, count) != length) {
+        return LIKA_FAULT_LENGTH;
+    }
+    while (index < count) {
+        const lika_step *const step = &steps[index];
+        lika_result result;
+        size_t done = 1U;
+        if (step->kind == LIKA_STEP_READ) {
+            done = lika_run_together(step, count - index);
+            result = lika_read(transport, step->address, &bytes[read], done, failure);
+            read += done;
+        } else {
+            result = lika_run_step(transport, step, failure);
+        }
+        if (result != LIKA_OK) {
+            if (failure != NULL) {
+                failure->kind = step->kind;
+                failure->address = step->address;
+            }
+            return lika_failed_at(result, index, failure);
+        }
+        index += done;
+    }
+    return LIKA_OK;
+}
+
 /* -- bits -------------------------------------------------------------------------------------- */
 
 /* So many ones, 0 to 64 of them, from bit 0 up. */
@@ -115,24 +401,40 @@ static inline uint64_t lika_mask(uint32_t bits)
     return (bits < 64U) ? (((uint64_t)1U << bits) - 1U) : UINT64_MAX;
 }
 
+/* What a word holds from bit low up; of its upper half where that is enough, which small machines shift sooner. */
+static inline uint64_t lika_above(uint64_t word, uint32_t low)
+{
+    if (low > 63U) {
+        return 0U;
+    }
+    if (low > 31U) {
+        const uint32_t upper = (uint32_t)(word >> 32U);
+        const uint32_t above = upper >> (low - 32U);
+        return above;
+    }
+    return word >> low;
+}
+
 /* The field of so many bits whose lowest is bit low. */
 static inline uint64_t lika_field(uint64_t word, uint32_t low, uint32_t bits)
 {
-    return (low < 64U) ? ((word >> low) & lika_mask(bits)) : 0U;
+    return lika_above(word, low) & lika_mask(bits);
 }
 
 /* The number that so many bits stand for in two's complement. */
 static inline int64_t lika_signed(uint64_t value, uint32_t bits)
 {
-    const uint64_t half = lika_mask(bits) >> 1U;
-    return (value > half) ? (-(int64_t)(lika_mask(bits) - value) - 1) : (int64_t)value;
+    const uint64_t largest = lika_mask(bits);
+    const uint64_t below = largest - value;
+    return (value > (largest >> 1U)) ? (-(int64_t)below - 1) : (int64_t)value;
 }
 
 /* Whether a number fits into so many bits in two's complement. */
 static inline bool lika_fits_signed(int64_t value, uint32_t bits)
 {
-    const int64_t half = (int64_t)(lika_mask(bits) >> 1U);
-    return (value <= half) && (value >= -half - 1);
+    const uint64_t half = lika_mask(bits) >> 1U;
+    const int64_t most = (int64_t)half;
+    return (value <= most) && (value >= (-most - 1));
 }
 
 /* The word with so many bits from bit low up turned from Gray code into binary. */
@@ -162,9 +464,7 @@ static inline uint32_t lika_parity(uint32_t value)
     v ^= v >> 16U;
     v ^= v >> 8U;
     v ^= v >> 4U;
-    v ^= v >> 2U;
-    v ^= v >> 1U;
-    return v & 1U;
+    return (0x6996U >> (v & 0x0FU)) & 1U; /* bit n of 6996h: whether n has an odd number of ones */
 }
 
 /* -- positions --------------------------------------------------------------------------------- */
@@ -175,14 +475,19 @@ static inline uint32_t lika_parity(uint32_t value)
  */
 static inline int64_t lika_difference(uint64_t now, uint64_t before, uint64_t modulus)
 {
+    uint64_t start;
     uint64_t forward;
     uint64_t backward;
     if (modulus == 0U) {
         return 0;
     }
+    start = before % modulus;
     forward = now % modulus;
-    backward = before % modulus;
-    forward = (forward >= backward) ? (forward - backward) : (modulus - (backward - forward));
+    if (forward < start) {
+        forward += modulus - start;
+    } else {
+        forward -= start;
+    }
     backward = modulus - forward;
     return (forward < backward) ? (int64_t)forward : -(int64_t)backward;
 }
@@ -192,7 +497,10 @@ static inline int64_t lika_difference(uint64_t now, uint64_t before, uint64_t mo
 /* The capital of a letter a to z, every other character as it is. */
 static inline char lika_capital(char letter)
 {
-    return ((letter >= 'a') && (letter <= 'z')) ? (char)(letter - ('a' - 'A')) : letter;
+    static const char capitals[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    const uint8_t place = (uint8_t)letter;
+    const uint8_t first = (uint8_t)'a';
+    return ((letter >= 'a') && (letter <= 'z')) ? capitals[place - first] : letter;
 }
 
 /* Whether a character is a digit, or a letter or digit. */
@@ -214,10 +522,15 @@ static inline bool lika_is_letter_or_digit(char letter)
 static inline bool lika_label_ends(const char *label)
 {
     size_t at = 2U;
+    char kind;
     if ((label[0] == '\0') || (label[0] == '-')) {
         return true;
     }
-    if ((label[0] != '/') || (lika_capital(label[1]) != 'S') || (label[2] == '\0')) {
+    if (label[0] != '/') {
+        return false;
+    }
+    kind = lika_capital(label[1]);
+    if ((kind != 'S') || (label[2] == '\0')) {
         return false;
     }
     while (lika_is_letter_or_digit(label[at])) {
@@ -234,20 +547,17 @@ static inline bool lika_label_ends(const char *label)
 static inline size_t lika_label_match(const char *label, const char *code)
 {
     size_t at = 0U;
-    for (; *code != '\0'; code++) {
+    size_t index;
+    for (index = 0U; code[index] != '\0'; index++) {
+        const char wanted = code[index];
         const char letter = label[at];
         const bool digit = lika_is_digit(letter);
         const bool either = lika_is_letter_or_digit(letter);
         bool fits;
-        switch (*code) {
+        switch (wanted) {
         case '#':
-            fits = digit;
-            break;
         case '~':
-            if (!digit) {
-                continue;
-            }
-            fits = true;
+            fits = digit;
             break;
         case '@':
             fits = either && !digit;
@@ -256,13 +566,16 @@ static inline size_t lika_label_match(const char *label, const char *code)
             fits = either;
             break;
         default:
-            fits = lika_capital(letter) == lika_capital(*code);
+            fits = lika_capital(letter) == lika_capital(wanted);
             break;
         }
-        if (!fits) {
+        if (fits) {
+            at++;
+        } else if (wanted != '~') {
             return 0U;
+        } else {
+            /* No digit here, which this mark allows. */
         }
-        at++;
     }
     return lika_label_ends(&label[at]) ? at : 0U;
 }

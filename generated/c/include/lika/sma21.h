@@ -272,7 +272,7 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
     if (found != NULL) {
         return found;
     }
-    for (index = 0U; index < sizeof(patterns) / sizeof(patterns[0]); index++) {
+    for (index = 0U; index < (sizeof(patterns) / sizeof(patterns[0])); index++) {
         const size_t length = lika_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
@@ -295,11 +295,9 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
  */
 static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFU) ^ (data >> 24U) ^ ((data >> 24U) << 4U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 8U) | ((uint32_t)wide >> 24U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
@@ -319,11 +317,9 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
  */
 static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 {
-    uint64_t wide = data;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFFFU) ^ (wide >> 32U) ^ ((wide >> 32U) << 8U);
-    wide = (wide & 0xFFFFU) ^ (wide >> 16U) ^ ((wide >> 16U) << 4U);
-    v = (uint32_t)wide;
+    uint64_t wide = (data & 0xFFFFFFFFU) ^ (data >> 32U) ^ ((data >> 32U) << 8U);
+    const uint32_t high = ((uint32_t)(wide >> 32U) << 16U) | ((uint32_t)wide >> 16U);
+    uint32_t v = ((uint32_t)wide & 0xFFFFU) ^ high ^ (high << 4U);
     v = (v & 0xFFFFU) ^ (v >> 16U) ^ ((v >> 16U) << 4U);
     v = (v & 0xFFU) ^ (v >> 8U) ^ ((v >> 8U) << 2U);
     v = (v & 0x0FU) ^ (v >> 4U) ^ ((v >> 4U) << 1U);
@@ -433,15 +429,14 @@ static inline uint32_t lika_sma21_ssi_word_bits(const lika_sma21_variant *varian
 static inline lika_result lika_sma21_ssi_word_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_ssi_word *out)
 {
-    if ((word & ~lika_mask(lika_sma21_ssi_word_bits(variant))) != 0U) {
+    if (lika_above(word, lika_sma21_ssi_word_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
     const uint64_t plain = (variant->ssi_gray != 0U) ?
         lika_from_gray(word, 1U, variant->position_bits) : word;
-    const uint32_t position = (uint32_t)lika_field(plain, 1U, variant->position_bits);
-    const uint8_t error = (uint8_t)(plain & 0x01U);
+    const uint32_t position = (uint32_t)(plain >> 1U);
     out->position = position;
-    out->error = (error == 0U);
+    out->error = ((plain & 0x01U) == 0U);
     return LIKA_OK;
 }
 
@@ -554,40 +549,35 @@ static inline uint32_t lika_sma21_single_cycle_data_bits(const lika_sma21_varian
  * CRC biss_6 of a whole word, without a table: 0 when the word is sound. For a word with 0 in place
  * of its CRC, the CRC to send.
  */
-static inline uint8_t lika_sma21_single_cycle_data_crc(uint64_t word)
+static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
 {
-    uint64_t wide = word ^ 0x3FU;
-    uint32_t v;
-    wide = (wide & 0xFFFFFFU) ^ (wide >> 24U) ^ ((wide >> 24U) << 4U);
-    v = (uint32_t)wide;
+    const uint32_t high = ((uint32_t)(word >> 32U) << 20U) | ((uint32_t)word >> 12U);
+    uint32_t v = ((uint32_t)word & 0xFFFU) ^ high ^ (high << 2U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
-    return (uint8_t)v;
+    return v ^ 0x3FU;
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
 static inline lika_result lika_sma21_single_cycle_data_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_single_cycle_data *out)
 {
-    if ((word & ~lika_mask(lika_sma21_single_cycle_data_bits(variant))) != 0U) {
+    if (lika_above(word, lika_sma21_single_cycle_data_bits(variant)) != 0U) {
         return LIKA_FAULT_LENGTH;
+    }
+    if (lika_sma21_single_cycle_data_crc(word) != 0U) {
+        return LIKA_FAULT_CRC;
     }
     const uint64_t plain = (lika_sma21_biss_gray(variant) != 0U) ?
         lika_from_gray(word, 8U, variant->position_bits) : word;
     const uint32_t position = (uint32_t)lika_field(plain, 8U, variant->position_bits);
-    const uint8_t error = (uint8_t)((plain >> 7U) & 0x01U);
-    const uint8_t warning = (uint8_t)((plain >> 6U) & 0x01U);
-    if (lika_sma21_single_cycle_data_crc(word) != 0U) {
-        return LIKA_FAULT_CRC;
-    }
-    /* padding */
-    if (lika_field(plain, 8U + variant->position_bits, variant->scd_padding_bits) != 0x00U) {
+    if (lika_above(plain, 8U + variant->position_bits) != 0x00U) { /* padding */
         return LIKA_FAULT_CONSTANT;
     }
     out->position = position;
-    out->error = (error == 0U);
-    out->warning = (warning == 0U);
+    out->error = (((uint32_t)plain & 0x80U) == 0U);
+    out->warning = (((uint32_t)plain & 0x40U) == 0U);
     return LIKA_OK;
 }
 
@@ -689,18 +679,19 @@ static inline lika_result lika_sma21_data_request_decode(
     if (length != LIKA_SMA21_DATA_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((data_id != LIKA_SMA21_DATA_ID_POSITION) && (data_id != LIKA_SMA21_DATA_ID_WIDE_POSITION) &&
-        (data_id != LIKA_SMA21_DATA_ID_IDENTIFICATION) &&
-        (data_id != LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
-        (data_id != LIKA_SMA21_DATA_ID_RESET_POSITION)) {
+    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_POSITION) &&
+        (data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) &&
+        (data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) &&
+        (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
+        (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_POSITION)) {
         return LIKA_FAULT_RANGE;
     }
     out->data_id = (lika_sma21_data_id)data_id;
@@ -795,25 +786,8 @@ static inline lika_result lika_sma21_position_reply_decode(
     if (length != LIKA_SMA21_POSITION_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t status_alarm = (uint8_t)((bytes[1] >> 4U) & 0x01U);
-    const uint8_t status_error = (uint8_t)((bytes[1] >> 5U) & 0x01U);
-    const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
-        ((uint32_t)bytes[4] << 16U);
-    const uint8_t overspeed = (uint8_t)(bytes[5] & 0x01U);
-    const uint8_t initialization_error = (uint8_t)((bytes[5] >> 1U) & 0x01U);
-    const uint8_t hardware_error = (uint8_t)((bytes[5] >> 2U) & 0x01U);
-    const uint8_t encoder_inharmonious_error = (uint8_t)((bytes[5] >> 3U) & 0x01U);
-    const uint8_t higher_track_error = (uint8_t)((bytes[5] >> 4U) & 0x01U);
-    const uint8_t low_amplitude_error = (uint8_t)((bytes[5] >> 5U) & 0x01U);
-    const uint8_t signal_strength_alarm = (uint8_t)((bytes[5] >> 6U) & 0x01U);
-    const uint8_t temperature_alarm = (uint8_t)(bytes[5] >> 7U);
-    if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_POSITION_REPLY_LENGTH - 1U) != bytes[6]) {
+    if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_POSITION_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
-    }
-    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
-        return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
@@ -821,25 +795,35 @@ static inline lika_result lika_sma21_position_reply_decode(
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
+        ((uint32_t)bytes[4] << 16U);
+    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((data_id != LIKA_SMA21_DATA_ID_POSITION) && (data_id != LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
-        (data_id != LIKA_SMA21_DATA_ID_RESET_POSITION)) {
+    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_POSITION) &&
+        (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_ERRORS) &&
+        (data_id != (uint8_t)LIKA_SMA21_DATA_ID_RESET_POSITION)) {
         return LIKA_FAULT_RANGE;
     }
     out->data_id = (lika_sma21_data_id)data_id;
-    out->status_alarm = (status_alarm != 0U);
-    out->status_error = (status_error != 0U);
+    uint8_t flags = bytes[1];
+    out->status_alarm = ((flags & 0x10U) != 0U);
+    out->status_error = ((flags & 0x20U) != 0U);
     out->position = position;
-    out->overspeed = (overspeed != 0U);
-    out->initialization_error = (initialization_error != 0U);
-    out->hardware_error = (hardware_error != 0U);
-    out->encoder_inharmonious_error = (encoder_inharmonious_error != 0U);
-    out->higher_track_error = (higher_track_error != 0U);
-    out->low_amplitude_error = (low_amplitude_error != 0U);
-    out->signal_strength_alarm = (signal_strength_alarm != 0U);
-    out->temperature_alarm = (temperature_alarm != 0U);
+    flags = bytes[5];
+    out->overspeed = ((flags & 0x01U) != 0U);
+    out->initialization_error = ((flags & 0x02U) != 0U);
+    out->hardware_error = ((flags & 0x04U) != 0U);
+    out->encoder_inharmonious_error = ((flags & 0x08U) != 0U);
+    out->higher_track_error = ((flags & 0x10U) != 0U);
+    out->low_amplitude_error = ((flags & 0x20U) != 0U);
+    out->signal_strength_alarm = ((flags & 0x40U) != 0U);
+    out->temperature_alarm = ((flags & 0x80U) != 0U);
     return LIKA_OK;
 }
 
@@ -926,14 +910,7 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
     if (length != LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t status_alarm = (uint8_t)((bytes[1] >> 4U) & 0x01U);
-    const uint8_t status_error = (uint8_t)((bytes[1] >> 5U) & 0x01U);
-    const uint64_t position = (uint64_t)bytes[2] | ((uint64_t)bytes[3] << 8U) |
-        ((uint64_t)bytes[4] << 16U) | ((uint64_t)bytes[5] << 24U) | ((uint64_t)bytes[6] << 32U) |
-        ((uint64_t)bytes[7] << 40U);
-    if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH - 1U) != bytes[8]) {
+    if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -942,14 +919,20 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint64_t position = (uint64_t)bytes[2] | ((uint64_t)bytes[3] << 8U) |
+        ((uint64_t)bytes[4] << 16U) | ((uint64_t)bytes[5] << 24U) | ((uint64_t)bytes[6] << 32U) |
+        ((uint64_t)bytes[7] << 40U);
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_SMA21_DATA_ID_WIDE_POSITION) {
+    if (data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) {
         return LIKA_FAULT_RANGE;
     }
-    out->status_alarm = (status_alarm != 0U);
-    out->status_error = (status_error != 0U);
+    const uint8_t flags = bytes[1];
+    out->status_alarm = ((flags & 0x10U) != 0U);
+    out->status_error = ((flags & 0x20U) != 0U);
     out->position = (int64_t)lika_signed(position, 48U);
     return LIKA_OK;
 }
@@ -1040,25 +1023,8 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if (length != LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t status_alarm = (uint8_t)((bytes[1] >> 4U) & 0x01U);
-    const uint8_t status_error = (uint8_t)((bytes[1] >> 5U) & 0x01U);
-    const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
-        ((uint32_t)bytes[4] << 16U);
-    const uint8_t overspeed = (uint8_t)(bytes[7] & 0x01U);
-    const uint8_t initialization_error = (uint8_t)((bytes[7] >> 1U) & 0x01U);
-    const uint8_t hardware_error = (uint8_t)((bytes[7] >> 2U) & 0x01U);
-    const uint8_t encoder_inharmonious_error = (uint8_t)((bytes[7] >> 3U) & 0x01U);
-    const uint8_t higher_track_error = (uint8_t)((bytes[7] >> 4U) & 0x01U);
-    const uint8_t low_amplitude_error = (uint8_t)((bytes[7] >> 5U) & 0x01U);
-    const uint8_t signal_strength_alarm = (uint8_t)((bytes[7] >> 6U) & 0x01U);
-    const uint8_t temperature_alarm = (uint8_t)(bytes[7] >> 7U);
-    if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH - 1U) != bytes[8]) {
+    if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
-    }
-    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
-        return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
@@ -1072,23 +1038,32 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if (bytes[6] != 0x00U) { /* encoder id 2 */
         return LIKA_FAULT_CONSTANT;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
+        ((uint32_t)bytes[4] << 16U);
+    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != LIKA_SMA21_DATA_ID_IDENTIFICATION) {
+    if (data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) {
         return LIKA_FAULT_RANGE;
     }
-    out->status_alarm = (status_alarm != 0U);
-    out->status_error = (status_error != 0U);
+    uint8_t flags = bytes[1];
+    out->status_alarm = ((flags & 0x10U) != 0U);
+    out->status_error = ((flags & 0x20U) != 0U);
     out->position = position;
-    out->overspeed = (overspeed != 0U);
-    out->initialization_error = (initialization_error != 0U);
-    out->hardware_error = (hardware_error != 0U);
-    out->encoder_inharmonious_error = (encoder_inharmonious_error != 0U);
-    out->higher_track_error = (higher_track_error != 0U);
-    out->low_amplitude_error = (low_amplitude_error != 0U);
-    out->signal_strength_alarm = (signal_strength_alarm != 0U);
-    out->temperature_alarm = (temperature_alarm != 0U);
+    flags = bytes[7];
+    out->overspeed = ((flags & 0x01U) != 0U);
+    out->initialization_error = ((flags & 0x02U) != 0U);
+    out->hardware_error = ((flags & 0x04U) != 0U);
+    out->encoder_inharmonious_error = ((flags & 0x08U) != 0U);
+    out->higher_track_error = ((flags & 0x10U) != 0U);
+    out->low_amplitude_error = ((flags & 0x20U) != 0U);
+    out->signal_strength_alarm = ((flags & 0x40U) != 0U);
+    out->temperature_alarm = ((flags & 0x80U) != 0U);
     return LIKA_OK;
 }
 
@@ -1238,13 +1213,15 @@ static inline int64_t lika_sma21_ssi_position_difference(
 static inline int64_t lika_sma21_ssi_micrometres(
     const lika_sma21_variant *variant, int64_t position)
 {
-    return position * variant->resolution_um;
+    const int64_t step = (int64_t)variant->resolution_um;
+    return position * step;
 }
 
 /* A position over SSI in millimetres. */
 static inline double lika_sma21_ssi_millimetres(const lika_sma21_variant *variant, int64_t position)
 {
-    return (double)lika_sma21_ssi_micrometres(variant, position) / 1000.0;
+    const int64_t micrometres = lika_sma21_ssi_micrometres(variant, position);
+    return (double)micrometres / 1000.0;
 }
 
 /* The position over BiSS C-mode starts again at 0 after so many counts [5.2 p.20; 6.2 p.25]. */
@@ -1267,14 +1244,16 @@ static inline int64_t lika_sma21_biss_position_difference(
 static inline int64_t lika_sma21_biss_micrometres(
     const lika_sma21_variant *variant, int64_t position)
 {
-    return position * variant->resolution_um;
+    const int64_t step = (int64_t)variant->resolution_um;
+    return position * step;
 }
 
 /* A position over BiSS C-mode in millimetres. */
 static inline double lika_sma21_biss_millimetres(
     const lika_sma21_variant *variant, int64_t position)
 {
-    return (double)lika_sma21_biss_micrometres(variant, position) / 1000.0;
+    const int64_t micrometres = lika_sma21_biss_micrometres(variant, position);
+    return (double)micrometres / 1000.0;
 }
 
 /* The position over RS-485 starts again at 0 after so many counts [4.10 p.18]. */
@@ -1297,21 +1276,24 @@ static inline int64_t lika_sma21_rs485_position_difference(
 static inline int64_t lika_sma21_rs485_micrometres(
     const lika_sma21_variant *variant, int64_t position)
 {
-    return position * variant->resolution_um;
+    const int64_t step = (int64_t)variant->resolution_um;
+    return position * step;
 }
 
 /* A position over RS-485 in millimetres. */
 static inline double lika_sma21_rs485_millimetres(
     const lika_sma21_variant *variant, int64_t position)
 {
-    return (double)lika_sma21_rs485_micrometres(variant, position) / 1000.0;
+    const int64_t micrometres = lika_sma21_rs485_micrometres(variant, position);
+    return (double)micrometres / 1000.0;
 }
 
 /* -- registers --------------------------------------------------------------------------------- */
 
 /*
  * Shifts and masks refer to a register as one number. Decoders and encoders work on its bytes in
- * ascending order of address.
+ * ascending order of address. The functions _read_ and _write_ carry them over your transport, all
+ * of a register by one call; a register that is reserved to the manufacturer is only read.
  */
 
 /*
@@ -1365,6 +1347,20 @@ static inline bool lika_sma21_reg_profile_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in)
 {
     return in->profile_id == variant->profile_id;
+}
+
+/* Reads Profile ID, 42h to 43h. */
+static inline lika_result lika_sma21_read_profile_id(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_profile_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_PROFILE_ID_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_SMA21_REG_PROFILE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_sma21_reg_profile_id_decode(variant, bytes, sizeof(bytes), out);
 }
 
 /*
@@ -1425,6 +1421,21 @@ static inline lika_result lika_sma21_reg_serial_number_encode(
     return LIKA_OK;
 }
 
+/* Reads Serial number, 44h to 47h. */
+static inline lika_result lika_sma21_read_serial_number(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_serial_number *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_SMA21_REG_SERIAL_NUMBER_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_sma21_reg_serial_number_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Command (it: Comando), write only, over BiSS C-mode [6.4 p.29; 12 p.51].
  * Saves the parameters, activates preset or offset, or restores the defaults.
@@ -1453,6 +1464,28 @@ typedef enum lika_sma21_command {
      */
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
+
+/*
+ * Writes Command, 48h.
+ * Then waits 30 ms.
+ */
+static inline lika_result lika_sma21_write_command(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_command value, lika_failure *failure)
+{
+    lika_result result;
+    (void)variant;
+    if ((value != LIKA_SMA21_COMMAND_NORMAL) && (value != LIKA_SMA21_COMMAND_SAVE_PARAMETERS) &&
+        (value != LIKA_SMA21_COMMAND_ACTIVATE_PRESET_OFFSET) &&
+        (value != LIKA_SMA21_COMMAND_RESTORE_DEFAULTS)) {
+        return LIKA_FAULT_RANGE;
+    }
+    result = lika_write_byte(transport, LIKA_SMA21_REG_COMMAND_ADDRESS, (uint8_t)value, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+return lika_wait(transport, 30000U, failure);
+}
 
 /*
  * Configuration (it: Configurazione), read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
@@ -1530,13 +1563,13 @@ static inline lika_result lika_sma21_reg_configuration_decode(
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    if ((bytes[0] & 0x99U) != 0x00U) { /* unused 7, unused 3 4, unused 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     const uint8_t counting_direction = (uint8_t)((bytes[0] >> 6U) & 0x01U);
     const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
     const uint8_t enable_preset_offset = (uint8_t)((bytes[0] >> 2U) & 0x01U);
     const uint8_t select_preset_offset = (uint8_t)((bytes[0] >> 1U) & 0x01U);
-    if ((bytes[0] & 0x99U) != 0x00U) { /* unused 7, unused 3 4, unused 0 */
-        return LIKA_FAULT_CONSTANT;
-    }
     out->counting_direction = (lika_sma21_counting_direction)counting_direction;
     out->output_code = (lika_sma21_output_code)output_code;
     out->enable_preset_offset = (lika_sma21_enable_preset_offset)enable_preset_offset;
@@ -1553,22 +1586,55 @@ static inline lika_result lika_sma21_reg_configuration_encode(
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    if (in->counting_direction > 0x01U) {
+    if ((uint8_t)in->counting_direction > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if (in->output_code > 0x01U) {
+    if ((uint8_t)in->output_code > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if (in->enable_preset_offset > 0x01U) {
+    if ((uint8_t)in->enable_preset_offset > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if (in->select_preset_offset > 0x01U) {
+    if ((uint8_t)in->select_preset_offset > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(((uint32_t)in->counting_direction << 6U) |
         ((uint32_t)in->output_code << 5U) | ((uint32_t)in->enable_preset_offset << 2U) |
         ((uint32_t)in->select_preset_offset << 1U));
     return LIKA_OK;
+}
+
+/* Reads Configuration, 49h. */
+static inline lika_result lika_sma21_read_configuration(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_configuration *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_CONFIGURATION_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_sma21_reg_configuration_decode(variant, bytes, sizeof(bytes), out);
+}
+
+/*
+ * Writes Configuration, 49h.
+ * The frames depend on it: lika_sma21_read_state() makes the variant follow.
+ */
+static inline lika_result lika_sma21_write_configuration(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    const lika_sma21_reg_configuration *in, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_CONFIGURATION_LENGTH];
+    lika_result result;
+    result = lika_sma21_reg_configuration_encode(variant, in, bytes, sizeof(bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_write(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, bytes, sizeof(bytes),
+        failure);
 }
 
 /*
@@ -1582,6 +1648,22 @@ static inline lika_result lika_sma21_reg_configuration_encode(
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS 0x4DU
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /* byte */
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
+
+/* Reads Absolute resolution, 4Dh. */
+static inline lika_result lika_sma21_read_absolute_resolution(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, lika_failure *failure)
+{
+    uint8_t value = 0U;
+    lika_result result;
+    (void)variant;
+    result = lika_read(transport, LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS, &value, 1U, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+*out = value;
+    return LIKA_OK;
+}
 
 /*
  * Preset / Offset, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
@@ -1674,6 +1756,36 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
     return LIKA_OK;
 }
 
+/* Reads Preset / Offset, 50h to 53h. */
+static inline lika_result lika_sma21_read_preset_offset(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_preset_offset *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_PRESET_OFFSET_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_sma21_reg_preset_offset_decode(variant, bytes, sizeof(bytes), out);
+}
+
+/* Writes Preset / Offset, 50h to 53h. */
+static inline lika_result lika_sma21_write_preset_offset(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    const lika_sma21_reg_preset_offset *in, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_PRESET_OFFSET_LENGTH];
+    lika_result result;
+    result = lika_sma21_reg_preset_offset_encode(variant, in, bytes, sizeof(bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_write(transport, LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS, bytes, sizeof(bytes),
+        failure);
+}
+
 /*
  * Device type (it: Tipo di dispositivo), read only, over BiSS C-mode [6.4 p.33].
  * Type of the device.
@@ -1685,6 +1797,22 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 #define LIKA_SMA21_REG_DEVICE_TYPE_DEFAULT 0x08U /* value as delivered */
 #define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /* what it always reads */
 
+/* Reads Device type, 55h. */
+static inline lika_result lika_sma21_read_device_type(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, lika_failure *failure)
+{
+    uint8_t value = 0U;
+    lika_result result;
+    (void)variant;
+    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS, &value, 1U, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+*out = value;
+    return LIKA_OK;
+}
+
 /*
  * Sine cosine resolution (it: Risoluzione SENO-COSENSO), read only, over BiSS C-mode [6.4 p.33].
  * Period of the sine and cosine signals.
@@ -1695,6 +1823,23 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_DEFAULT 0x00U /* value as delivered */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /* what it always reads */
+
+/* Reads Sine cosine resolution, 58h. */
+static inline lika_result lika_sma21_read_sine_cosine_resolution(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, lika_failure *failure)
+{
+    uint8_t value = 0U;
+    lika_result result;
+    (void)variant;
+    result =
+        lika_read(transport, LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS, &value, 1U, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+*out = value;
+    return LIKA_OK;
+}
 
 /*
  * Position check (it: Controllo posizione), read and write, over BiSS C-mode [6.4 p.33].
@@ -1708,6 +1853,22 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 #define LIKA_SMA21_REG_POSITION_CHECK_LENGTH 1U /* byte */
 #define LIKA_SMA21_REG_POSITION_CHECK_ACCESS LIKA_ACCESS_READ_WRITE
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /* value as delivered */
+
+/* Reads Position check, 59h. */
+static inline lika_result lika_sma21_read_position_check(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    uint8_t *out, lika_failure *failure)
+{
+    uint8_t value = 0U;
+    lika_result result;
+    (void)variant;
+    result = lika_read(transport, LIKA_SMA21_REG_POSITION_CHECK_ADDRESS, &value, 1U, failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+*out = value;
+    return LIKA_OK;
+}
 
 /*
  * Device ID (it: ID dispositivo), read only, over BiSS C-mode [6.4 p.34].
@@ -1779,6 +1940,20 @@ static inline bool lika_sma21_reg_device_id_is_expected(
         (in->name[3] == LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED[3]);
 }
 
+/* Reads Device ID, 78h to 7Dh. */
+static inline lika_result lika_sma21_read_device_id(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_device_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_DEVICE_ID_LENGTH];
+    lika_result result;
+    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_sma21_reg_device_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /*
  * Manufacturer ID (it: ID costruttore), read only, over BiSS C-mode [6.4 p.34].
  * Manufacturer.
@@ -1832,6 +2007,21 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
         (in->name[1] == LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED[1]);
 }
 
+/* Reads Manufacturer ID, 7Eh to 7Fh. */
+static inline lika_result lika_sma21_read_manufacturer_id(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_reg_manufacturer_id *out, lika_failure *failure)
+{
+    uint8_t bytes[LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH];
+    lika_result result;
+    result =
+        lika_read(transport, LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_sma21_reg_manufacturer_id_decode(variant, bytes, sizeof(bytes), out);
+}
+
 /* -- run-time state ---------------------------------------------------------------------------- */
 
 /*
@@ -1852,6 +2042,31 @@ static inline lika_result lika_sma21_take_configuration(
     return LIKA_OK;
 }
 
+/*
+ * Reads these registers and takes over all that they hold: after power-on, and after a write or a
+ * procedure that changes them. In a failure the steps are the registers, in the order of the
+ * functions above.
+ */
+static inline lika_result lika_sma21_read_state(
+    const lika_transport *transport, lika_sma21_variant *variant,
+    lika_failure *failure)
+{
+    uint8_t configuration[LIKA_SMA21_REG_CONFIGURATION_LENGTH];
+    lika_sma21_variant taken = *variant;
+    lika_result result;
+    result = lika_read(transport, LIKA_SMA21_REG_CONFIGURATION_ADDRESS, configuration,
+        sizeof(configuration), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 0U, failure);
+    }
+    result = lika_sma21_take_configuration(&taken, configuration, sizeof(configuration));
+    if (result != LIKA_OK) {
+        return result;
+    }
+    *variant = taken;
+    return LIKA_OK;
+}
+
 /* -- identification ---------------------------------------------------------------------------- */
 
 /* What the registers that identify an encoder hold, all of them read over BiSS C-mode. */
@@ -1863,6 +2078,46 @@ typedef struct lika_sma21_identity {
     uint8_t device_id[6]; /* from 78h: Device ID */
     uint8_t manufacturer_id[2]; /* from 7Eh: Manufacturer ID */
 } lika_sma21_identity;
+
+/* Reads them. In a failure the steps are the registers, in the order of the members. */
+static inline lika_result lika_sma21_read_identity(
+    const lika_transport *transport, lika_sma21_identity *out, lika_failure *failure)
+{
+    lika_sma21_identity found;
+    lika_result result;
+    result = lika_read(transport, LIKA_SMA21_REG_PROFILE_ID_ADDRESS, found.profile_id,
+        sizeof(found.profile_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 0U, failure);
+    }
+    result = lika_read(transport, LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS,
+        found.absolute_resolution, sizeof(found.absolute_resolution), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 1U, failure);
+    }
+    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS, found.device_type,
+        sizeof(found.device_type), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 2U, failure);
+    }
+    result = lika_read(transport, LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS,
+        found.sine_cosine_resolution, sizeof(found.sine_cosine_resolution), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 3U, failure);
+    }
+    result = lika_read(transport, LIKA_SMA21_REG_DEVICE_ID_ADDRESS, found.device_id,
+        sizeof(found.device_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 4U, failure);
+    }
+    result = lika_read(transport, LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
+        sizeof(found.manufacturer_id), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 5U, failure);
+    }
+    *out = found;
+    return LIKA_OK;
+}
 
 /* Whether an encoder of this order code reads so. */
 static inline bool lika_sma21_could_be(
@@ -1943,6 +2198,26 @@ static inline lika_result lika_sma21_set_configuration_steps(
 }
 
 /*
+ * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
+ * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
+ */
+static inline lika_result lika_sma21_set_configuration(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    uint8_t configuration,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT];
+    lika_result result;
+    result = lika_sma21_set_configuration_steps(variant, configuration,
+        steps, LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT, &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
+/*
  * Set, save and activate a preset [6.4 p.32; 6.6.2 p.35].
  * Before: Sensor at rest at the wanted position. In the Configuration register preset and offset
  *         are enabled and preset is selected, as delivered; otherwise select_preset comes first.
@@ -1985,6 +2260,23 @@ static inline lika_result lika_sma21_set_preset_steps(
     return LIKA_OK;
 }
 
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_sma21_set_preset(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    uint32_t position,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_SMA21_SET_PRESET_STEPS_COUNT];
+    lika_result result;
+    result = lika_sma21_set_preset_steps(variant, position,
+        steps, LIKA_SMA21_SET_PRESET_STEPS_COUNT, &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
 /*
  * Enable the function and select preset [6.4 p.30].
  * Result: The register Preset / Offset holds a preset.
@@ -2001,6 +2293,19 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
     };
     *count = LIKA_SMA21_SELECT_PRESET_STEPS_COUNT;
     return steps;
+}
+
+/*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_sma21_select_preset(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_sma21_select_preset_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -2052,6 +2357,25 @@ static inline lika_result lika_sma21_set_offset_steps(
 }
 
 /*
+ * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ */
+static inline lika_result lika_sma21_set_offset(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    uint32_t offset,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    lika_step steps[LIKA_SMA21_SET_OFFSET_STEPS_COUNT];
+    lika_result result;
+    result = lika_sma21_set_offset_steps(variant, offset, steps, LIKA_SMA21_SET_OFFSET_STEPS_COUNT,
+        &count);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    return lika_run(transport, steps, count, NULL, 0U, failure);
+}
+
+/*
  * Save the parameters [6.4 p.29].
  * Result: Newly set register values are saved.
  */
@@ -2065,6 +2389,17 @@ static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
     };
     *count = LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_sma21_save_parameters(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_sma21_save_parameters_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -2082,6 +2417,17 @@ static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
     };
     *count = LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+static inline lika_result lika_sma21_restore_defaults(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_sma21_restore_defaults_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -2114,6 +2460,45 @@ static inline const lika_step *lika_sma21_identify_steps(size_t *count)
     return steps;
 }
 
+/* What it reads, as bytes in ascending order of address. */
+typedef struct lika_sma21_identify_read {
+    uint8_t manufacturer_id[2]; /* Manufacturer ID: Lika's are 4C 69 */
+    uint8_t device_id[6]; /* Device ID: name SM21, and the release */
+    uint8_t profile_id[2]; /* Profile ID: tells the resolution */
+    uint8_t serial_number[4]; /* Serial number: year, week and number */
+} lika_sma21_identify_read;
+
+/* Carries it out over BiSS C-mode; the transport needs read_registers. */
+static inline lika_result lika_sma21_identify(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_sma21_identify_read *out, lika_failure *failure)
+{
+    uint8_t bytes[14];
+    size_t count = 0U;
+    const lika_step *const steps = lika_sma21_identify_steps(&count);
+    lika_result result;
+    (void)variant;
+    result = lika_run(transport, steps, count, bytes, sizeof(bytes), failure);
+    if (result != LIKA_OK) {
+        return result;
+    }
+    out->manufacturer_id[0] = bytes[0];
+    out->manufacturer_id[1] = bytes[1];
+    out->device_id[0] = bytes[2];
+    out->device_id[1] = bytes[3];
+    out->device_id[2] = bytes[4];
+    out->device_id[3] = bytes[5];
+    out->device_id[4] = bytes[6];
+    out->device_id[5] = bytes[7];
+    out->profile_id[0] = bytes[8];
+    out->profile_id[1] = bytes[9];
+    out->serial_number[0] = bytes[10];
+    out->serial_number[1] = bytes[11];
+    out->serial_number[2] = bytes[12];
+    out->serial_number[3] = bytes[13];
+    return LIKA_OK;
+}
+
 /*
  * Reset all errors [7.3.3.2 p.41].
  * Result: All errors are reset and the encoder initializes itself.
@@ -2132,6 +2517,17 @@ static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
     };
     *count = LIKA_SMA21_RESET_ERRORS_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over RS-485; the transport needs wait_us and send_request. */
+static inline lika_result lika_sma21_reset_errors(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_sma21_reset_errors_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /*
@@ -2156,6 +2552,17 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
     };
     *count = LIKA_SMA21_RESET_POSITION_STEPS_COUNT;
     return steps;
+}
+
+/* Carries it out over RS-485; the transport needs wait_us and send_request. */
+static inline lika_result lika_sma21_reset_position(
+    const lika_transport *transport, const lika_sma21_variant *variant,
+    lika_failure *failure)
+{
+    size_t count = 0U;
+    const lika_step *const steps = lika_sma21_reset_position_steps(&count);
+    (void)variant;
+    return lika_run(transport, steps, count, NULL, 0U, failure);
 }
 
 /* -- alarms ------------------------------------------------------------------------------------ */

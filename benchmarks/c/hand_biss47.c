@@ -1,0 +1,28 @@
+/* 47 bits: 16 of revolutions, 23 of the position within one, nE, nW, CRC x^6 + x + 1 inverted; the last bit sent is bit 0. */
+#include "hand.h"
+
+int hand_biss47(uint64_t word, hand_biss *out)
+{
+    const uint32_t high = (uint32_t)(word >> 32);
+    const uint32_t low = (uint32_t)word;
+    const uint32_t h = (high << 8) | (low >> 24);
+    uint32_t v;
+
+    if ((high >> 15) != 0U) {
+        return HAND_LENGTH;
+    }
+    v = (low & 0xFFFFFFU) ^ h ^ (h << 4); /* x^24 = x^4 + 1 */
+    v = (v & 0xFFFU) ^ (v >> 12) ^ ((v >> 12) << 2);
+    v = (v & 0x3FU) ^ (v >> 6) ^ ((v >> 6) << 1);
+    v = (v & 0x3FU) ^ (v >> 6) ^ ((v >> 6) << 1);
+    v = (v & 0x3FU) ^ (v >> 6) ^ ((v >> 6) << 1);
+    if (v != 0x3FU) {
+        return HAND_CRC;
+    }
+    out->multiturn = (uint16_t)((high << 1) | (low >> 31));
+    out->singleturn = (low >> 8) & 0x7FFFFFU;
+    out->error = (low & 0x80U) == 0U;
+    out->warning = (low & 0x40U) == 0U;
+    out->position = word >> 8;
+    return HAND_OK;
+}

@@ -1,0 +1,211 @@
+"""What is measured: our decoders, hand-written ones, and what other generators make of the same frames."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from codewheel.crc import compute_bits
+from codewheel.load import load_library
+from codewheel.model import Crc
+from codewheel.targets import Library
+from codewheel.targets.c import generate
+
+HERE = Path(__file__).resolve().parent
+REPOSITORY = HERE.parent
+BISS_6 = Crc("biss_6", 6, 0x03, 0, False, False, 0x3F, "fold", "", "", ())
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame of the comparison; ``fields`` are those of its sample, ``good`` says that one was decoded rightly."""
+
+    name: str
+    title: str
+    header: str
+    variant_type: str
+    variant: str
+    layout: str
+    good: str
+
+    @property
+    def is_word(self) -> bool:
+        return self.name != "rs485"
+
+    @property
+    def maker(self) -> str:
+        return self.header.partition("/")[0].upper()
+
+
+_POSITION = "(out.multiturn == 0xABCU) && (out.singleturn == 0x234567U)"
+_BISS_GOOD = f"{_POSITION} && !out.error && !out.warning"
+FRAMES = (
+    Frame("biss46", "BiSS, 46 bits", "bench/biss46.h", "bench_biss46_variant", "BENCH_BISS46_B38SC", "bench_biss46_single_cycle_data", _BISS_GOOD),
+    Frame("biss47", "BiSS, 47 bits (AMM5)", "lika/amm5.h", "lika_amm5_variant", "LIKA_AMM5_A23_65KSC1", "lika_amm5_single_cycle_data", _BISS_GOOD),
+    Frame("rs485", "RS-485, 11 bytes (AMM5)", "lika/amm5.h", "lika_amm5_variant", "LIKA_AMM5_A23_65KJP1", "lika_amm5_complete_reply",
+          f"{_POSITION} && out.battery_alarm && out.status_st_error && !out.busy"),
+)  # fmt: skip
+
+#: Bits of the singleturn position of the frames that are words.
+SINGLETURN = {"biss46": 26, "biss47": 23}
+
+
+def word(frame: Frame, multiturn: int = 0xABC, singleturn: int = 0x234567) -> int:
+    """A sound word without faults."""
+    data = (multiturn << SINGLETURN[frame.name] | singleturn) << 2 | 3
+    return data << 6 | compute_bits(BISS_6, data, 64 - 6)
+
+
+def reply(multiturn: int = 0xABC, singleturn: int = 0x234567) -> bytes:
+    """A sound reply with two flags set."""
+    data = bytes((0x1A, 0x10)) + singleturn.to_bytes(3, "little") + bytes((0x23,)) + multiturn.to_bytes(3, "little") + bytes((0x80,))
+    crc = 0
+    for byte in data:
+        crc ^= byte
+    return data + bytes((crc,))
+
+
+def sample(frame: Frame) -> bytes:
+    """The sample frame as bytes, as those take it who know no words."""
+    return word(frame).to_bytes(6, "big") if frame.is_word else reply()
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """``source`` is C that holds ``function``; ``call`` decodes the frame ``bytes`` or ``word`` with what ``globals`` declare, and gives ``result``."""
+
+    name: str
+    function: str
+    source: str
+    globals: str
+    call: str
+    good: str
+    result: int = 0
+    does: str = "all checks"
+
+
+def candidates(frame: Frame, peers: Path) -> Iterator[Candidate]:
+    """All for one frame, ours first; ``peers`` is the folder of :func:`write_peers`."""
+    yield from ours(frame)
+    name = frame.name
+    given = "word" if frame.is_word else "bytes, sizeof bytes"
+    yield Candidate("hand-written", f"hand_{name}", _c(f"hand_{name}.c"), f'#include "{HERE}/c/hand.h"\nstatic {_hand(frame)} out;', f"hand_{name}({given}, &out)", frame.good)
+    yield Candidate("extraction only", f"floor_{name}", _c("floor.c"), f'#include "{HERE}/c/hand.h"\nint floor_{name}({_arguments(frame)}, {_hand(frame)} *out);\nstatic {_hand(frame)} out;', f"floor_{name}({given}, &out)", frame.good, does="no check")
+    yield Candidate("cantools", f"peer_{name}_unpack", f'#include "{peers}/peer.c"\n', f'#include "{peers}/peer.h"\nstatic struct peer_{name}_t out;', f"peer_{name}_unpack(&out, bytes, sizeof bytes)", _POSITION, does="no CRC, no constants, no position as one number")
+    kind = f"peer_{name.capitalize()}_1_0"
+    include = f'#include "peer/{name.capitalize()}_1_0.h"\n'
+    yield Candidate("nunavut", "decode_nunavut", f"{include}int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);\nint decode_nunavut({kind} *out, const uint8_t *bytes, size_t size)\n{{\n    return {kind}_deserialize_(out, bytes, &size);\n}}\n",
+                    f"{include}int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);\nstatic {kind} out;", "decode_nunavut(&out, bytes, sizeof bytes)", "true", does="its own order of bits; no CRC, no constants, no position as one number")  # fmt: skip
+    data = f"pycrc_{name}"
+    yield Candidate("pycrc", "crc_of", f'#include "{peers}/{data}.c"\ncrc_t crc_of(const uint8_t *bytes, size_t length);\ncrc_t crc_of(const uint8_t *bytes, size_t length)\n{{\n    return crc_finalize(crc_update(crc_init(), bytes, length));\n}}\n',
+                    f'#include "{peers}/{data}.h"\ncrc_t crc_of(const uint8_t *bytes, size_t length);\nstatic const uint8_t covered[] = {{ {_list(covered(frame))} }};', "crc_of(covered, sizeof covered)", "true", received(frame), "the CRC alone, over whole bytes")  # fmt: skip
+
+
+def ours(frame: Frame) -> Iterator[Candidate]:
+    """Our decoder for an order code chosen when it is compiled, at run time, and with the table that a macro chooses."""
+    given, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
+    passed = given if frame.is_word else "bytes, sizeof bytes"
+    for name, macro in (("ours, order code fixed", ""), ("ours, fixed, table", f"#define {frame.maker}_CRC_TABLE\n")) if frame.is_word else (("ours, order code fixed", ""),):
+        head = f'{macro}#include "{frame.header}"\nint decode_ours({parameters}, {frame.layout} *out);\n'
+        body = f"static const {frame.variant_type} encoder = {frame.variant};\nint decode_ours({parameters}, {frame.layout} *out)\n{{\n    return (int){frame.layout}_decode(&encoder, {given}, out);\n}}\n"
+        yield Candidate(name, "decode_ours", head + body, f"{head}static {frame.layout} out;", f"decode_ours({passed}, &out)", frame.good)
+    head = f'#include "{frame.header}"\nint decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out);\n'
+    body = f"int decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)\n{{\n    return (int){frame.layout}_decode(variant, {given}, out);\n}}\n"
+    yield Candidate("ours, at run time", "decode_ours", head + body, f"{head}static {frame.layout} out;\nstatic const {frame.variant_type} encoder = {frame.variant};", f"decode_ours(&encoder, {passed}, &out)", frame.good)
+
+
+def covered(frame: Frame) -> bytes:
+    """What the CRC covers, zeros before it up to whole bytes."""
+    if not frame.is_word:
+        return reply()[:-1]
+    data = word(frame) >> 6
+    return data.to_bytes((data.bit_length() + 7) // 8, "big")
+
+
+def received(frame: Frame) -> int:
+    return word(frame) & 0x3F if frame.is_word else reply()[-1]
+
+
+def entry(frame: Frame, candidate: Candidate) -> str:
+    """C around one call: the call, the same call of a function that only returns, and whether the first gave what it should."""
+    value = f"static const uint64_t word = UINT64_C({word(frame):#x});\n" if frame.is_word else ""
+    nothing = candidate.call.replace(candidate.function, "nothing", 1)
+    return f"""#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+{candidate.globals}
+{value}static const uint8_t bytes[] = {{ {_list(sample(frame))} }};
+extern __typeof__({candidate.function}) nothing;
+static volatile int result;
+volatile int good;
+void entry(void);
+void entry_of_nothing(void);
+void check(void);
+void entry(void)
+{{
+    result = {candidate.call};
+}}
+void entry_of_nothing(void)
+{{
+    result = {nothing};
+}}
+void check(void)
+{{
+    (void)bytes;
+    good = ((result == {candidate.result}) && {candidate.good}) ? 1 : 0;
+}}
+"""
+
+
+def write_headers(folder: Path) -> Path:
+    """Our headers for the frames; the folder to include from."""
+    devices, report = load_library([HERE / "specs", REPOSITORY / "specs" / "lika"])
+    if report:
+        sys.exit("the specs have problems; run codewheel check")
+    for path, text in generate(Library(devices)).items():
+        target = folder / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+    return folder / "c" / "include"
+
+
+def write_peers(folder: Path) -> Path:
+    """What cantools, nunavut and pycrc make of the frames; needs the packages of the extra ``bench``."""
+    for package in ("cantools", "nunavut", "pycrc"):
+        if importlib.util.find_spec(package) is None:
+            raise RuntimeError(f"no {package} here; make bench installs it")
+    folder.mkdir(parents=True, exist_ok=True)
+    _run("cantools", "generate_c_source", "--no-floating-point-numbers", "--database-name", "peer", "-o", str(folder), str(HERE / "peers" / "frames.dbc"))
+    _run("nunavut", "--target-language", "c", "-O", str(folder), str(HERE / "peers" / "peer"))
+    for frame in FRAMES:
+        model = ("--width=6", "--poly=3", "--xor-out=0x3f") if frame.is_word else ("--width=8", "--poly=1", "--xor-out=0")
+        reflect = str(not frame.is_word)
+        for kind in ("h", "c"):
+            _run("pycrc", *model, "--xor-in=0", f"--reflect-in={reflect}", f"--reflect-out={reflect}", "--algorithm=table-driven", f"--generate={kind}", "-o", str(folder / f"pycrc_{frame.name}.{kind}"))
+    return folder
+
+
+def _run(module: str, *arguments: str) -> None:
+    done = subprocess.run([sys.executable, "-m", module, *arguments], capture_output=True, text=True, timeout=120)
+    if done.returncode:
+        raise RuntimeError(f"{module}: {done.stderr[-1000:]}")
+
+
+def _c(name: str) -> str:
+    return f'#include "{HERE}/c/{name}"\n'
+
+
+def _hand(frame: Frame) -> str:
+    return "hand_biss" if frame.is_word else "hand_reply"
+
+
+def _arguments(frame: Frame) -> str:
+    return "uint64_t word" if frame.is_word else "const uint8_t *bytes, size_t length"
+
+
+def _list(data: bytes) -> str:
+    return ", ".join(f"0x{byte:02X}" for byte in data)

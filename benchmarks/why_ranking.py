@@ -1,0 +1,113 @@
+"""How often the mistake that was made is found, and how often it is named first: frames of every family with one mistake planted in each.
+
+    python benchmarks/why_ranking.py [FRAMES]
+
+FRAMES is how many frames of each order code have each mistake, 20 if not given. The same frames every time. A planted frame that fits all the same, by
+coincidence or because the mistake changed nothing, is counted as unseen: no reader would ask why.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from codewheel.decode import decode_text, why_text
+from codewheel.load import load_library
+from codewheel.model import Device
+from codewheel.order_codes import UnknownOrderCode, find
+from codewheel.why import Why
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "generator"))
+
+import planted  # noqa: E402
+
+
+@dataclass
+class Count:
+    """What became of the frames with one mistake."""
+
+    frames: int = 0
+    unseen: int = 0
+    listed: int = 0
+    first: int = 0
+    explanations: int = 0
+    seconds: list[float] = field(default_factory=list)
+
+
+def main() -> None:
+    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
+    devices, report = load_library()
+    if report:
+        sys.exit("the specs have problems; run codewheel check")
+    counts = measure({device.name: device for device in devices}, rounds)
+    print(f"{'mistake':34} {'frames':>7} {'unseen':>7} {'listed':>8} {'first':>8} {'in the list':>12}")
+    for name, count in counts.items():
+        seen = max(count.frames - count.unseen, 1)
+        print(f"{name:34} {count.frames:7} {count.unseen:7} {count.listed / seen:8.1%} {count.first / seen:8.1%} {count.explanations / seen:12.2f}")
+    everything = [second for count in counts.values() for second in count.seconds]
+    planted_ones = [count for name, count in counts.items() if name not in NOISE]
+    seen = sum(count.frames - count.unseen for count in planted_ones)
+    print(f"{'all planted mistakes':34} {sum(count.frames for count in planted_ones):7} {sum(count.unseen for count in planted_ones):7}"
+          f" {sum(count.listed for count in planted_ones) / seen:8.1%} {sum(count.first for count in planted_ones) / seen:8.1%}")
+    print(f"seconds for one frame: {sum(everything) / len(everything):.4f} on average, {max(everything):.4f} at most")
+
+
+def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
+    """What became of each mistake, by its name, and of frames of random bits; there ``listed`` counts the frames that have an explanation at all."""
+    counts: dict[str, Count] = {}
+    for name, plant in _plants(rounds):
+        count = counts.setdefault(name, Count())
+        count.frames += 1
+        why = _why(devices, plant, count)
+        if why is None:
+            count.unseen += 1
+            continue
+        places = [place for place, item in enumerate(why.explanations) if item.kind == plant.kind and plant.words in f"{item.text} {' '.join(item.codes)}"]
+        count.listed += bool(places) if plant.kind else any(not item.twice for item in why.explanations)
+        count.first += places[:1] == [0]
+        count.explanations += len(why.explanations)
+    return counts
+
+
+NOISE = ("(random bits)",)
+
+
+def _plants(rounds: int) -> Iterator[tuple[str, planted.Plant]]:
+    source = random.Random(5)
+    for _ in range(rounds):
+        for encoder in planted.ENCODERS:
+            for maker in planted.MISTAKES:
+                for plant in maker(encoder, source):
+                    yield maker.__name__, plant
+                    if maker in AS_HEX:
+                        yield f"{maker.__name__}, hex", planted.as_hex(plant)
+            for _ in range(5):
+                yield NOISE[0], planted.Plant(encoder.code, "0b" + planted.noise(source, encoder.bits), "")
+        for code in planted.BYTE_CODES:
+            for plant in planted.byte_mistakes(code, source):
+                yield f"{plant.kind}, bytes", plant
+
+
+AS_HEX = (planted.not_inverted, planted.status_left_out, planted.read_late, planted.read_early, planted.other_code)
+
+
+def _why(devices: Mapping[str, Device], plant: planted.Plant, count: Count) -> Why | None:
+    for device in devices.values():
+        try:
+            variant = find(device, plant.code).variant
+        except UnknownOrderCode:
+            continue
+        before = time.perf_counter()
+        decoded = decode_text(device, variant, "encoder", plant.text)
+        why = why_text(device, variant, "encoder", plant.text, decoded)
+        count.seconds.append(time.perf_counter() - before)
+        return why
+    raise LookupError(plant.code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,270 @@
+"""What a BiSS or SSI master must know of one order code: a record of plain words and numbers, the same for every master.
+
+The rules of the masters, ``specs/masters``, refer to its items by name. An item that the manual does not give is None: a rule that needs
+it says so, and invents nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from .model import Crc, Device, Field, Interface, Layout, Measurement, PlacedField, PlacedLayout, Register, Variant
+from .relevant import needed_parameters
+from .words import hertz, timeout_words
+
+#: The items that are words, with the words that they can be.
+WORDS: Mapping[str, tuple[str, ...]] = {
+    "interface": ("biss", "ssi"),
+    "movement": ("rotary", "linear"),
+    "coding": ("binary", "gray"),
+    "status_active": ("low", "high", "mixed", "none"),
+}
+
+#: The items that are whole numbers, or None where the manual does not say, each in words.
+NUMBERS: Mapping[str, str] = {
+    "multiturn_bits": "multiturn bits",
+    "singleturn_bits": "singleturn bits; of a linear encoder all bits of the position",
+    "position_bits": "position bits, multiturn and singleturn",
+    "padding_left": "zero bits before the position",
+    "padding_right": "zero bits between position and status",
+    "data_bits": "data bits: position and padding",
+    "status_bits": "status bits after the data",
+    "data_and_status_bits": "data bits and status bits",
+    "crc_bits": "CRC bits",
+    "frame_bits": "all bits from the first of the data to the last of the CRC",
+    "crc_polynomial": "CRC polynomial with its top bit; 0 without a CRC",
+    "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
+    "crc_polynomial_without_last_1": "CRC polynomial without its last 1",
+    "crc_start": "start value of the CRC",
+    "crc_inverted": "1 where the CRC is sent inverted",
+    "clock_min_hz": "slowest clock that the encoder takes, in Hz",
+    "clock_max_hz": "fastest clock that the encoder takes, in Hz",
+    "timeout_us": "longest time-out of the encoder, in µs, BiSS",
+    "busy_us": "longest processing time before the start bit, in µs, BiSS",
+    "pause_us": "shortest pause between two readings, in µs, SSI",
+    "counts_per_turn": "counts in a revolution",
+    "turns": "revolutions that are told apart",
+    "step_um": "length of a count, in µm",
+}
+
+
+class NoRecord(ValueError):
+    """Nothing can be said to a master about this order code; the message says why, in one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A run of bits of the frame. ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status`` or ``crc``; ``active`` of a status bit is
+    ``low``, ``high``, or empty where it never changes."""
+
+    name: str
+    role: str
+    bits: int
+    active: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What masters ask of one order code; ``parts`` stand in sending order, ``notes`` are whole sentences."""
+
+    code: str
+    family: str
+    words: Mapping[str, str]
+    numbers: Mapping[str, int | None]
+    parts: tuple[Part, ...]
+    timeout: str
+    cables: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def known(self) -> Mapping[str, int]:
+        """The numbers that are known."""
+        return {name: value for name, value in self.numbers.items() if value is not None}
+
+
+def record(device: Device, variant: Variant, as_delivered: bool = True) -> Record:
+    """The record of one order code.
+
+    Args:
+        device: The family.
+        variant: The order code, with the parameters that registers hold.
+        as_delivered: Whether those are the defaults of the registers.
+
+    Raises:
+        NoRecord: It has no BiSS or SSI interface, or its frame is not of the common form: padding, position, padding, status, CRC.
+    """
+    if variant.interface not in WORDS["interface"]:
+        raise NoRecord(f"{variant.code} has the interface {device.interface(variant.interface).title}; only SSI and BiSS C-mode have masters to set up")
+    interface = device.interface(variant.interface)
+    measurement = device.measurement_of(variant.interface)
+    if measurement is None:
+        raise NoRecord(f"the spec of {device.name} does not say what its position is")
+    placed = _frame(interface, measurement, variant)
+    parts = tuple(_parts(placed, measurement, variant))
+    crc = _crc(device, placed)
+    actives = {part.active or "low" for part in parts if part.role == "status"}
+    words = {
+        "interface": variant.interface,
+        "movement": device.movement,
+        "coding": _coding(placed, measurement),
+        "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
+    }
+    numbers = _widths(parts) | _crc_numbers(crc) | _times(interface) | _measured(measurement, variant)
+    cables = tuple(f"shorter than {item.shorter_than_m} m: below {hertz(item.below_hz)}" for item in interface.cable_lengths)
+    timeout = timeout_words(interface.timeout) if interface.timeout is not None else ""
+    return Record(variant.code, device.name, words, {name: numbers[name] for name in NUMBERS}, parts, timeout, cables, tuple(_notes(device, placed, parts, bool(cables), as_delivered)))
+
+
+def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
+    """The frame that carries the position; of several BiSS channels the first."""
+    layouts = sorted(interface.layouts, key=lambda item: item.channel or 0)
+    for layout in layouts:
+        placed = layout.place(variant.parameters)
+        if layout.carried_as == "bits" and placed.place_of(measurement.of)[1]:
+            return placed
+    raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
+
+
+def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+    """The fields in sending order, checked to be padding, position, padding, status bits, CRC."""
+    layout = placed.layout
+    join = next((item for item in layout.joins if item.name == measurement.of), None)
+    of_position = join.fields if join is not None else (measurement.of,)
+    order = ["before", "position", "after", "status", "crc"]
+    stage, top = 0, placed.bits
+    for item in placed.fields:
+        if item.high + 1 != top:
+            raise NoRecord(f"the bits of '{layout.name}' above '{item.name}' have no meaning in the spec")
+        top = item.low
+        kind = _stage(item, of_position, order[stage])
+        if kind not in order[stage:]:
+            raise NoRecord(f"'{item.name}' stands where no master expects it; the common frame is padding, position, padding, status bits, CRC")
+        stage = order.index(kind)
+        if kind == "position":
+            yield from _position(item, item.name == of_position[-1], len(of_position) > 1, measurement, variant)
+        else:
+            yield Part(item.name, {"before": "padding", "after": "padding"}.get(kind, kind), item.width, _active(item.field))
+    if top:
+        raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
+
+
+def _stage(item: PlacedField, of_position: Sequence[str], stage: str) -> str:
+    """The stretch of the common frame that a field belongs to; ``stage`` is where its predecessor stood."""
+    if item.name in of_position:
+        return "position"
+    if item.field.kind == "crc":
+        return "crc"
+    if item.field.kind == "constant" and item.field.constant == 0:
+        return "before" if stage == "before" else "after"
+    if item.width == 1 and item.field.kind in ("flag", "constant"):
+        return "status"
+    raise NoRecord(f"'{item.name}' is no position, status bit or CRC; the rules of the masters speak of nothing else")
+
+
+def _position(item: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+    """Turns and the position within one: two fields, or one that holds both."""
+    if is_joined:
+        yield Part(item.name, "singleturn" if is_last else "multiturn", item.width)
+        return
+    turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
+    turn_bits = (turns - 1).bit_length()
+    if turn_bits:
+        yield Part(f"{item.name}_turns", "multiturn", turn_bits)
+    yield Part(item.name, "singleturn", item.width - turn_bits)
+
+
+def _active(field: Field) -> str:
+    return ("low" if field.active_low else "high") if field.kind == "flag" else ""
+
+
+def _crc(device: Device, placed: PlacedLayout) -> Crc | None:
+    field = next((item for item in placed.fields if item.field.kind == "crc"), None)
+    if field is None:
+        return None
+    crc = device.crc(field.field.crc)
+    if crc.refin or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
+        raise NoRecord(f"the CRC '{crc.name}' is not sent most significant bit first, straight or inverted as a whole")
+    return crc
+
+
+def _coding(placed: PlacedLayout, measurement: Measurement) -> str:
+    layout: Layout = placed.layout
+    is_gray = bool(layout.gray_of) and (placed.gray or not layout.gray_when)
+    if is_gray and layout.gray_of != measurement.of:
+        raise NoRecord(f"only '{layout.gray_of}' is in Gray code, not the whole position")
+    return "gray" if is_gray else "binary"
+
+
+def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
+    bits = {role: sum(part.bits for part in parts if part.role == role) for role in ("multiturn", "singleturn", "padding", "status", "crc")}
+    first = next(index for index, part in enumerate(parts) if part.role in ("multiturn", "singleturn"))
+    left = sum(part.bits for part in parts[:first])
+    position = bits["multiturn"] + bits["singleturn"]
+    data = position + bits["padding"]
+    return {
+        "multiturn_bits": bits["multiturn"],
+        "singleturn_bits": bits["singleturn"],
+        "position_bits": position,
+        "padding_left": left,
+        "padding_right": bits["padding"] - left,
+        "data_bits": data,
+        "status_bits": bits["status"],
+        "data_and_status_bits": data + bits["status"],
+        "crc_bits": bits["crc"],
+        "frame_bits": data + bits["status"] + bits["crc"],
+    }
+
+
+def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
+    """The three spellings; x^6 + x + 1 is 0x43, 0x03 and 0x21."""
+    return {
+        "crc_polynomial": crc.poly_with_top_bit if crc is not None else 0,
+        "crc_polynomial_without_top_bit": crc.poly if crc is not None else 0,
+        "crc_polynomial_without_last_1": crc.poly_with_top_bit >> 1 if crc is not None else 0,
+        "crc_start": crc.init if crc is not None else 0,
+        "crc_inverted": int(crc is not None and crc.xorout != 0),
+    }
+
+
+def _times(interface: Interface) -> dict[str, int | None]:
+    """Clock and times. A time-out of so many clock periods is longest at the slowest clock."""
+    timeout = interface.timeout
+    longest = None
+    if timeout is not None and timeout.at_most_ns is not None:
+        longest = -(-timeout.at_most_ns // 1000)
+    elif timeout is not None and timeout.half_clock_periods is not None and interface.clock_min_hz is not None:
+        longest = -(-timeout.half_clock_periods * 500_000 // interface.clock_min_hz)
+    pause = next((item.at_least_us for item in interface.timings if item.name == "pause"), None)
+    return {
+        "clock_min_hz": interface.clock_min_hz,
+        "clock_max_hz": interface.clock_max_hz,
+        "timeout_us": longest,
+        "busy_us": next((item.at_most_us for item in interface.timings if item.name == "busy"), None),
+        "pause_us": pause,
+    }
+
+
+def _measured(measurement: Measurement, variant: Variant) -> dict[str, int | None]:
+    found = {"counts_per_turn": measurement.steps_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
+    return {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
+
+
+def _notes(device: Device, placed: PlacedLayout, parts: Sequence[Part], has_cables: bool, as_delivered: bool) -> Iterator[str]:
+    for what, names in (("widths", set(placed.layout.bits.parameters)), ("code", {placed.layout.gray_when} - {""})):
+        needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
+        held = dict.fromkeys(_register(device.register(item.register)) for item in device.run_time_parameters if item.name in needed)
+        if held:
+            given = "as delivered; other contents need other settings" if as_delivered else "as given"
+            yield f"Registers decide on the {what}: {', '.join(held)}. What is said here is for these registers {given}."
+    if has_cables:
+        yield "The clocks shown are the fastest that encoder and master take; the cable may need a slower one."
+    fixed = [part.name for part in parts if part.role == "status" and not part.active]
+    if fixed:
+        yield f"{' and '.join(fixed)}: always 1, a bit that a master takes for a status bit that says nothing."
+
+
+def _register(register: Register) -> str:
+    name = register.printed_name or register.name
+    span = f"{register.address:02X}h" + (f" to {register.last_address:02X}h" if register.length > 1 else "")
+    return f"{name} ({span})"

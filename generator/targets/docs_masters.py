@@ -1,0 +1,131 @@
+"""A page for each device: what BiSS and SSI masters have to be told about its order codes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..markdown import code, text
+from ..masters import Master, Setting, Sheet, sheet
+from ..masters_record import NoRecord, Record, record
+from ..masters_text import bound, facts, legend, mark
+from ..model import Device, Interface
+
+Row = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Order codes that are the same to every master."""
+
+    codes: tuple[str, ...]
+    record: Record
+
+    @property
+    def label(self) -> str:
+        return ", ".join(map(code, self.codes))
+
+
+def has_masters(device: Device) -> bool:
+    return any(_groups(device, item) for item in device.interfaces)
+
+
+def page_values(device: Device, masters: Sequence[Master]) -> dict[str, Any]:
+    """What the template of the page is filled with."""
+    parts = [(item, groups) for item in device.interfaces if (groups := _groups(device, item))]
+    sheets = [sheet(master, group.record) for _, groups in parts for group in groups for master in masters]
+    return {"device": device, "legend": text(legend(masters, sheets)), "interfaces": [_interface(item, groups, masters) for item, groups in parts]}
+
+
+def _groups(device: Device, interface: Interface) -> list[Group]:
+    found: dict[Any, list[str]] = {}
+    records: dict[Any, Record] = {}
+    for variant in device.variants:
+        if variant.interface == interface.kind:
+            try:
+                item = record(device, variant)
+            except NoRecord:
+                continue
+            key = repr(replace(item, code=""))
+            found.setdefault(key, []).append(variant.code)
+            records.setdefault(key, item)
+    return [Group(tuple(codes), records[key]) for key, codes in found.items()]
+
+
+def _interface(interface: Interface, groups: Sequence[Group], masters: Sequence[Master]) -> dict[str, Any]:
+    same, head, rows = _split([(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups])
+    return {
+        "title": interface.title,
+        "anchor": interface.kind,
+        "facts": [(text(name), value) for name, value in same],
+        "head": ["Order codes", *map(text, head)],
+        "rows": rows,
+        "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
+        "masters": [_master(master, groups) for master in masters if interface.kind in master.takes],
+        "silent": [text(master.title) for master in masters if interface.kind not in master.takes],
+    }
+
+
+def _split(columns: Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]) -> tuple[list[Row], list[str], list[list[str]]]:
+    """Rows that are the same for every group, and a table of the others: its heads, and a row for all groups with the same values.
+
+    Each column is a group with its rows by key; the first cell of a row names it, the second is its value.
+    """
+    keys = list(dict.fromkeys(key for _, rows in columns for key, _ in rows))
+    by_key = [(group, dict(rows)) for group, rows in columns]
+    same, other = [], []
+    for key in keys:
+        found = {rows.get(key) for _, rows in by_key}
+        only = found.pop()
+        if found or only is None:
+            other.append(key)
+        else:
+            same.append(only)
+    names = {key: next(rows[key][0] for _, rows in by_key if key in rows) for key in other}
+    table: dict[Row, list[str]] = {}
+    for group, rows in by_key:
+        table.setdefault(tuple(rows[key][1] if key in rows else "–" for key in other), []).append(group.label)
+    return same, [names[key] for key in other], [[", ".join(labels), *cells] for cells, labels in table.items()] if other else []
+
+
+def _master(master: Master, groups: Sequence[Group]) -> dict[str, Any]:
+    sheets = [(group, sheet(master, group.record)) for group in groups]
+    taken = [(group, item) for group, item in sheets if not item.refusals]
+    same, head, rows = _split([(group, [((item.name, item.at), _row(item)) for item in found.settings]) for group, found in taken])
+    return {
+        "name": master.name,
+        "title": text(master.title),
+        "settings": same,
+        "head": ["Order codes", *head],
+        "rows": rows,
+        "row_notes": _row_notes(taken, {row[0] for row in same}),
+        "refused": list(_refused(sheets)),
+        "notes": list(dict.fromkeys(text(note) for _, item in taken for note in item.notes)),
+        "documents": [(code(item.key), text(item.title), f"<{item.url}>" if item.url else "") for item in master.documents],
+    }
+
+
+def _row(item: Setting) -> Row:
+    """Name with place, value, note, source."""
+    name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
+    value = bound(item) + code(item.text) + text(mark(item)) if item.value is not None else text(item.text)
+    return name, value, text(item.note), text(item.source)
+
+
+def _row_notes(taken: Sequence[tuple[Group, Sheet]], same: set[str]) -> list[str]:
+    """The notes and sources of settings that differ between order codes."""
+    rows = [row for _, found in taken for item in found.settings if (row := _row(item))[0] not in same]
+    notes = dict.fromkeys(f"{name}: {note}" for name, _, note, _ in rows if note)
+    sources = dict.fromkeys(f"{name} \\[{source}\\]" for name, _, _, source in rows)
+    return [*notes, f"Sources: {', '.join(sources)}"]
+
+
+def _refused(sheets: Sequence[tuple[Group, Sheet]]) -> Iterator[str]:
+    found: dict[str, list[str]] = {}
+    for group, item in sheets:
+        if item.refusals:
+            reasons = " ".join(f"{text(reason.reason)}{text(mark(reason))} \\[{text(reason.source)}\\]" for reason in item.refusals)
+            found.setdefault(reasons, []).append(group.label)
+    for reasons, labels in found.items():
+        yield f"{', '.join(labels)}: {reasons}"

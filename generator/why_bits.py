@@ -1,0 +1,272 @@
+"""The usual mistakes with a frame that is one number: BiSS, or whatever else is sent as bits with a CRC at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, product
+
+from .biss_identity import status_fields
+from .codec import binary_to_gray, gray_to_binary
+from .crc import reflect
+from .model import Crc, Device, PlacedLayout, Variant
+from .relevant import run_time_widths
+from .run_time import resolve_parameters
+from .why_tries import Try, fixed_bits, usual
+
+#: Polynomials with their top bit that BiSS masters offer: Microchip dsPIC33A by length, and 0x97 that Beckhoff names besides 0x43.
+POLYNOMIALS = (0x190D9, 0x12F, 0x89, 0x97, 0x43, 0x25, 0x13, 0xB)
+#: A frame of another order code, cut off, is recognised by what is left of its CRC: all but so many bits.
+_CUT = 2
+#: So many states of the registers are looked at, far more than an encoder of today has.
+_STATES = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class BitText:
+    """A frame as typed: ``bits`` long, or, where the text does not say how many zeros are in front, at least so long."""
+
+    number: int
+    bits: int
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Slip:
+    """A text that does not begin and end where the frame does.
+
+    ``front`` are bits before it (``?`` is any), ``missing`` the first bits of the frame, which are not there, ``lost`` how many of its last bits are
+    not there, and ``behind`` how many bits follow it.
+    """
+
+    kind: str
+    text: str
+    front: str = ""
+    missing: str = ""
+    lost: int = 0
+    behind: int = 0
+
+    @property
+    def longer(self) -> int:
+        return len(self.front) - len(self.missing) - self.lost + self.behind
+
+
+SLIPS = (
+    Slip("first_bit_missing", "read one bit late: the first bit, a 0, is missing, and one bit more follows", missing="0", behind=1),
+    Slip("first_bit_missing", "read one bit late: the first bit, a 1, is missing, and one bit more follows", missing="1", behind=1),
+    Slip("bits_in_front", "read one bit early: a bit such as CDS is in front, and the last one is missing", front="?", lost=1),
+    Slip("bits_in_front", "read two bits early: start and CDS bit are in front, and the last two are missing", front="1?", lost=2),
+    Slip("bits_in_front", "a bit too many in front, such as CDS", front="?"),
+    Slip("bits_behind", "a bit too many at the end, such as the stop bit", behind=1),
+    Slip("bits_in_front", "two bits too many in front: start and CDS bit", front="1?"),
+    Slip("bits_in_front", "a bit too many in front, such as CDS, and one at the end, such as the stop bit", front="?", behind=1),
+    Slip("bits_behind", "two bits too many at the end", behind=2),
+    Slip("first_bit_missing", "the first bit, a 0, is missing", missing="0"),
+    Slip("first_bit_missing", "the first bit, a 1, is missing", missing="1"),
+    Slip("last_bits_missing", "the last bit is missing", lost=1),
+    Slip("last_bits_missing", "the last two bits are missing", lost=2),
+)
+
+
+def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Every single mistake that could have made ``text`` of a sound frame; the frame by ``placed`` is what was expected.
+
+    A number without its zeros in front may have any length from its first 1 on. Where it could have the right one, the others are tried
+    only as far as they lead to another frame.
+    """
+    expected = placed.bits
+    lengths = {text.bits} if text.exact or text.bits > expected else {expected, expected - 1}
+    lengths = {length for length in lengths if length >= text.bits}
+    if expected in lengths:
+        yield from _computed_otherwise(placed, crc, text.number)
+        yield from _whole(placed, crc, text.number)
+    for length in sorted(lengths, reverse=True):
+        yield from (_slipped(placed, crc, slip, text.number, length) for slip in SLIPS if slip.longer == length - expected)
+    yield from _without_status(placed, crc, text)
+    yield from _other_polynomials(placed, crc, text)
+    yield from _bytes_reversed(placed, crc, text)
+    yield from _other_codes(device, variant, placed, crc, text)
+
+
+def read_as(kind: str, words: str, placed: PlacedLayout, crc: Crc, number: int, lost: int = 0, demanded: int = 0, holds: bool = True, codes: Sequence[str] = ()) -> Try:
+    """The try that the frame was ``number``, of which the last ``lost`` bits have not been received."""
+    fixed, right = fixed_bits(placed, number)
+    received = (number & crc.mask) >> lost
+    return Try(
+        kind, words, crc, number >> crc.width, placed.bits - crc.width, received, crc.width - lost,
+        demanded=demanded + fixed, holds=holds and right, usual=usual(placed, number), number=number, placed=placed, codes=tuple(codes),
+    )
+
+
+def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: int) -> Try:
+    there = length - len(slip.front) - slip.behind
+    body = number >> slip.behind
+    starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
+    holds = all(body >> (there + len(slip.front) - 1 - bit) & 1 for bit in starts)
+    frame = (int(slip.missing or "0", 2) << there | body & ((1 << there) - 1)) << slip.lost
+    return read_as(slip.kind, slip.text, placed, crc, frame, slip.lost, len(starts), holds)
+
+
+def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
+    """The frame is as it was sent; the CRC is another one."""
+    data, bits, received = number >> crc.width, placed.bits - crc.width, number & crc.mask
+    fixed, right = fixed_bits(placed, number)
+    same = Try("", "", crc, data, bits, received, crc.width, fixed=fixed if right else 0, usual=usual(placed, number))
+    turned = "is not inverted" if crc.xorout else "is inverted"
+    yield replace(same, kind="crc_not_inverted", text=f"the CRC {turned}", crc=replace(crc, xorout=crc.xorout ^ crc.mask))
+    status = _status_mask(placed)
+    if status:
+        kept, width = _without(data, bits, status >> crc.width)
+        yield replace(same, kind="status_left_out", text="the CRC is over the bits before error and warning", data=kept, bits=width)
+        yield replace(same, kind="status_turned", text="error and warning have been turned round, into active high",
+                      data=(number ^ status) >> crc.width, usual=usual(placed, number ^ status))
+    low, width = _position(placed)
+    if width:
+        position = number >> low & ((1 << width) - 1)
+        rest = number ^ position << low
+        binary, gray = rest | gray_to_binary(position) << low, rest | binary_to_gray(position) << low
+        yield replace(same, kind="other_code", text="the CRC is over the position in binary; here it is in Gray code", data=binary >> crc.width)
+        yield replace(same, kind="other_code", text="the CRC is over the position in Gray code; here it is in binary already", data=gray >> crc.width)
+    for front, words in ((0b1, "the start bit, or a CDS bit that is 1,"), (0b10, "start bit and CDS bit 0"), (0b11, "start bit and CDS bit 1")):
+        yield replace(same, kind="start_bits_in_crc", text=f"the CRC is over {words} too", data=front << bits | data, bits=bits + front.bit_length())
+    for start in sorted({0, crc.mask} - {crc.init}):
+        yield replace(same, kind="start_value", text=f"the CRC starts with {start:#x}", crc=replace(crc, init=start))
+    backwards = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
+    yield replace(same, kind="polynomial_reversed", text=f"the polynomial is {backwards | 1 << crc.width:#x}, read from the other end", crc=replace(crc, poly=backwards))
+    yield replace(same, kind="crc_reversed", text="the bits of the CRC are in reversed order", received=reflect(received, crc.width))
+
+
+def _whole(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
+    every = (1 << placed.bits) - 1
+    yield read_as("all_inverted", "every bit is inverted, as with the two wires of the data line swapped", placed, crc, number ^ every)
+    yield read_as("bits_reversed", "all bits are in reversed order", placed, crc, reflect(number, placed.bits))
+
+
+def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    size = (placed.bits + 7) // 8
+    if text.number >> 8 * size or (text.exact and text.bits not in (placed.bits, 8 * size)) or (text.exact and text.bits % 8):
+        return
+    swapped = int.from_bytes(text.number.to_bytes(size, "little"), "big")
+    unused = 8 * size - placed.bits
+    yield read_as("bytes_reversed", "the bytes are in reversed order", placed, crc, swapped & ((1 << placed.bits) - 1), demanded=unused, holds=not swapped >> placed.bits)
+
+
+def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Error and warning are not among the bits at all: taken out after the CRC was made, or before."""
+    status = _status_mask(placed)
+    short = placed.bits - status.bit_count()
+    if not status or status >> crc.width != (1 << status.bit_count()) - 1 or not (text.bits == short if text.exact else text.bits <= short):
+        return
+    data, received = text.number >> crc.width, text.number & crc.mask
+    idle = sum(item.mask << item.low for item in placed.fields if status >> item.low & 1 and (item.field.active_low or item.field.constant))
+    frame = data << (crc.width + status.bit_count()) | idle | received
+    bits = short - crc.width
+    words = "error and warning have been taken out of the frame"
+    yield read_as("status_not_sent", f"{words}; the CRC is over them, with none active", placed, crc, frame)
+    if text.exact:  # else it asks the same as a CRC over the bits before them
+        yield Try("status_not_sent", f"{words}; the CRC is over the rest", crc, data, bits, received, crc.width, usual=usual(placed, frame), number=frame, placed=placed)
+
+
+def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Data of the right length before a CRC of another length: whole, cut off by a reader that expects fewer bits, or followed by zeros.
+
+    The stop bit is 0, and with one slave what follows it is 0 too: SLI, which the master holds at 0.
+    """
+    before = placed.bits - crc.width
+    for polynomial in POLYNOMIALS:
+        width = polynomial.bit_length() - 1
+        if polynomial == crc.poly_with_top_bit:
+            continue
+        other = replace(crc, width=width, poly=polynomial & ((1 << width) - 1), init=(1 << width) - 1 if crc.init else 0,
+                        xorout=(1 << width) - 1 if crc.xorout else 0)
+        for length in dict.fromkeys((before + width, placed.bits)):
+            if length != text.bits if text.exact else length < text.bits:
+                continue
+            behind = text.number & ((1 << (length - before)) - 1)
+            data = text.number >> (length - before)
+            spare = length - before - width
+            known = min(width, length - before)
+            fixed, right = fixed_bits(placed, data << crc.width)
+            own_place = length == placed.bits
+            cut = "" if spare == 0 else ", followed by zeros" if spare > 0 else f", of which the first {known} bits are here"
+            yield Try(
+                "other_polynomial", f"the polynomial is {polynomial:#x}: a CRC of {width} bits{cut}", other, data, before, behind >> max(spare, 0), known,
+                demanded=max(spare, 0) + (0 if own_place else fixed),
+                holds=(own_place or right) and not (spare > 0 and behind & ((1 << spare) - 1)),
+                fixed=max(spare, 0) + (fixed if right else 0), usual=usual(placed, data << crc.width),
+            )
+
+
+def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """The frame of another order code, or of this one with other widths in its registers: whole, read too long, or cut off."""
+    shapes = _shapes(device, variant, placed)
+    whole = [(other, codes) for other, codes in shapes if (other.bits == text.bits if text.exact else placed.bits < text.bits <= other.bits)]
+    if whole:
+        # Where the text may have any number of zeros in front, the CRC cannot tell these lengths apart.
+        other, codes = whole[0][0], tuple(code for _, some in whole for code in some)
+        longer = " or more" if len(whole) > 1 else ""
+        yield read_as(_kind(codes), f"{other.bits} bits{longer}, {_sender(variant, codes)}", other, crc, text.number, codes=codes)
+    for other, codes in shapes:
+        who = f"{other.bits} bits, {_sender(variant, codes)}"
+        more = placed.bits - other.bits
+        if more > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
+            # One bit more is the stop bit, or what came instead; further ones are 0, as the master holds SLI at 0.
+            zeros = more if more > 1 else 0
+            ends = text.number & ((1 << zeros) - 1)
+            yield read_as(_kind(codes), f"{who}, read {_bits(more)} too long", other, crc, text.number >> more, demanded=zeros, holds=not ends, codes=codes)
+        elif -_CUT <= more < 0 and text.bits == placed.bits:
+            yield read_as(_kind(codes), f"{who}, read {_bits(-more)} too short", other, crc, text.number << -more, -more, codes=codes)
+
+
+def _kind(codes: Sequence[str]) -> str:
+    return "other_order_code" if codes else "other_widths"
+
+
+def _bits(number: int) -> str:
+    return f"{number} bit{'s' if number > 1 else ''}"
+
+
+def _sender(variant: Variant, codes: Sequence[str]) -> str:
+    if not codes:
+        return f"the frame of {variant.code} with other widths in its registers"
+    return f"the frame of {codes[0]}" + (f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else "")
+
+
+def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> list[tuple[PlacedLayout, tuple[str, ...]]]:
+    """The layout with every other length that it can have; with the order codes that have it, none where registers say so."""
+    found: dict[int, tuple[PlacedLayout, list[str]]] = {}
+    for other in device.variants:
+        if other.interface == variant.interface:
+            made = placed.layout.place(other.parameters)
+            found.setdefault(made.bits, (made, []))[1].append(other.code)
+    held = run_time_widths(device, placed.layout)
+    items = [item for item in device.run_time_parameters if item.read_from in held]
+    if items:
+        definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+        given = {item.name: variant.parameters[item.name] for item in device.set_parameters}
+        for values in islice(product(*(range(item.min or 0, (item.max or 0) + 1) for item in items)), _STATES):
+            changed: Mapping[str, int] = {**given, **dict(zip((item.name for item in items), values))}
+            parameters = resolve_parameters(changed, definitions)
+            if placed.layout.bits.value(parameters) not in found:
+                made = placed.layout.place(parameters)
+                found[made.bits] = (made, [])
+    found.pop(placed.bits, None)
+    return [(made, tuple(codes)) for _, (made, codes) in sorted(found.items())]
+
+
+def _status_mask(placed: PlacedLayout) -> int:
+    names = [item.name for item in status_fields(placed.layout)]
+    return sum(item.mask << item.low for item in placed.fields if item.name in names)
+
+
+def _without(data: int, bits: int, mask: int) -> tuple[int, int]:
+    """``data`` without the bits of ``mask``, closed up, and how many bits that is."""
+    kept = [data >> bit & 1 for bit in range(bits - 1, -1, -1) if not mask >> bit & 1]
+    return int("".join(map(str, kept)) or "0", 2), len(kept)
+
+
+def _position(placed: PlacedLayout) -> tuple[int, int]:
+    """Low bit and width of what a master would turn from Gray code into binary."""
+    named = placed.layout.gray_of or next((join.name for join in placed.layout.joins), "")
+    numbers = [item for item in placed.fields if item.field.kind == "number"]
+    return placed.place_of(named or (max(numbers, key=lambda item: item.width).name if numbers else ""))

@@ -1,0 +1,57 @@
+"""docs/example/decode_from_xml.py: twenty lines, an XML parser, and the description of a device are enough to decode its frames."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = ROOT / "docs" / "example" / "decode_from_xml.py"
+
+
+def run(device: str, code: str, layout: str, frame: str, script: Path = SCRIPT) -> dict[str, int]:
+    xml = ROOT / "generated" / "biss" / f"lika-{device}.xml"
+    done = subprocess.run([sys.executable, str(script), str(xml), code, layout, frame], capture_output=True, text=True, check=True)
+    return {name: int(value) for name, value in map(str.split, done.stdout.splitlines())}
+
+
+def test_it_is_short_and_needs_nothing_but_lxml() -> None:
+    text = SCRIPT.read_text(encoding="utf-8")
+    assert len([line for line in text.splitlines() if line.strip()]) <= 20
+    names = [item.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for item in node.names]
+    modules = [node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
+    assert (names, modules) == (["re", "sys"], ["lxml"])
+
+
+@pytest.mark.parametrize(
+    ("device", "code", "layout", "frame", "expected"),
+    [
+        # TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
+        ("amm5", "AMM5A23/65KJP1", "singleturn_reply", "02 20 C7 D1 6A 5E", {"data_id": 0, "singleturn": 7_000_519, "status_other_error": 1, "crc": 0x5E}),
+        # 16 bits of multiturn, 21 of singleturn, two status bits, CRC: 3, 1,000,003, none active.
+        ("amm5", "AMM5A21/65KSC1", "single_cycle_data", f"0b{3:016b}{1_000_003:021b}11{0:06b}", {"multiturn": 3, "singleturn": 1_000_003, "error": 1, "warning": 1, "crc": 0}),
+        ("amm5", "AMM5A17/1SC1", "single_cycle_data", f"0b{70_000:017b}10{5:06b}", {"singleturn": 70_000, "error": 1, "warning": 0, "crc": 5}),
+        # 6.2: four zeros above 20 bits at 50 um.
+        ("sma21", "SMA21-SC4-0050", "single_cycle_data", f"0b0000{524_289:020b}01{63:06b}", {"padding": 0, "position": 524_289, "error": 0, "warning": 1, "crc": 63}),
+        # 20 and 16 bits as delivered, both status bits always 1.
+        ("am36", "AM3616/4096-I7", "single_cycle_data", f"0b{9:016b}{1_048_575:020b}11{1:06b}", {"multiturn": 9, "singleturn": 1_048_575, "error": 1, "warning": 1, "crc": 1}),
+        # 25 bits and a zero.
+        ("asc85", "ASC8525/SC2", "single_cycle_data", f"0b{33_554_431:025b}011{2:06b}", {"position": 33_554_431, "zero": 0, "error": 1, "warning": 1, "crc": 2}),
+    ],
+)
+def test_frames_of_every_family(device: str, code: str, layout: str, frame: str, expected: dict[str, int]) -> None:
+    found = run(device, code, layout, frame)
+    assert {name: found.get(name, 0) for name in expected} == expected
+
+
+def test_the_line_in_its_docstring_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    found = re.search(r"decode_from_xml\.py (.*)", ast.get_docstring(ast.parse(SCRIPT.read_text(encoding="utf-8"))) or "")
+    assert found is not None
+    done = subprocess.run([sys.executable, str(SCRIPT), *found[1].split()], capture_output=True, text=True, check=True)
+    assert "singleturn 1000003" in done.stdout

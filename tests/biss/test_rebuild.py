@@ -1,0 +1,176 @@
+"""The full description is lossless: the resolved model, built anew from the XML and nothing else, is the model that it was made from."""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+
+from codewheel import model
+from codewheel.description import from_xml, to_xml
+from codewheel.expressions import Expression
+from codewheel.model import Device
+from codewheel.order_codes import find
+from codewheel.output import device_dump
+from codewheel.run_time import with_registers
+
+#: What says how code computes something, and follows from the rest: the XML does not carry it.
+COMPUTED = {"Field": {"pieces", "widest"}, "Layout": {"fold", "widest"}, "Crc": {"form"}}
+RENAMED = {
+    "Layout": {"sender": "from", "selector": "told_by", "selects": "told_by_values", "gaps": "other_bits", "joins": "join"},
+    "Example": {"sender": "from"},
+    "Device": {"name": "family", "variants": "order_codes", "order_code": "order_code_grammar", "parameters": "parameter_definitions"},
+}
+Item = dict[str, Any]
+
+
+def build(hint: Any, value: Any) -> Any:
+    """``value`` as the type ``hint`` says."""
+    origin, inside = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        options = [item for item in inside if item is not type(None)]
+        if value is None:
+            return None
+        if Expression in options:
+            return Expression.parse(value) if isinstance(value, str) or len(options) == 1 else value
+        return build(options[0], value) if len(options) == 1 else value
+    if origin is tuple:
+        return tuple(build(inside[0], item) for item in value)
+    if origin is not None and issubclass(origin, Mapping):
+        return {key: build(inside[1], item) for key, item in value.items()}
+    if hint is Expression:
+        return Expression.parse(value)
+    if hint is bytes:
+        return bytes.fromhex(value)
+    return build_class(hint, value) if dataclasses.is_dataclass(hint) else value
+
+
+def build_class(kind: Any, item: Item) -> Any:
+    """An object of the model from its part of the description."""
+    name = kind.__name__
+    item = ADAPT.get(name, lambda given: given)(item)
+    hints = typing.get_type_hints(kind, vars(model) | vars(model.facts) | vars(model.layout) | vars(model.device))
+    made = {}
+    for field in dataclasses.fields(kind):
+        outside = RENAMED.get(name, {}).get(field.name, field.name)
+        if field.name in COMPUTED.get(name, set()):
+            made[field.name] = {"pieces": (), "fold": (), "widest": 0, "form": ""}[field.name]
+        elif field.name.endswith("source"):
+            made[field.name] = ()
+        else:
+            # A member that is called like its type hides it.
+            made[field.name] = build(bytes if field.type == "bytes" else hints[field.name], item[outside])
+    return kind(**made)
+
+
+def _field(item: Item) -> Item:
+    equals = item["equals_text"] or item["equals"]
+    # A text of the spec that is no expression is a text; the model keeps it as it is.
+    text = types.SimpleNamespace(value=item["equals_text"]) if item["equals_text"] else None
+    return {**item, "active_low": item["active"] == "low", "constant": item["constant"] or 0, "equals": text if text is not None else equals}
+
+
+def _interface(item: Item) -> Item:
+    clock = item["clock"] or {"min_hz": None, "max_hz": None}
+    return {**item, "clock_min_hz": clock["min_hz"], "clock_max_hz": clock["max_hz"]}
+
+
+def _register(item: Item) -> Item:
+    opened = item["opened_by"] or {"register": "", "field": "", "value": ""}
+    layout = {
+        "name": item["name"], "printed_name": item["printed_name"], "from": "", "carried_as": "bytes", "byte_order": item["byte_order"], "bits": 8 * item["length"],
+        "fields": item["fields"], "join": item["join"], "told_by": "", "told_by_values": [], "other_bits": item["other_bits"], "note": item["note"], "gray_of": "",
+        "gray_when": "", "channel": None,
+    }
+    return {**item, "opened_by": opened["register"], "opened_by_field": opened["field"], "opened_by_value": opened["value"], "layout": layout}
+
+
+def _device(item: Item) -> Item:
+    """Layouts and times stand in lists of their own; each names its interface."""
+    interfaces = [
+        {
+            **part,
+            "layouts": [layout for layout in item["layouts"] if layout["interface"] == kind],
+            "timings": [timing for timing in item["timings"] if timing["interface"] == kind],
+        }
+        for kind, part in item["interfaces"].items()
+    ]
+    return {**item, "interfaces": interfaces, "timings": [timing for timing in item["timings"] if timing["interface"] == ""]}
+
+
+def _table(item: Item) -> Item:
+    return {**item, "rows": [row["cells"] for row in item["rows"]]}
+
+
+ADAPT: dict[str, Any] = {"Field": _field, "Interface": _interface, "Register": _register, "Device": _device, "Table": _table}
+
+
+def comparable(value: Any) -> Any:
+    """A part of the model without its sources and without what follows from the rest; what is read from a text and what was is one."""
+    if isinstance(value, types.SimpleNamespace):
+        return value.value
+    if isinstance(value, Expression):
+        return value.constant if value.is_constant else value.render()
+    if isinstance(value, tuple):
+        return [comparable(item) for item in value]
+    if isinstance(value, Mapping):
+        return {key: comparable(item) for key, item in value.items()}
+    if dataclasses.is_dataclass(value):
+        kind = type(value).__name__
+        left_out = COMPUTED.get(kind, set())
+        return {"": kind} | {
+            item.name: comparable(getattr(value, item.name)) for item in dataclasses.fields(value) if item.name not in left_out and not item.name.endswith("source")
+        }
+    return value
+
+
+def differences(ours: Any, other: Any, path: str = "") -> list[str]:
+    if isinstance(ours, dict) and isinstance(other, dict):
+        return [item for key in ours.keys() | other.keys() for item in differences(ours.get(key), other.get(key), f"{path}.{key}")]
+    if isinstance(ours, list) and isinstance(other, list) and len(ours) == len(other):
+        return [item for index, pair in enumerate(zip(ours, other)) for item in differences(*pair, f"{path}[{index}]")]
+    return [] if ours == other else [f"{path}: {ours!r} is not {other!r}"]
+
+
+@pytest.fixture(scope="module")
+def rebuilt(devices: tuple[Device, ...]) -> dict[str, tuple[Device, Device]]:
+    return {device.name: (device, build_class(Device, from_xml(to_xml(device_dump(device)).encode()))) for device in devices}
+
+
+def test_the_model_comes_back(rebuilt: dict[str, tuple[Device, Device]]) -> None:
+    for device, again in rebuilt.values():
+        assert differences(comparable(device), comparable(again)) == []
+
+
+def test_positions_come_back_for_every_order_code(rebuilt: dict[str, tuple[Device, Device]]) -> None:
+    """The rebuilt model works: it finds order codes and places fields as the first one does, whatever the registers hold."""
+    for device, again in rebuilt.values():
+        for variant in device.variants:
+            match = find(again, variant.code)
+            assert match.variant.parameters == variant.parameters
+            for state, other in ((variant, match.variant), (with_registers(device, variant, {}), with_registers(again, match.variant, {}))):
+                for layout in device.interface(variant.interface).layouts:
+                    mine, its = layout.place(state.parameters), again.layout(layout.name).place(other.parameters)
+                    assert (mine.bits, mine.gray) == (its.bits, its.gray)
+                    assert [(item.name, item.low, item.width) for item in mine.fields] == [(item.name, item.low, item.width) for item in its.fields]
+
+
+def test_a_lost_fact_would_be_seen(devices: tuple[Device, ...]) -> None:
+    """The comparison is no formality: whatever single text or number of the description changes, the model differs."""
+    device = devices[0]
+    changed = 0
+    for path in (("registers", 0, "address"), ("crcs", 0, "init"), ("layouts", 0, "fields", 0, "low"), ("order_codes", 0, "parameters"), ("errata", 0, "used"),
+                 ("procedures", 0, "steps", 0, "meaning"), ("registers", 1, "access"), ("interfaces", "biss", "clock", "max_hz")):
+        data: Any = from_xml(to_xml(device_dump(device)).encode())
+        holder = data
+        for key in path[:-1]:
+            holder = holder[key]
+        old = holder[path[-1]]
+        holder[path[-1]] = old + 1 if isinstance(old, int) else {**old, "no_such": 1} if isinstance(old, dict) else old + "x"
+        assert len(differences(comparable(device), comparable(build_class(Device, data)))) >= 1, path
+        changed += 1
+    assert changed == 8

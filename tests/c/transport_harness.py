@@ -1,0 +1,285 @@
+"""An encoder made of Python, reached by the generated C through its own transport.
+
+A library is compiled over a header: one function with plain arguments for each that takes a transport. The encoder is 128 bytes of registers that
+keeps a record of every access, and that can fail at any of them.
+
+The record has a line for each call: ``r 44 4`` reads four bytes from 44h up, ``w 77 01`` writes, ``wait 30000`` waits, ``send C2`` sends.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from c_harness import WARNINGS, write
+from codewheel.model import Device
+from codewheel.targets.c_device import DeviceView
+from codewheel.targets.c_views import AccessView
+
+OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
+WRITE, WAIT, SEND, READ, POLL = range(1, 6)
+
+_READ = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t)
+_WRITE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t)
+_WAIT = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint32)
+_SEND = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint8)
+CALLBACKS = {"read_registers": _READ, "write_registers": _WRITE, "wait_us": _WAIT, "send_request": _SEND}
+
+
+class Transport(ctypes.Structure):
+    _fields_ = [("context", ctypes.c_void_p), *CALLBACKS.items(), ("poll_at_most", ctypes.c_uint32), ("poll_pause_us", ctypes.c_uint32)]
+
+
+class Failure(ctypes.Structure):
+    _fields_ = [("step", ctypes.c_size_t), ("kind", ctypes.c_int), ("call", ctypes.c_int), ("address", ctypes.c_uint16), ("error", ctypes.c_int32)]
+
+    def told(self) -> tuple[int, int, int, int, int]:
+        return self.step, self.kind, self.call, self.address, self.error
+
+
+#: What a failure holds before a call, to see whether it was touched.
+UNTOUCHED = (99, 0, 0, 0xFFFF, -99)
+
+
+@dataclass
+class Encoder:
+    """The encoder at the other end of the transport."""
+
+    memory: bytearray = field(default_factory=lambda: bytearray(range(128)))
+    record: list[str] = field(default_factory=list)
+    fail_at: int = -1
+    error: int = 0
+    missing: frozenset[str] = frozenset()
+    polls: tuple[int, int] = (0, 0)
+    #: Called before each read, with the address; it may change the memory.
+    before_read: Callable[[int], None] = lambda address: None
+
+    def transport(self) -> Transport:
+        made = {name: kind(getattr(self, name)) for name, kind in CALLBACKS.items() if name not in self.missing}
+        self._kept = made
+        return Transport(context=0x1234, poll_at_most=self.polls[0], poll_pause_us=self.polls[1], **made)
+
+    def _noted(self, context: int | None, text: str) -> int:
+        assert context == 0x1234
+        self.record.append(text)
+        return self.error if len(self.record) - 1 == self.fail_at else 0
+
+    def read_registers(self, context: int | None, address: int, data: Any, length: int) -> int:
+        self.before_read(address)
+        for index in range(length):
+            data[index] = self.memory[address + index]
+        return self._noted(context, f"r {address:02X} {length}")
+
+    def write_registers(self, context: int | None, address: int, data: Any, length: int) -> int:
+        given = bytes(data[:length])
+        self.memory[address : address + length] = given
+        return self._noted(context, f"w {address:02X} {given.hex(' ').upper()}")
+
+    def wait_us(self, context: int | None, microseconds: int) -> int:
+        return self._noted(context, f"wait {microseconds}")
+
+    def send_request(self, context: int | None, request: int) -> int:
+        return self._noted(context, f"send {request:02X}")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a call gave: its result, the bytes it filled, the failure, and what the encoder saw."""
+
+    result: int
+    data: bytes
+    failure: tuple[int, int, int, int, int]
+    record: list[str]
+
+
+@dataclass(frozen=True)
+class Machine:
+    """The compiled functions of a family."""
+
+    device: Device
+    library: ctypes.CDLL
+
+    def run(self, procedure: str, code: str, arguments: Sequence[int] = (), encoder: Encoder | None = None) -> Answer:
+        given = (ctypes.c_uint64 * max(1, len(arguments)))(*arguments)
+        return self._call(f"run_{procedure}", encoder or Encoder(), code.encode(), given)
+
+    def read(self, register: str, code: str, encoder: Encoder) -> Answer:
+        """The bytes are those that the struct encodes to again."""
+        return self._call(f"read_{register}", encoder, code.encode())
+
+    def write(self, register: str, code: str, data: bytes, encoder: Encoder) -> Answer:
+        """The struct is what the bytes decode to."""
+        return self._call(f"write_{register}", encoder, code.encode(), data)
+
+    def identity(self, encoder: Encoder) -> Answer:
+        return self._call("identity", encoder)
+
+    def state(self, code: str, encoder: Encoder) -> Answer:
+        """The bytes are the members of the variant, eight for each, low byte first."""
+        return self._call("state", encoder, code.encode())
+
+    def steps(self, steps: Sequence[tuple[int, int, int, int, int, int]], reads: int, encoder: Encoder) -> Answer:
+        """Carries out a list of (kind, address, mask, value, times, microseconds)."""
+        flat = [number for step in steps for number in step]
+        return self._call("steps", encoder, (ctypes.c_uint32 * len(flat))(*flat), ctypes.c_size_t(len(steps)), ctypes.c_size_t(reads))
+
+    def run_without_failure(self, procedure: str, code: str, encoder: Encoder) -> int:
+        transport = encoder.transport()
+        return int(getattr(self.library, f"run_{procedure}")(ctypes.byref(transport), code.encode(), None, (ctypes.c_uint8 * 64)(), None))
+
+    def _call(self, name: str, encoder: Encoder, *arguments: object) -> Answer:
+        transport, failure = encoder.transport(), Failure(*UNTOUCHED)
+        data = (ctypes.c_uint8 * 65)(*[0xAA] * 65)
+        result = getattr(self.library, name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
+        # The first byte tells how many were filled.
+        return Answer(result, bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b"", failure.told(), encoder.record)
+
+
+def machine(device: Device, folder: Path) -> Machine:
+    """Compiles the functions of a family, undefined behaviour watched."""
+    include = write(folder, (device,))
+    text, library = folder / "transport.c", folder / "transport.so"
+    text.write_text(source(device), encoding="utf-8")
+    command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all", *WARNINGS]
+    done = subprocess.run([*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:4000]
+    return Machine(device, ctypes.CDLL(str(library)))
+
+
+def source(device: Device) -> str:
+    """A function with plain arguments for each of the header that takes a transport."""
+    view = DeviceView(device)
+    prefix, maker = view.prefix, device.manufacturer.name
+    text = _HEAD
+    for procedure in view.procedures:
+        name = procedure.run.removeprefix(f"{prefix}_")
+        given = "".join(f", ({type_})arguments[{index}]" for index, (type_, _) in enumerate(procedure.parameters))
+        out = ", &out" if procedure.read_type else ""
+        text += f"""
+int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data, @maker@_failure *failure);
+int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data, @maker@_failure *failure)
+{{
+    {f"{procedure.read_type} out;" if out else ""}
+    const @maker@_result result = {procedure.run}(transport, variant_of(code){given}{out}, failure);
+    (void)arguments;
+    {"fill(data, result, &out, sizeof out);" if out else "(void)data;"}
+    return (int)result;
+}}
+"""
+    for register in view.registers:
+        text += _register(register.access)
+    for identity in view.identities:
+        text += f"""
+int identity(const @maker@_transport *transport, uint8_t *data, @maker@_failure *failure);
+int identity(const @maker@_transport *transport, uint8_t *data, @maker@_failure *failure)
+{{
+    {identity.type} out;
+    const @maker@_result result = {identity.read}(transport, &out, failure);
+    fill(data, result, &out, sizeof out);
+    return (int)result;
+}}
+"""
+    if view.read_state:
+        members = "".join(f"    put(&data[1 + 8 * {index}], copy.{line.code.split(' ')[1].rstrip(';')});\n" for index, line in enumerate(view.members))
+        text += f"""
+int state(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure);
+int state(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure)
+{{
+    {prefix}_variant copy = *variant_of(code);
+    const @maker@_result result = {view.read_state}(transport, &copy, failure);
+    data[0] = 8U * {len(view.members)}U;
+{members}    return (int)result;
+}}
+"""
+    return text.replace("@maker@", maker).replace("@MAKER@", maker.upper()).replace("@prefix@", prefix).replace("@device@", device.name)
+
+
+def _register(access: AccessView) -> str:
+    text = ""
+    if access.read:
+        name = access.read.partition("_read_")[2]
+        held = f"{access.type} out;" if access.struct else f"{access.type} out = ({access.type})0xAA;"
+        shown = f"{access.struct}_encode(variant_of(code), &out, &data[1], {access.stem}_LENGTH)" if access.struct else "(data[1] = (uint8_t)out, @MAKER@_OK)"
+        text += f"""
+int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure);
+int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure)
+{{
+    {held}
+    const @maker@_result result = {access.read}(transport, variant_of(code), &out, failure);
+    if (result == @MAKER@_OK && {shown} == @MAKER@_OK) {{
+        data[0] = {access.stem}_LENGTH;
+    }}
+    return (int)result;
+}}
+"""
+    if access.write:
+        name = access.write.partition("_write_")[2]
+        held = f"{access.type} in;" if access.struct else f"const {access.type} in = ({access.type})bytes[0];"
+        decoded = f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)" if access.struct else "@MAKER@_OK"
+        text += f"""
+int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data, @maker@_failure *failure);
+int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data, @maker@_failure *failure)
+{{
+    {held}
+    (void)data;
+    return {decoded} != @MAKER@_OK ? -1 : (int){access.write}(transport, variant_of(code), {"&in" if access.struct else "in"}, failure);
+}}
+"""
+    return text
+
+
+_HEAD = r"""
+#include "@maker@/@device@.h"
+#include <stdlib.h>
+#include <string.h>
+
+static inline const @prefix@_variant *variant_of(const char *code)
+{
+    uint32_t unlisted;
+    const @prefix@_order_code *const found = @prefix@_find_order_code(code, &unlisted);
+    if (found == NULL) {
+        abort();
+    }
+    return &found->variant;
+}
+
+static inline void fill(uint8_t *data, @maker@_result result, const void *bytes, size_t length)
+{
+    if (result == @MAKER@_OK) {
+        data[0] = (uint8_t)length;
+        memcpy(&data[1], bytes, length);
+    }
+}
+
+static inline void put(uint8_t *data, uint64_t number)
+{
+    size_t index;
+    for (index = 0U; index < 8U; index++) {
+        data[index] = (uint8_t)(number >> (8U * index));
+    }
+}
+
+int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data, @maker@_failure *failure);
+int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data, @maker@_failure *failure)
+{
+    @maker@_step list[32];
+    size_t index;
+    @maker@_result result;
+    for (index = 0U; index < count; index++) {
+        const uint32_t *const n = &numbers[6U * index];
+        memcpy(&list[index].kind, &n[0], sizeof n[0]);
+        list[index].address = (uint16_t)n[1];
+        list[index].mask = (uint8_t)n[2];
+        list[index].value = (uint8_t)n[3];
+        list[index].times = (uint16_t)n[4];
+        list[index].microseconds = n[5];
+    }
+    result = @maker@_run(transport, list, count, reads == 0U ? NULL : &data[1], reads, failure);
+    data[0] = (uint8_t)reads;
+    return (int)result;
+}
+"""

@@ -1,0 +1,285 @@
+"""Frames with one mistake planted in each: the encoder's side written out bit by bit, without anything of codewheel.
+
+Frames are texts of ``0`` and ``1``, first bit sent first. Widths are those of the manuals.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Encoder:
+    """A BiSS frame: ``zeros`` above the position, ``position`` bits, ``below`` zeros, error and warning, CRC 6.
+
+    ``others`` are order codes of the family with other lengths of the frame.
+    """
+
+    code: str
+    zeros: int
+    position: int
+    below: int = 0
+    has_status: bool = True
+    others: tuple[tuple[str, int], ...] = ()
+
+    @property
+    def bits(self) -> int:
+        return self.zeros + self.position + self.below + 2 + 6
+
+
+AMM5 = (("AMM5A17/1SC1", 17), ("AMM5A21/1SC1", 21), ("AMM5A23/1SC1", 23), ("AMM5A17/65KSC1", 33), ("AMM5A21/65KSC1", 37), ("AMM5A23/65KSC1", 39))
+ASC85 = tuple((f"ASC85{bits}/SC1", bits) for bits in range(20, 26))
+ENCODERS = (
+    *(Encoder(code, 0, bits, others=tuple(other for other in AMM5 if other[0] != code)) for code, bits in AMM5),
+    *(Encoder(code, 0, bits, 1, others=tuple(other for other in ASC85 if other[0] != code)) for code, bits in ASC85),
+    Encoder("SMA21-SC4-0050", 4, 20, others=(("SMA21-SC1-0001", 25),)),
+    Encoder("SMA21-SC4-0005", 1, 23, others=(("SMA21-SC1-0001", 25),)),
+    Encoder("SMA21-SC4-0001", 0, 25),
+    Encoder("AM3616/4096-I7", 0, 36, has_status=False),
+)
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A frame with a mistake: the order code that the user names, the text that is typed, and what has to be found."""
+
+    code: str
+    text: str
+    kind: str
+    words: str = ""
+
+
+def crc(data: str, polynomial: int = 0x43, start: str = "", invert: bool = True) -> str:
+    """The CRC by long division, as on paper: ``polynomial`` has its top bit, ``start`` is added to the first bits."""
+    width = polynomial.bit_length() - 1
+    divisor = [int(bit) for bit in f"{polynomial:b}"]
+    rest = [int(bit) for bit in data] + [0] * width
+    for place, first in enumerate(start):
+        rest[place] ^= int(first)
+    for place in range(len(data)):
+        if rest[place]:
+            for offset, bit in enumerate(divisor):
+                rest[place + offset] ^= bit
+    return "".join(str(bit ^ invert) for bit in rest[len(data):])
+
+
+def noise(source: random.Random, bits: int) -> str:
+    return "".join(source.choice("01") for _ in range(bits))
+
+
+def flipped(text: str) -> str:
+    return text.translate(str.maketrans("01", "10"))
+
+
+def gray(position: str) -> str:
+    """Each bit is the change from the one before."""
+    return "".join(str(int(one != other)) for one, other in zip("0" + position, position))
+
+
+def binary(position: str) -> str:
+    """Each bit is the sum of all before it."""
+    return "".join(str(position[: place + 1].count("1") % 2) for place in range(len(position)))
+
+
+def status(encoder: Encoder, source: random.Random) -> str:
+    """Error and warning, low active: nothing to tell in nine of ten frames."""
+    return noise(source, 2) if encoder.has_status and source.random() < 0.1 else "11"
+
+
+def parts(encoder: Encoder, source: random.Random) -> tuple[str, str]:
+    """What stands before the status bits, and these."""
+    return "0" * encoder.zeros + noise(source, encoder.position) + "0" * encoder.below, status(encoder, source)
+
+
+def sound(encoder: Encoder, source: random.Random) -> str:
+    data = "".join(parts(encoder, source))
+    return data + crc(data)
+
+
+Maker = Callable[[Encoder, random.Random], Iterator[Plant]]
+
+
+def _plant(encoder: Encoder, bits: str, kind: str, words: str = "") -> Plant:
+    return Plant(encoder.code, "0b" + bits, kind, words)
+
+
+def not_inverted(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    frame = sound(encoder, source)
+    yield _plant(encoder, frame[:-6] + flipped(frame[-6:]), "crc_not_inverted")
+
+
+def status_left_out(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    position, flags = parts(encoder, source)
+    yield _plant(encoder, position + flags + crc(position), "status_left_out")
+
+
+def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    position, _ = parts(encoder, source)
+    yield _plant(encoder, position + crc(position), "status_not_sent", "over the rest")
+    yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "none active")
+
+
+def status_turned(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    position, flags = parts(encoder, source)
+    yield _plant(encoder, position + flipped(flags) + crc(position + flags), "status_turned")
+
+
+def read_late(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """One clock late: the first bit is gone, and a bit that follows is taken for the last."""
+    frame = sound(encoder, source)
+    if not encoder.zeros:
+        yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"a {frame[0]}")
+
+
+def first_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    frame = sound(encoder, source)
+    if not encoder.zeros:
+        yield _plant(encoder, frame[1:], "first_bit_missing", f"a {frame[0]}")
+
+
+def read_early(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """One clock early: the CDS bit in front, the last bit of the CRC not there."""
+    frame = sound(encoder, source)
+    yield _plant(encoder, noise(source, 1) + frame[:-1], "bits_in_front")
+
+
+def bit_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    frame = sound(encoder, source)
+    yield _plant(encoder, noise(source, 1) + frame, "bits_in_front", "a bit too many")
+
+
+def start_and_cds_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    frame = sound(encoder, source)
+    yield _plant(encoder, "1" + noise(source, 1) + frame, "bits_in_front", "start and CDS")
+
+
+def bit_behind(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    frame = sound(encoder, source)
+    yield _plant(encoder, frame + noise(source, 1), "bits_behind", "a bit too many")
+
+
+def last_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    yield _plant(encoder, sound(encoder, source)[:-1], "last_bits_missing")
+
+
+def start_in_crc(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    data = "".join(parts(encoder, source))
+    yield _plant(encoder, data + crc("1" + data), "start_bits_in_crc", "the start bit, or")
+    yield _plant(encoder, data + crc("10" + data), "start_bits_in_crc", "CDS bit 0")
+    yield _plant(encoder, data + crc("11" + data), "start_bits_in_crc", "CDS bit 1")
+
+
+def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """The position goes through the other code between sender and reader; the CRC does not."""
+    position, flags = noise(source, encoder.position), status(encoder, source)
+    before, behind = "0" * encoder.zeros, "0" * encoder.below
+    check = crc(before + position + behind + flags)
+    yield _plant(encoder, before + gray(position) + behind + flags + check, "other_code", "in binary; here it is in Gray")
+    yield _plant(encoder, before + binary(position) + behind + flags + check, "other_code", "in Gray code; here it is in binary")
+
+
+def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """The CRC as long as its polynomial makes it."""
+    data = "".join(parts(encoder, source))
+    for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
+        yield _plant(encoder, data + crc(data, polynomial), "other_polynomial", f"{polynomial:#x}:")
+
+
+def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """The same, and the reader takes 6 bits of CRC as ever: the first of a longer one, or a shorter one and the zeros that follow it."""
+    data = "".join(parts(encoder, source))
+    for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
+        yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x}:")
+
+
+def other_order_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """The frame of another order code, as long as that makes it."""
+    for other, width in encoder.others:
+        frame = sound(Encoder(other, 0, width, encoder.below), source)
+        yield _plant(encoder, frame, "other_order_code", other)
+
+
+def other_order_code_read_on(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """The same with a shorter frame, and the reader clocks on: the stop bit and what follows it are 0."""
+    for other, width in encoder.others:
+        made = Encoder(other, 0, width, encoder.below)
+        if made.bits < encoder.bits:
+            yield _plant(encoder, sound(made, source).ljust(encoder.bits, "0"), "other_order_code", other)
+
+
+def all_inverted(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    yield _plant(encoder, flipped(sound(encoder, source)), "all_inverted")
+
+
+def bits_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    yield _plant(encoder, sound(encoder, source)[::-1], "bits_reversed")
+
+
+def crc_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    frame = sound(encoder, source)
+    yield _plant(encoder, frame[:-6] + frame[:-7:-1], "crc_reversed")
+
+
+def bytes_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """The frame at the low end of whole bytes, as an integer of the other byte order."""
+    size = (encoder.bits + 7) // 8
+    data = int(sound(encoder, source), 2).to_bytes(size, "big")
+    yield Plant(encoder.code, "0x" + data[::-1].hex(), "bytes_reversed")
+
+
+def start_value(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    data = "".join(parts(encoder, source))
+    yield _plant(encoder, data + crc(data, start="111111"), "start_value")
+
+
+def polynomial_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    data = "".join(parts(encoder, source))
+    yield _plant(encoder, data + crc(data, 0b1100001), "polynomial_reversed")
+
+
+#: By what the planting does; the last three are not in every master's way, but cheap to try.
+MISTAKES: tuple[Maker, ...] = (
+    not_inverted, status_left_out, status_not_sent, status_turned, read_late, first_bit_missing, read_early, bit_in_front, start_and_cds_in_front,
+    bit_behind, last_bit_missing, start_in_crc, other_code, other_polynomial, other_polynomial_in_6_bits, other_order_code, other_order_code_read_on,
+    all_inverted, bits_reversed, bytes_reversed, crc_reversed, start_value, polynomial_reversed,
+)
+
+
+def as_hex(plant: Plant) -> Plant:
+    """The same frame typed as a hex number, which does not tell the zeros in front."""
+    return Plant(plant.code, hex(int(plant.text, 0)), plant.kind, plant.words)
+
+
+def reply(source: random.Random, code: str) -> bytes:
+    """A reply over RS-485 with a position of 20 bits in three bytes: data ID 0 of AMM5, data ID 4 of SMA21; CRC 8 is the XOR of the bytes."""
+    position = source.getrandbits(20).to_bytes(3, "little")
+    data = b"\x02\x00" + position if code.startswith("AMM5") else b"\xa2\x00" + position + b"\x00"
+    return data + bytes([_xor(data)])
+
+
+def _xor(data: bytes) -> int:
+    total = 0
+    for byte in data:
+        total ^= byte
+    return total
+
+
+def byte_mistakes(code: str, source: random.Random) -> Iterator[Plant]:
+    frame = reply(source, code)
+    data, check = frame[:-1], frame[-1]
+    random_byte = bytes([source.getrandbits(8)])
+    yield Plant(code, (data + bytes([check ^ 0xFF])).hex(), "crc_not_inverted", "starts with 0xff")
+    yield Plant(code, (data + bytes([check ^ data[0]])).hex(), "first_byte_left_out")
+    yield Plant(code, (frame[:1] + frame).hex(), "bytes_in_front")
+    yield Plant(code, (frame + random_byte).hex(), "bytes_behind")
+    yield Plant(code, frame[1:].hex(), "first_byte_lost")
+    yield Plant(code, (frame[1:] + random_byte).hex(), "first_byte_lost")
+    yield Plant(code, bytes(byte ^ 0xFF for byte in frame).hex(), "all_inverted")
+    yield Plant(code, (data + bytes([int(crc("".join(f"{byte:08b}" for byte in data), 0x12F, invert=False), 2)])).hex(), "other_polynomial", "most")
+    turned = crc("".join(f"{byte:08b}"[::-1] for byte in data), 0x12F, invert=False)
+    yield Plant(code, (data + bytes([int(turned[::-1], 2)])).hex(), "other_polynomial", "least")
+
+
+BYTE_CODES = ("AMM5A23/65KJP1", "SMA21-JP1-0050")

@@ -1,0 +1,63 @@
+"""The masters that ship with the tool and the encoders of Lika, and what the one is told about the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from codewheel.load import load_library
+from codewheel.masters import Master, Sheet, load_masters, sheet
+from codewheel.masters_record import Record, record
+from codewheel.model import Device
+from codewheel.order_codes import UnknownOrderCode, find
+
+ROOT = Path(__file__).parents[2]
+
+Told = Callable[[str, str], dict[str, Any]]
+
+
+@pytest.fixture(scope="session")
+def devices() -> tuple[Device, ...]:
+    found, report = load_library([ROOT / "specs" / "lika"])
+    assert not report.problems
+    return found
+
+
+@pytest.fixture(scope="session")
+def masters() -> dict[str, Master]:
+    found, report = load_masters()
+    assert not report.problems
+    return {item.name: item for item in found}
+
+
+@pytest.fixture(scope="session")
+def record_of(devices: tuple[Device, ...]) -> Callable[[str], Record]:
+    def made(code: str) -> Record:
+        for device in devices:
+            try:
+                return record(device, find(device, code).variant)
+            except UnknownOrderCode:
+                continue
+        raise LookupError(code)
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def sheet_of(masters: dict[str, Master], record_of: Callable[[str], Record]) -> Callable[[str, str], Sheet]:
+    return lambda master, code: sheet(masters[master], record_of(code))
+
+
+@pytest.fixture(scope="session")
+def told(sheet_of: Callable[[str, str], Sheet]) -> Told:
+    """What a master is told about an order code, by the name of the setting."""
+
+    def values(master: str, code: str) -> dict[str, Any]:
+        found = sheet_of(master, code)
+        assert not found.refusals, found.refusals
+        return {item.name: item.value for item in found.settings}
+
+    return values

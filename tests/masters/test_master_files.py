@@ -1,0 +1,83 @@
+"""Descriptions of masters: broken ones are refused in exact words, and adding a master needs no code.
+
+Each file in ``broken`` says in its first lines what is wrong with it, as those of ``tests/check`` do.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from codewheel.check import check_document
+from codewheel.masters import Master
+from codewheel.masters_record import NUMBERS, WORDS
+from codewheel.problems import Report
+from codewheel.read import read_document
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+BROKEN = sorted((HERE / "broken").glob("*.yaml"))
+EXPECT = "# expect: "
+
+
+def problems_of(path: Path) -> tuple[list[str], Report]:
+    report = Report()
+    document = read_document(path, report, path.name)
+    if document is not None:
+        check_document(document, report)
+    return [problem.format().splitlines()[0].removeprefix(f"{path.name}:") for problem in report.problems], report
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_broken_master_is_refused_in_the_words_expected(path: Path) -> None:
+    expected = [line.removeprefix(EXPECT) for line in path.read_text(encoding="utf-8").splitlines() if line.startswith(EXPECT)]
+    found, report = problems_of(path)
+    assert expected and found == expected
+    for problem in report.problems:
+        *_, shown, caret = problem.format().splitlines()
+        fault = problem.text[problem.column - 1 : problem.column]
+        assert caret.strip() == "^" and (not fault or shown[caret.index("^")] == fault)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "specs" / "masters").glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_master_is_sound(path: Path) -> None:
+    assert problems_of(path)[0] == []
+
+
+def test_every_rule_of_every_master_is_used_with_care(masters: dict[str, Master]) -> None:
+    """Nothing has been tried on hardware yet; whoever tries one says so in its file and here."""
+    for master in masters.values():
+        rules = (*master.limits, *master.settings)
+        assert "tried" not in {master.standing, *(item.get("standing") for item in rules)}, master.name
+        assert all(document.title for document in master.documents)
+
+
+def test_no_code_knows_a_master(masters: dict[str, Master]) -> None:
+    """A master is a file: neither the generator nor a template has its name."""
+    words = {word for master in masters.values() for word in re.findall(r"[A-Za-z][A-Za-z0-9-]{4,}", master.title)} | set(masters)
+    words -= {"Combivert", "controllers", "command", "drives", "cards", "motor-control", "Circulo", "Node"}
+    assert {"Beckhoff", "hostmot2", "Synapticon", "Novanta", "moteus"} <= words
+    for folder, pattern in (("generator", "*.py"), ("generator", "*.json"), ("templates", "*.jinja")):
+        for path in (ROOT / folder).rglob(pattern):
+            text = path.read_text(encoding="utf-8")
+            assert [word for word in words if re.search(rf"\b{re.escape(word)}\b", text)] == [], path
+
+
+def test_every_item_is_explained() -> None:
+    """The page on adding a master names every item that a rule can use, and every word."""
+    page = (ROOT / "docs" / "how-to-add-a-master.md").read_text(encoding="utf-8")
+    for name in (*WORDS, *NUMBERS, *(word for words in WORDS.values() for word in words)):
+        assert f"`{name}`" in page, name
+    example = re.search(r"```yaml\n(codewheel: 1\nmaster: .*?)```", page, re.DOTALL)
+    assert example is not None
+
+
+def test_the_example_of_the_page(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "how-to-add-a-master.md").read_text(encoding="utf-8")
+    example = re.search(r"```yaml\n(codewheel: 1\nmaster: (\w+)\n.*?)```", page, re.DOTALL)
+    assert example is not None
+    path = tmp_path / f"{example[2]}.yaml"
+    path.write_text(example[1], encoding="utf-8")
+    assert problems_of(path)[0] == []

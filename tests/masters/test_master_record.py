@@ -1,0 +1,125 @@
+"""The record: what masters ask of an order code, against the manuals, and what is refused or said as unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from codewheel.masters import Master, sheet
+from codewheel.masters_record import NUMBERS, WORDS, NoRecord, Record, record
+from codewheel.model import Device
+from codewheel.order_codes import find
+from codewheel.run_time import with_registers
+
+RecordOf = Callable[[str], Record]
+
+
+def device_of(devices: tuple[Device, ...], name: str) -> Device:
+    return next(item for item in devices if item.name == name)
+
+
+def test_every_item(record_of: RecordOf) -> None:
+    """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and time-out of section 6.5; 16 µs at most."""
+    found = record_of("SMA21-SC1-0050")
+    assert found.words == {"interface": "biss", "movement": "linear", "coding": "binary", "status_active": "low"}
+    assert found.numbers == {
+        "multiturn_bits": 0, "singleturn_bits": 20, "position_bits": 20, "padding_left": 4, "padding_right": 0, "data_bits": 24,
+        "status_bits": 2, "data_and_status_bits": 26, "crc_bits": 6, "frame_bits": 32,
+        "crc_polynomial": 67, "crc_polynomial_without_top_bit": 3, "crc_polynomial_without_last_1": 33, "crc_start": 0, "crc_inverted": 1,
+        "clock_min_hz": 200_000, "clock_max_hz": 10_000_000, "timeout_us": 16, "busy_us": None, "pause_us": None,
+        "counts_per_turn": None, "turns": None, "step_um": 50,
+    }
+    assert [(part.name, part.role, part.bits, part.active) for part in found.parts] == [
+        ("padding", "padding", 4, ""), ("position", "singleturn", 20, ""), ("error", "status", 1, "low"), ("warning", "status", 1, "low"), ("crc", "crc", 6, ""),
+    ]
+    assert set(found.words) == set(WORDS) and tuple(found.numbers) == tuple(NUMBERS)
+
+
+@pytest.mark.parametrize(
+    ("code", "item", "value"),
+    [
+        ("AMM5A23/65KSC1", "timeout_us", 30),  # 1.5 periods of the slowest clock, 50 kHz
+        ("AM3616/4096-I7", "timeout_us", 10),
+        ("ASC8525/SC1", "timeout_us", None),
+        ("ASC8525/SC1", "padding_right", 1),
+        ("AMM5A17/1BG1", "pause_us", 20),
+        ("AMM5A17/1BG1", "crc_polynomial", 0),
+        ("SMA21-GG1-0010", "status_bits", 1),
+        ("AM3616/4096-I7", "singleturn_bits", 20),
+        ("AM3616/4096-BG", "singleturn_bits", 16),
+        ("AM3616/4096-I7", "turns", 65536),
+    ],
+)
+def test_items(record_of: RecordOf, code: str, item: str, value: int | None) -> None:
+    assert record_of(code).numbers[item] == value
+
+
+def test_status_bits_that_never_speak(record_of: RecordOf) -> None:
+    """AM36 sends error and warning as 1, always; a master that wants low active status bits can take it."""
+    found = record_of("AM3616/4096-I7")
+    assert [part.active for part in found.parts if part.role == "status"] == ["", ""]
+    assert found.words["status_active"] == "low"
+    assert "error and warning: always 1, a bit that a master takes for a status bit that says nothing." in found.notes
+
+
+def test_registers_are_named(devices: tuple[Device, ...], record_of: RecordOf) -> None:
+    notes = record_of("AM3616/4096-I7").notes
+    assert any("(56h)" in note and "(57h)" in note and "widths" in note and "as delivered" in note for note in notes)
+    assert any("(49h)" in note and "code" in note for note in notes)
+    assert not record_of("AMM5A23/65KSC1").notes
+    device = device_of(devices, "am36")
+    variant = find(device, "AM3616/4096-I7").variant
+    # 0Ch = 12 bits of turns, 10h = 16 bits of position; bit 5 of the configuration cleared is Gray code.
+    other = record(device, with_registers(device, variant, {0x57: 0x0C, 0x56: 0x10, 0x49: 0x00}), as_delivered=False)
+    assert (other.numbers["multiturn_bits"], other.numbers["singleturn_bits"], other.words["coding"]) == (12, 16, "gray")
+    assert not any("as delivered" in note for note in other.notes)
+
+
+def test_gray_over_biss(devices: tuple[Device, ...], masters: dict[str, Master]) -> None:
+    """Some masters can, others cannot: the reason is theirs."""
+    device = device_of(devices, "am36")
+    gray = record(device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False)
+    assert {item.name: item.value for item in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
+    assert "Gray code over both parts cannot be said. Here: coding gray." in sheet(masters["linuxcnc_hostmot2"], gray).refusals[0].reason
+    assert "Here: coding gray." in sheet(masters["ic_mb"], gray).refusals[0].reason
+
+
+def test_rs485_has_no_master(record_of: RecordOf) -> None:
+    with pytest.raises(NoRecord, match="has the interface RS-485"):
+        record_of("AMM5A23/65KJP1")
+
+
+def test_other_frames_are_refused(devices: tuple[Device, ...]) -> None:
+    """A field of another kind, and one at another place, are no matter for the rules."""
+    device = device_of(devices, "asc85")
+    variant = find(device, "ASC8525/SC1").variant
+    interface = device.interface("biss")
+    layout = interface.layouts[0]
+
+    def with_fields(*changed: object) -> Device:
+        made = replace(layout, fields=tuple(changed))
+        others = tuple(replace(item, layouts=(made,)) if item.kind == "biss" else item for item in device.interfaces)
+        return replace(device, interfaces=others)
+
+    position, zero, error, warning, crc = layout.fields
+    with pytest.raises(NoRecord, match="'warning' is no position, status bit or CRC"):
+        record(with_fields(position, zero, error, replace(warning, kind="number"), crc), variant)
+    with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
+        record(with_fields(position, error, warning, crc), variant)
+    with pytest.raises(NoRecord, match="'warning' stands where no master expects it"):
+        record(with_fields(position, zero, error, replace(warning, kind="constant", constant=0), crc), variant)
+    with pytest.raises(NoRecord, match="does not say what its position is"):
+        record(replace(device, measurement=None), variant)
+
+
+def test_crc_of_another_form(devices: tuple[Device, ...]) -> None:
+    device = device_of(devices, "asc85")
+    variant = find(device, "ASC8525/SC1").variant
+    for change in ({"refin": True, "refout": True}, {"xorout": 1}):
+        crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)  # type: ignore[arg-type]
+        with pytest.raises(NoRecord, match="straight or inverted as a whole"):
+            record(replace(device, crcs=crcs), variant)
+    straight = tuple(replace(item, xorout=0) for item in device.crcs)
+    assert record(replace(device, crcs=straight), variant).numbers["crc_inverted"] == 0

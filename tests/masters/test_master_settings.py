@@ -1,0 +1,190 @@
+"""What masters are told, worked out on paper: frames from the manuals of the encoders, rules from the documents of the masters.
+
+The frames, first bit sent first:
+
+=====================  ==================================================================  ======================
+SMA21-SC1-0002         position 24, nE, nW, CRC 6                                          6.2, bits 31 to 8
+SMA21-SC1-0050         the same 24 bits, of which the lowest 20 are the position           6.2 and 6.6.1, right aligned
+SMA21-SC1-0001         position 25, nE, nW, CRC 6                                          6.2, bits 32 to 8
+SMA21-GG1-0010         SSI: position 22 in Gray code, error bit 1                          5.2
+AMM5A17/1SC1           position 17, nE, nW, CRC 6                                          6.2, bits n + 7 to 8
+AMM5A23/65KSC1         turns 16, position 23, nE, nW, CRC 6                                6.2, bits n + 7 to 8, n = 39
+AMM5A21/65KBG1         SSI: turns 16, position 21, binary                                  5.2
+AM3616/4096-I7         turns 16, position 20 as delivered (57h = 10h, 56h = 14h), 1, 1, CRC 6    6.2, bits 43 to 8
+AM3619/4096-GG         SSI: turns 12, position 19, in Gray code as one word                5.2
+ASC8525/SC1            position 25, one zero bit, nE, nW, CRC 6                            6.2, bits n + 8 to 9, n = 25
+=====================  ==================================================================  ======================
+
+All of BiSS: CRC x^6 + x + 1, sent inverted, start 0. Its polynomial is 100 0011 in binary, 0x43 or 67; without its top bit 00 0011, 0x03;
+without its last 1 10 0001, 0x21.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from codewheel.masters import Sheet
+
+Told = Callable[[str, str], dict[str, Any]]
+
+# Beckhoff: bits as they are; zero bits on the right are "Offset LSB"; clock 0 is 10 MHz, 9 is 1 MHz, 4 is 2 MHz, the most for SSI.
+BECKHOFF_BISS = {"Mode": 0, "Disable Status Bits": False, "CRC Invert": True, "CRC Polynomial": 0x43, "Clock Frequency": 0, "Coding": 0}
+BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
+
+
+@pytest.mark.parametrize(
+    ("code", "multiturn", "singleturn", "offset"),
+    [
+        ("SMA21-SC1-0002", 0, 24, 0),
+        ("SMA21-SC1-0050", 0, 24, 0),  # 4 zero bits and 20: the terminal reads 24 bits, whose upper 4 are 0
+        ("SMA21-SC1-0001", 0, 25, 0),
+        ("AMM5A17/1SC1", 0, 17, 0),
+        ("AMM5A23/65KSC1", 16, 23, 0),
+        ("AM3616/4096-I7", 16, 20, 0),  # not the 12 and 16 of the order code
+        ("ASC8525/SC1", 0, 25, 1),
+    ],
+)
+def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, offset: int) -> None:
+    bits = {"Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
+    assert told("beckhoff_el5042", code) == {**BECKHOFF_BISS, **bits}
+
+
+@pytest.mark.parametrize(
+    ("code", "coding", "clock", "multiturn", "singleturn", "offset"),
+    [
+        ("SMA21-GG1-0010", 1, 9, 0, 22, 1),  # 1 MHz at most; the error bit after the position is blended out
+        ("AMM5A21/65KBG1", 0, 4, 16, 21, 0),  # 4 MHz at most, of which the terminal has 2
+        ("AM3619/4096-GG", 1, 4, 12, 19, 0),  # 3 MHz at most
+    ],
+)
+def test_beckhoff_ssi(told: Told, code: str, coding: int, clock: int, multiturn: int, singleturn: int, offset: int) -> None:
+    bits = {"Coding": coding, "Clock Frequency": clock, "Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
+    assert told("beckhoff_el5042", code) == {**BECKHOFF_SSI, **bits}
+
+
+# iC-MB: SDLEN is data and status bits less 1. 24 + 2 - 1 = 25, 25 + 2 - 1 = 26, 17 + 2 - 1 = 18, 39 + 2 - 1 = 40, 36 + 2 - 1 = 37, 26 + 2 - 1 = 27.
+@pytest.mark.parametrize(
+    ("code", "sdlen"),
+    [
+        ("SMA21-SC1-0002", 25), ("SMA21-SC1-0050", 25), ("SMA21-SC1-0001", 26), ("AMM5A17/1SC1", 18), ("AMM5A23/65KSC1", 40), ("AM3616/4096-I7", 37),
+        ("ASC8525/SC1", 27),
+    ],
+)
+def test_ic_mb(told: Told, code: str, sdlen: int) -> None:
+    expected = {"SDLEN": sdlen, "ENSENS": 1, "ACTnSENS": 0, "SENSCRCPOLY": 0x21, "INVCRCS": 1, "GRAY": 0, "CRC start value": 0, "Clock": None}
+    assert told("ic_mb", code) == expected
+
+
+# TI: neither status bits nor CRC count. Zero bits beside the position belong to it: 4 + 20 = 24, 25 + 1 = 26.
+@pytest.mark.parametrize(
+    ("code", "multi", "single"),
+    [
+        ("SMA21-SC1-0002", 0, 24), ("SMA21-SC1-0050", 0, 24), ("SMA21-SC1-0001", 0, 25), ("AMM5A17/1SC1", 0, 17), ("AMM5A23/65KSC1", 16, 23),
+        ("AM3616/4096-I7", 16, 20), ("ASC8525/SC1", 0, 26),
+    ],
+)
+def test_ti(told: Told, code: str, multi: int, single: int) -> None:
+    assert told("ti_motor_control_sdk", code) == {"multi_turn_len": multi, "single_turn_len": single, "Clock, in MHz": 10}
+    expected = {"crcBits": 6, "crcPoly": 0x03, "crcStart": 0, "positionMTBits": multi, "positionSTBits": single, "freqDiv": None}
+    assert told("ti_c2000", code) == expected
+
+
+# hostmot2: from the last bit of the frame to the first, every bit named, at most 32 in one field; g for Gray, m for turns, l and h for a split position.
+@pytest.mark.parametrize(
+    ("code", "text", "kilohertz"),
+    [
+        ("SMA21-SC1-0002", "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%24e", 10000),
+        ("SMA21-SC1-0050", "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p", 10000),
+        ("SMA21-SC1-0001", "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%25e", 10000),
+        ("SMA21-GG1-0010", "ssi_chan_0=nerror%1bposition%22ge", 1000),
+        ("AMM5A17/1SC1", "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%17e", 10000),
+        ("AMM5A23/65KSC1", "biss_chan_0=crc%6pnwarning%1bnerror%1bpositionlow%23lposition%16mh", 10000),
+        ("AMM5A21/65KBG1", "ssi_chan_0=positionlow%21lposition%16mh", 4000),
+        ("AM3616/4096-I7", "biss_chan_0=crc%6pnwarning%1bnerror%1bpositionlow%20lposition%16mh", 10000),
+        ("AM3619/4096-GG", "ssi_chan_0=position%31gme", 3000),
+        ("ASC8525/SC1", "biss_chan_0=crc%6pnwarning%1bnerror%1bzero%1pposition%25e", 10000),
+        ("ASC8520/GG1", "ssi_chan_0=position%20ge", 4000),
+    ],
+)
+def test_hostmot2(told: Told, code: str, text: str, kilohertz: int) -> None:
+    assert told("linuxcnc_hostmot2", code) == {text.partition("=")[0]: text, "frequency-khz": kilohertz}
+
+
+# Novanta: the frame size counts everything, 24 + 2 + 6 = 32, 25 + 1 + 2 + 6 = 34; the position starts at frame size less position bits.
+@pytest.mark.parametrize(
+    ("code", "size", "position", "single", "start"),
+    [("SMA21-SC1-0002", 32, 24, 24, 8), ("SMA21-SC1-0050", 32, 24, 24, 8), ("AMM5A23/65KSC1", 47, 39, 23, 8), ("ASC8525/SC1", 34, 25, 25, 9)],
+)
+def test_novanta(told: Told, code: str, size: int, position: int, single: int, start: int) -> None:
+    expected = {"Frame size": size, "Frame type": "3 (BiSS-C BP3)", "Position bits": position, "Single-turn bits": single, "Position start bit": start}
+    assert told("novanta", code) == {**expected, "Baud rate": 10_000_000, "CRC polynomial": 0x43, "CRC bits": 6, "CRC seed": 0}
+
+
+@pytest.mark.parametrize(
+    ("master", "code", "expected"),
+    [
+        # 24 + 2 bits; the polynomial is the one that the length 6 selects.
+        ("microchip_dspic33a", "SMA21-SC1-0002", {"SCDENx": 1, "SCDLENx": 26, "CRCSELx": 0, "CRCLENx": 6, "CRCSEEDx": 0, "GRAYx": 0, "SFREQ": None}),
+        ("moteus", "AMM5A23/65KSC1", {"aux[12].bissc.enabled": 1, "aux[12].bissc.rate_hz": 1_000_000, "aux[12].bissc.data_bits": 39, "aux[12].bissc.crc_bits": 6}),
+        # Payload 4 + 20; the position begins after 4 bits. 67 is 0x43.
+        ("synapticon", "SMA21-SC1-0050", {"Frame size": 24, "Multiturn bits": 0, "Singleturn bits": 20, "Singleturn first bit position": 4, "CRC polynomial": 67}),
+        ("synapticon", "SMA21-SC1-0050", {"Timeout, in µs": 16, "Maximum tbusy, in µs": None, "Status bits active value": 0}),
+        ("synapticon", "AMM5A23/65KSC1", {"Frame size": 39, "Multiturn first bit position": 0, "Singleturn first bit position": 16}),
+        # 1.5 periods of 50 kHz are 30 µs; ASC85 prints a time-out for 10 MHz alone.
+        ("synapticon", "AMM5A23/65KSC1", {"Timeout, in µs": 30}),
+        ("synapticon", "ASC8525/SC1", {"Timeout, in µs": None, "Frame size": 26, "Singleturn bits": 25}),
+        # SSI: the whole frame, 22 + 1; a pause of 16 µs.
+        ("synapticon", "SMA21-GG1-0010", {"Frame size": 23, "Singleturn bits": 22, "Timeout, in µs": 16, "Data ordering": 1, "Parity type": 0}),
+        # The table of the document: Lika SMA2-SC1-1-L5 has 24 and 256 = 2^(32 - 24); rotary encoders 4294967295; 12 turn bits 1048576 = 2^(32 - 12).
+        ("kollmorgen_akd", "SMA21-SC1-0002", {"FB1.SELECT": 34, "FB1.BISSBITS": 24, "FB1.ENCRES": "(pole pitch / 2 µm) * 2^(32 - 24)"}),
+        ("kollmorgen_akd", "AMM5A17/1SC1", {"FB1.SELECT": 34, "FB1.BISSBITS": 17, "FB1.ENCRES": 4294967295}),
+        ("kollmorgen_akd", "AMM5A23/65KSC1", {"FB1.BISSBITS": 39, "FB1.ENCRES": 65536}),
+        ("kollmorgen_akd2g", "AMM5A23/65KSC1", {"FB#.BITS": 39, "FB#.MULTITURNBITS": 16}),
+        ("keb_f5", "AMM5A23/65KSC1", {"inc/r": 2048, "Singleturn resolution": 23, "Multiturn resolution": 16, "Data code": "binary"}),
+        ("keb_f6", "AM3619/4096-GG", {"SSI singleturn resolution": 19, "SSI multiturn resolution": 12}),
+        # 2^20 steps, 65536 turns, no fill bits; a linear encoder has 4 on the left, ASC85 1 on the right.
+        ("beckhoff_ax8000", "AM3616/4096-I7", {"Measuring steps per revolution": 1048576, "Number of distinguishable revolutions": 65536, "Fill bit count left": 0}),
+        ("beckhoff_ax8000", "SMA21-SC1-0050", {"Measuring step length": "50 µm", "Position bit count": 20, "Fill bit count left": 4, "Fill bit count right": 0}),
+        ("beckhoff_ax8000", "ASC8525/SC1", {"Measuring steps per revolution": 33554432, "Fill bit count right": 1, "CRC polynome": 0x43, "CRC data inverted": True}),
+        # Total 23, of which one status bit after the data; 25 MHz / (2 * 13) = 961.5 kHz is the fastest below 1 MHz, 27 MHz / (2 * 14) = 964.3 kHz.
+        ("galil_ssi", "SMA21-GG1-0010", {"si0": 1, "si1": 23, "si2": 22, "si3": 1, "p (Optima, Econo)": 12, "p (Accelera)": 13, "q": 2}),
+        ("galil_ssi", "AMM5A21/65KBG1", {"si1": 37, "si2": 21, "si3": 0, "q": 1}),
+        # The position lies above the error bit, bit 0: 1 to 22.
+        ("siemens_posinput", "SMA21-GG1-0010", {"Frame length": 23, "Bit number of LSB of the position value": 1, "Bit number of MSB of the position value": 22}),
+        ("siemens_posinput", "SMA21-GG1-0010", {"Code type": "Gray", "Parity": "none"}),
+    ],
+)
+def test_other_masters(told: Told, master: str, code: str, expected: dict[str, Any]) -> None:
+    found = told(master, code)
+    assert {name: found[name] for name in expected} == expected
+
+
+def test_example_of_siemens(told: Told) -> None:
+    """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0; 16 + 21 bits in one of 37 have 36 and 0."""
+    found = told("siemens_posinput", "AMM5A21/65KBG1")
+    assert (found["Frame length"], found["Bit number of MSB of the position value"], found["Bit number of LSB of the position value"]) == (37, 36, 0)
+
+
+@pytest.mark.parametrize(
+    ("master", "code", "reason"),
+    [
+        ("galil_ssi", "SMA21-SC1-0002", "Only SSI is described for this master; SMA21-SC1-0002 sends BiSS C-mode."),
+        ("ic_mb", "SMA21-GG1-0010", "Only BiSS C-mode is described for this master; SMA21-GG1-0010 sends SSI."),
+        ("keb_f5", "ASC8525/SC1", "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1."),
+        ("keb_f5", "SMA21-SC1-0002", "The data word is made of turns and the position within one. Here: movement linear."),
+    ],
+)
+def test_refusals(sheet_of: Callable[[str, str], Sheet], master: str, code: str, reason: str) -> None:
+    found = sheet_of(master, code)
+    assert [item.reason for item in found.refusals] == [reason]
+    assert found.settings == () and found.notes == ()
+
+
+def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], Sheet]) -> None:
+    assert any("shifted to the left by 1" in note for note in sheet_of("ti_motor_control_sdk", "ASC8525/SC1").notes)
+    assert not any("zero bits" in note for note in sheet_of("ti_motor_control_sdk", "AMM5A17/1SC1").notes)
+    assert any("converted as one word" in note for note in sheet_of("omron_nx", "AM3619/4096-GG").notes)
+    assert not any("converted as one word" in note for note in sheet_of("omron_nx", "AMM5A21/65KBG1").notes)

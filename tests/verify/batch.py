@@ -1,0 +1,314 @@
+"""A C program that decodes and encodes by the million: binary in, binary out, for every struct in a header of the C target.
+
+It reads chunks until its input ends, and answers each record with one record of a fixed size:
+
+    operation, codec, count, variant     one byte; two and two bytes; eight bytes for each member of the variant
+    count records                        of ``Batch.record`` bytes to be decoded, of ``Codec.size`` bytes to be encoded
+
+A record to be decoded is a length and so many bytes, or eight bytes with a word; the answer is the result, the members, and what encoding
+them again gives: a result and the bytes or the word. A record to be encoded is the members; the answer is a result and the bytes or the word.
+Numbers are low byte first, words and frames as they are sent. Where there is a fault, everything after the result is 0; the highest bit of
+the result tells of a struct that has changed nevertheless.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from c_harness import Member, codecs, members, short
+from codewheel.model import Device, Layout, PlacedLayout, Variant
+from codewheel.targets.c_device import DeviceView
+from codewheel.targets.c_source import c_name
+from codewheel.targets.c_views import CodecView
+
+DECODE, ENCODE, END = 0, 1, 255
+
+_FORMATS = {"bool": "?", "uint8_t": "B", "uint16_t": "H", "uint32_t": "I", "uint64_t": "Q", "int8_t": "b", "int16_t": "h", "int32_t": "i", "int64_t": "q"}
+
+
+def member_format(member: Member) -> str:
+    """How a member is written; an enumeration as a byte, which is all that some compilers give it."""
+    return f"{member.characters}s" if member.characters else _FORMATS.get(member.type, "B")
+
+
+@dataclass(frozen=True)
+class Codec:
+    """A struct of the header: its layout, and how its members are written."""
+
+    number: int
+    name: str
+    interface: str
+    layout: Layout
+    view: CodecView
+    members: tuple[Member, ...]
+
+    @property
+    def format(self) -> str:
+        return "".join(map(member_format, self.members))
+
+    @property
+    def size(self) -> int:
+        return struct.calcsize(f"<{self.format}")
+
+    @property
+    def sent(self) -> int:
+        """Bytes of an encoded word or frame in an answer."""
+        return 8 if self.view.carried_as == "bits" else self.view.length
+
+    @property
+    def answer(self) -> str:
+        """The answer to a record to be decoded: result, members, result of encoding them again, word or frame."""
+        return f"<B{self.format}B{self.sent}s"
+
+
+class Batch:
+    """What the program over a device knows, and the bytes that it is told."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.view = DeviceView(device)
+        layouts = {layout.name: (interface.kind, layout) for interface, layout in device.layouts()}
+        layouts |= {f"reg_{item.name}": (item.interface, item.layout) for item in device.registers}
+        self.codecs = [
+            Codec(number, short(self.view, item), *layouts[short(self.view, item)], item, tuple(members(item))) for number, item in enumerate(codecs(self.view))
+        ]
+        assert all(item.value < 256 for entry in self.codecs for field in entry.layout.fields if field.kind == "choice" for item in field.values)
+        #: A length, and room for the longest frame and two bytes more.
+        self.record = 1 + max(8, *(item.view.length + 2 for item in self.codecs))
+        self._parameters = [item.name for item in device.set_parameters]
+
+    def chunk(self, operation: int, codec: Codec, variant: Variant, records: Sequence[bytes] | bytes) -> bytes:
+        """A chunk over at most 65,535 records."""
+        text = records if isinstance(records, bytes) else b"".join(records)
+        size = self.record if operation == DECODE else codec.size
+        values = [variant.parameters.get(name, 0) for name in self._parameters]
+        return struct.pack(f"<BHH{len(values)}Q", operation, codec.number, len(text) // size, *values) + text
+
+    def frame(self, placed: PlacedLayout, wire: bytes) -> bytes:
+        """The record for a word or frame."""
+        return bytes([len(wire)]) + wire.ljust(self.record - 1, b"\0")
+
+    def source(self, entry: str) -> str:
+        """The program; ``entry`` is the text of a ``main`` that calls ``work()`` and has ``feed`` and ``emit`` before it."""
+        view, prefix, maker = self.view, self.view.prefix, self.view.maker.name
+        pieces = "".join(self._codec(item, maker, prefix) for item in self.codecs)
+        rows = ",\n".join(f"    {{ decode_{item.name}, encode_{item.name}, {item.size + 2 + item.sent}U, {item.size}U, {1 + item.sent}U }}" for item in self.codecs)
+        sets = "".join(
+            f"    variant->{c_name(item.name)} = ({view.member_type(item)})number(&bytes[{8 * index}], 8U);\n" for index, item in enumerate(view.parameters)
+        )
+        values = {"maker": maker, "device": self.device.name, "prefix": prefix, "entry": entry, "codecs": pieces, "rows": rows, "sets": sets}
+        values |= {"record": str(self.record), "parameters": str(8 * max(1, len(view.parameters))), "given": str(8 * len(view.parameters))}
+        largest = max(item.size + 2 + item.sent for item in self.codecs)
+        return _fill(_PROGRAM, values | {"largest": str(max(largest, self.record))})
+
+    @staticmethod
+    def _codec(codec: Codec, maker: str, prefix: str) -> str:
+        view, at, puts, gets = codec.view, 0, "", ""
+        for member in codec.members:
+            size = struct.calcsize(f"<{member_format(member)}")
+            if member.characters:
+                puts += f"    copy(&to[{at}], (const uint8_t *)out.{member.name}, {size}U);\n"
+                gets += f"    copy((uint8_t *)in.{member.name}, &from[{at}], {size}U);\n"
+            else:
+                puts += f"    put(&to[{at}], (uint64_t)out.{member.name}, {size}U);\n"
+                gets += f"    in.{member.name} = {_from_number(member, f'number(&from[{at}], {size}U)', 8 * size)};\n"
+            at += size
+        bits = view.carried_as == "bits"
+        values = {
+            "maker": maker, "MAKER": maker.upper(), "prefix": prefix, "name": codec.name, "struct": view.name, "puts": puts, "gets": gets,
+            "size": str(at), "sent": str(codec.sent),
+            "decode": "word_of(from), &out" if bits else "&from[1], from[0], &out",
+            "encode": "&word" if bits else f"to, {view.length}U", "before": "uint64_t word = 0U;" if bits else "",
+            "after": "put_word(to, word);" if bits else "",
+        }  # fmt: skip
+        return _fill(_CODEC, values)
+
+
+def _from_number(member: Member, text: str, bits: int) -> str:
+    if member.type == "bool":
+        return f"{text} != 0U"
+    return f"({member.type})to_signed({text}, {bits}U)" if member.type.startswith("int") else f"({member.type}){text}"
+
+
+def _fill(text: str, values: Mapping[str, str]) -> str:
+    for name, value in values.items():
+        text = text.replace(f"@{name}@", value)
+    return text
+
+
+def stdio_entry() -> str:
+    """The entry of a program of a system with standard input and output."""
+    return _STDIO
+
+
+def on_the_wire(layout: Layout, number: int, bits: int) -> bytes:
+    """A word as eight bytes, a frame as it is sent."""
+    if layout.carried_as == "bits":
+        return number.to_bytes(8, "big")
+    return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
+
+
+def write_source(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+_STDIO = """#include <stdio.h>
+static size_t feed(uint8_t *to, size_t count) { return fread(to, 1U, count, stdin); }
+static void emit(const uint8_t *from, size_t count) { (void)fwrite(from, 1U, count, stdout); }
+int main(void) { return work(); }
+"""
+
+_CODEC = """
+static void encode_@name@(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to)
+{
+    @struct@ in;
+    @maker@_result result;
+    @before@
+    wipe((uint8_t *)&in, sizeof in, 0U);
+@gets@    result = @struct@_encode(variant, &in, @encode@);
+    to[-1] = (uint8_t)result;
+    if (result == @MAKER@_OK) {
+        @after@
+    }
+}
+
+static void decode_@name@(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to)
+{
+    @struct@ out;
+    @maker@_result result;
+    wipe((uint8_t *)&out, sizeof out, 0x5AU);
+    result = @struct@_decode(variant, @decode@);
+    to[-1] = (uint8_t)result;
+    if (result != @MAKER@_OK) {
+        to[-1] |= is_all((const uint8_t *)&out, sizeof out, 0x5AU) ? 0U : 0x80U;
+        return;
+    }
+@puts@    encode_@name@(variant, to, &to[@size@ + 1]);
+}
+"""
+
+_PROGRAM = """#include "@maker@/@device@.h"
+
+static size_t feed(uint8_t *to, size_t count);
+static void emit(const uint8_t *from, size_t count);
+
+static void wipe(uint8_t *to, size_t count, uint8_t byte)
+{
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        to[index] = byte;
+    }
+}
+
+static void copy(uint8_t *to, const uint8_t *from, size_t count)
+{
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        to[index] = from[index];
+    }
+}
+
+static bool is_all(const uint8_t *from, size_t count, uint8_t byte)
+{
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        if (from[index] != byte) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void put(uint8_t *to, uint64_t value, size_t count)
+{
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        to[index] = (uint8_t)(value >> (8U * index));
+    }
+}
+
+static uint64_t number(const uint8_t *from, size_t count)
+{
+    uint64_t value = 0U;
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        value |= (uint64_t)from[index] << (8U * index);
+    }
+    return value;
+}
+
+static inline int64_t to_signed(uint64_t value, uint32_t bits)
+{
+    const uint64_t half = (UINT64_MAX >> (64U - bits)) >> 1U;
+    return value > half ? -(int64_t)((half - (value & half))) - 1 : (int64_t)value;
+}
+
+static inline uint64_t word_of(const uint8_t *from)
+{
+    uint64_t value = 0U;
+    size_t index;
+    for (index = 1U; index <= 8U; index++) {
+        value = (value << 8U) | from[index];
+    }
+    return value;
+}
+
+static inline void put_word(uint8_t *to, uint64_t word)
+{
+    size_t index;
+    for (index = 0U; index < 8U; index++) {
+        to[index] = (uint8_t)(word >> (56U - 8U * index));
+    }
+}
+@codecs@
+typedef struct codec {
+    void (*decode)(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to);
+    void (*encode)(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to);
+    size_t answer;
+    size_t members;
+    size_t encoded;
+} codec;
+
+static const codec codecs[] = {
+@rows@
+};
+
+static void set_variant(@prefix@_variant *variant, const uint8_t *bytes)
+{
+    wipe((uint8_t *)variant, sizeof *variant, 0U);
+    (void)bytes;
+@sets@}
+
+static int work(void)
+{
+    uint8_t head[5];
+    uint8_t values[@parameters@];
+    uint8_t record[@largest@];
+    uint8_t answer[@largest@ + 1];
+    @prefix@_variant variant;
+    while (feed(head, sizeof head) == sizeof head && head[0] != 255U) {
+        const codec *const chosen = &codecs[number(&head[1], 2U)];
+        const bool decode = head[0] == 0U;
+        const size_t size = decode ? (size_t)@record@U : chosen->members;
+        const size_t length = decode ? chosen->answer : chosen->encoded;
+        uint64_t left = number(&head[3], 2U);
+        (void)feed(values, @given@U);
+        set_variant(&variant, values);
+        for (; left > 0U; left--) {
+            if (feed(record, size) != size) {
+                return 2;
+            }
+            wipe(answer, sizeof answer, 0U);
+            (decode ? chosen->decode : chosen->encode)(&variant, record, &answer[1]);
+            emit(answer, length);
+        }
+    }
+    return 0;
+}
+
+@entry@"""

@@ -1,0 +1,73 @@
+"""Machines that the generated C runs on: the host, Cortex-M under system emulation, a big-endian one under user emulation."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from batch import stdio_entry
+from c_harness import Run
+from tools import tool
+
+HERE = Path(__file__).resolve().parent
+_BARE = ["-mthumb", "-std=gnu99", "-nostartfiles", "--specs=nosys.specs", "-T", str(HERE / "cortex_m.ld")]
+_EMULATE = ["-nographic", "-semihosting-config", "enable=on,target=native", "-monitor", "none", "-serial", "none", "-kernel"]
+
+#: A program with a ``main`` in place of ``work``.
+_MAIN = "\nstatic size_t feed(uint8_t *to, size_t count);\nstatic void emit(const uint8_t *from, size_t count);\nstatic int work(void) { return main(); }\n"
+
+
+@dataclass(frozen=True)
+class Machine:
+    """How to compile for it and how to run a program; ``bare`` has no system, so that a start file is needed."""
+
+    name: str
+    compiler: tuple[str, ...]
+    emulator: tuple[str, ...] = ()
+    bare: bool = False
+
+    def entry(self) -> str:
+        """What follows the text of a program that has ``work``, ``feed`` and ``emit``."""
+        return (HERE / "cortex_m.c").read_text(encoding="utf-8") if self.bare else stdio_entry()
+
+    def compile(self, text: str, folder: Path, include: Path, stem: str) -> Program:
+        path, made = folder / f"{stem}.c", folder / f"{stem}-{self.name}"
+        path.write_text(text, encoding="utf-8")
+        compiler = [tool(self.compiler[0]), *self.compiler[1:]]
+        done = subprocess.run([*compiler, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(path), "-o", str(made)], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[:4000]
+        emulator = [tool(name) for name in self.emulator[:1]] + list(self.emulator[1:])
+        return Program((*emulator, str(made)))
+
+    def compile_main(self, text: str, folder: Path, include: Path, stem: str) -> Program:
+        """The same for the text of a program with ``main``."""
+        return self.compile(text + _MAIN + self.entry() if self.bare else text, folder, include, stem)
+
+
+@dataclass(frozen=True)
+class Program:
+    command: tuple[str, ...]
+
+    def __call__(self, data: bytes) -> bytes:
+        done = subprocess.run(self.command, input=data, capture_output=True, timeout=300)
+        assert done.returncode == 0, done.stderr.decode(errors="replace")[:2000]
+        return done.stdout
+
+    def by_line(self) -> Run:
+        """The same for the program of the harness, which answers lines with lines."""
+
+        def run(lines: Iterable[str]) -> list[str]:
+            return self("".join(f"{line}\n" for line in lines).encode("ascii")).decode("ascii").splitlines()
+
+        return run
+
+
+HOST = Machine("host", ("gcc", "-std=c99", "-O2"))
+MACHINES = (
+    Machine("cortex-m0", ("arm-none-eabi-gcc", "-mcpu=cortex-m0", "-Os", *_BARE), ("qemu-system-arm", "-M", "microbit", *_EMULATE), bare=True),
+    Machine("cortex-m3", ("arm-none-eabi-gcc", "-mcpu=cortex-m3", "-O2", *_BARE), ("qemu-system-arm", "-M", "lm3s6965evb", *_EMULATE), bare=True),
+    Machine("cortex-m4", ("arm-none-eabi-gcc", "-mcpu=cortex-m4", "-O3", *_BARE), ("qemu-system-arm", "-M", "netduinoplus2", *_EMULATE), bare=True),
+    Machine("powerpc", ("powerpc-linux-gnu-gcc", "-std=c99", "-O2", "-static"), ("qemu-ppc-static",)),
+)

@@ -1,0 +1,195 @@
+"""What a proof by the model checker CBMC needs: the header read as text, the parameters of all order codes at once, and the run itself.
+
+A harness is a C file whose functions claim something with ``__CPROVER_assert`` about values that may be anything. The parameters of the variant
+are such values too, restricted to those of the order codes (and to what registers can hold at run time), so that one proof holds for all of them.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from codewheel.expressions import Expression
+from codewheel.model import Device, Variant
+
+#: Undefined behaviour of every kind that the checker knows, overflow of floating point left out.
+UNDEFINED = (
+    "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check --signed-overflow-check --undefined-shift-check --div-by-zero-check"
+).split()
+#: Far above what any proof here takes; one that does not end is no proof.
+TIMEOUT_S = 400
+
+
+@dataclass(frozen=True)
+class Function:
+    name: str
+    type: str
+    arguments: tuple[tuple[str, str], ...]
+    body: str
+
+
+@dataclass(frozen=True)
+class Member:
+    type: str
+    name: str
+    count: int
+
+
+@dataclass(frozen=True)
+class Header:
+    """The functions and structs of a header, found by its text alone."""
+
+    functions: Mapping[str, Function]
+    structs: Mapping[str, tuple[Member, ...]]
+
+    @classmethod
+    def read(cls, *texts: str) -> Header:
+        text = re.sub(r"/\*.*?\*/", "", "\n".join(texts), flags=re.DOTALL)
+        functions = {}
+        for found in re.finditer(r"^static inline ([^;{}]*?)(\w+)\(([^{}]*?)\)\n\{\n(.*?)^\}", text, re.DOTALL | re.MULTILINE):
+            given = " ".join(found[3].split())
+            arguments = [re.fullmatch(r"(.*?)(\w+)", item.strip()) for item in given.split(",") if item.strip() != "void"]
+            functions[found[2]] = Function(found[2], " ".join(found[1].split()), tuple((item[1].strip(), item[2]) for item in arguments if item), found[4])
+        structs = {
+            found[1]: tuple(Member(item[1].strip(), item[2], int(item[3] or 0)) for item in re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", found[2]))
+            for found in re.finditer(r"^typedef struct (\w+) \{\n(.*?)^\} \1;", text, re.DOTALL | re.MULTILINE)
+        }
+        return cls(functions, structs)
+
+    def member(self, struct: str, name: str) -> Member:
+        """The member for a name of the spec; a reserved word has an underscore behind it."""
+        return next(item for item in self.structs[struct] if item.name in (name, name + "_"))
+
+    def anything(self, struct: str, name: str) -> str:
+        """Lines that declare a struct of which every member may be anything that its type can hold."""
+        lines = f"    {struct} {name};\n"
+        for item in self.structs.get(struct, ()):
+            if item.type in ("bool", "_Bool") and not item.count:
+                lines += f"    {name}.{item.name} = nondet_bool();\n"
+        return lines
+
+
+PRELUDE = """\
+_Bool nondet_bool(void);
+long long nondet_number(void);
+unsigned long long nondet_word(void);
+unsigned char nondet_byte(void);
+__CPROVER_size_t nondet_size(void);
+void *malloc(__CPROVER_size_t size);
+"""
+
+
+def in_c(expression: Expression) -> str:
+    """An expression over parameters as the reference writes it: plain numbers of 64 bits with a sign."""
+    return "(" + expression.render(prefix="p_", power="(1LL << {})", suffix="LL") + ")"
+
+
+@dataclass(frozen=True)
+class Variants:
+    """The parameters that matter, and all values that they can have together."""
+
+    device: Device
+    names: tuple[str, ...]
+    combinations: tuple[Mapping[str, int], ...]
+    ranges: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
+        """Over all order codes of an interface, or of all where it is empty. ``used`` names parameters; those they follow from are added."""
+        definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+        names: list[str] = []
+
+        def add(name: str) -> None:
+            expression = definitions.get(name)
+            for other in expression.parameters if expression is not None else ():
+                add(other)
+            if name not in names:
+                names.append(name)
+
+        for name in used:
+            add(name)
+        variants: Sequence[Variant] = [item for item in device.variants if item.interface == interface or not interface] or device.variants
+        held = {item.name: item for item in device.run_time_parameters}
+        fixed = [item for item in names if item not in definitions and item not in held]
+        found = {tuple(item.parameters[name] for name in fixed) for item in variants}
+        ranges = {name: (held[name].min or 0, held[name].largest if (most := held[name].max) is None else most) for name in names if name in held}
+        return cls(device, tuple(names), tuple(dict(zip(fixed, item)) for item in sorted(found)), ranges)
+
+    @property
+    def count(self) -> int:
+        """How many sets of parameters one proof covers."""
+        count = len(self.combinations)
+        for low, high in self.ranges.values():
+            count *= high - low + 1
+        return count
+
+    def declare(self, prefix: str, header: Header) -> str:
+        """C that makes ``variant`` and the parameters ``p_…`` any of them; members of the variant that do not matter may hold anything."""
+        definitions = {item.name: item.equals for item in self.device.parameters if item.equals is not None}
+        lines = "".join(f"static long long p_{name};\n" for name in self.names)
+        lines += f"static {prefix}_variant variant;\nstatic void any_variant(void)\n{{\n    {prefix}_variant anything;\n    variant = anything;\n"
+        lines += "".join(f"    p_{name} = nondet_number();\n" for name in self.names if name not in definitions)
+        if self.combinations and self.combinations[0]:
+            choices = " ||\n        ".join("(" + " && ".join(f"p_{name} == {value}" for name, value in item.items()) + ")" for item in self.combinations)
+            lines += f"    __CPROVER_assume({choices});\n"
+        lines += "".join(f"    __CPROVER_assume(p_{name} >= {low} && p_{name} <= {high});\n" for name, (low, high) in self.ranges.items())
+        for name in self.names:
+            equals = definitions.get(name)
+            if equals is not None:
+                lines += f"    p_{name} = {in_c(equals)};\n"
+            else:
+                member = header.member(f"{prefix}_variant", name)
+                lines += f"    variant.{member.name} = ({member.type})p_{name};\n"
+        return lines + "}\n"
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A function of a harness whose claims are to hold; ``covers`` is for how many sets of parameters they do."""
+
+    name: str
+    harness: str
+    entry: str
+    unwind: int = 66
+    options: tuple[str, ...] = ()
+    covers: int = 1
+
+
+@dataclass(frozen=True)
+class Result:
+    proof: Proof
+    proved: bool
+    words: str
+
+
+@dataclass(frozen=True)
+class Checker:
+    cbmc: str
+    solver: str
+
+    def prove(self, proof: Proof, include: Path, folder: Path) -> Result:
+        """Runs one proof on the headers below ``include``."""
+        file = folder / (re.sub(r"\W", "_", proof.name) + ".c")
+        file.write_text(proof.harness, encoding="utf-8")
+        command = [self.cbmc, str(file), "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind), "--unwinding-assertions"]
+        command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
+        try:
+            with tempfile.TemporaryDirectory(dir=folder) as own:
+                done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, env={**os.environ, "TMPDIR": own})
+        except subprocess.TimeoutExpired:
+            return Result(proof, False, f"{proof.name}: no answer within {TIMEOUT_S} s")
+        proved = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
+        refuted = done.returncode == 10 and "VERIFICATION FAILED" in done.stdout
+        told = [line for line in (done.stdout + done.stderr).splitlines() if refuted is False or line.startswith("Violated") or "FAILURE" in line or line.startswith("  ")]
+        return Result(proof, proved, proof.name if proved else f"{proof.name}: {'REFUTED' if refuted else 'no result'}\n" + "\n".join(told[-12:]))
+
+    def prove_all(self, proofs: Sequence[Proof], include: Path, folder: Path) -> list[Result]:
+        """Several at once, as many as there are processors."""
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            return list(pool.map(lambda proof: self.prove(proof, include, folder), proofs))

@@ -1,0 +1,53 @@
+"""Decimal digits inside a binary number: shown by going through every number, because division is beyond a model checker.
+
+The reference does not divide either: it counts, and carries as an odometer does. Every value that an encoder may be given comes by on the way.
+"""
+
+from __future__ import annotations
+
+from proof_codec import RANGE, CodecProof
+
+
+def program(codec: CodecProof) -> str:
+    """A C program for a register whose only field is a number of at most 32 bits with digits; it returns 0 when it is right for all of them."""
+    (field,) = codec.fields
+    assert field.digits and field.widest <= 32 and codec.size * 8 == field.widest and not codec.by_word
+    limit = 10 ** sum(run.digits for run in field.digits)
+    names = [codec.header.member(codec.name, run.name).name for run in field.digits]
+    whole = codec.header.member(codec.name, field.name)
+    places = range(codec.size) if codec.layout.byte_order == "low_byte_first" else range(codec.size - 1, -1, -1)
+    writes = " ".join(f"sent[{at}] = (uint8_t)(number >> {8 * place});" for place, at in enumerate(places))
+    right_bytes = " && ".join(f"again[{at}] == sent[{at}]" for at in places)
+    odometer = ""
+    for run, name in zip(field.digits, names):
+        odometer = f"if (++count.{name} == {run.modulus}U) {{ count.{name} = 0U; {odometer}}}" if odometer else f"count.{name}++;"
+
+    def same(struct: str) -> str:
+        return " && ".join(f"{struct}.{name} == count.{name}" for name in (*names, whole.name))
+
+    return f"""#include "{codec.prefix.replace("_", "/", 1)}.h"
+
+int main(void)
+{{
+    static {codec.prefix}_variant variant;
+    static {codec.name} count;
+    uint64_t number;
+    for (number = 0U; number <= {(1 << field.widest) - 1}U; number++) {{
+        uint8_t sent[{codec.size}], again[{codec.size}] = {{ 0U }};
+        {codec.name} out = {{ 0 }}, set = {{ 0 }};
+        int decoded, chosen;
+        {writes}
+        decoded = (int){codec.name}_decode(&variant, sent, sizeof sent, &out);
+        chosen = (int){codec.name}_set_{field.name}(&variant, ({whole.type})number, &set);
+        if (number >= {limit}U) {{
+            if (decoded != {RANGE} || chosen != {RANGE}) return 1;
+            continue;
+        }}
+        count.{whole.name} = ({whole.type})number;
+        if (decoded != 0 || chosen != 0 || !({same("out")}) || !({same("set")})) return 2;
+        if (({codec.name}_encode(&variant, &count, again, sizeof again) != 0) || !({right_bytes})) return 3;
+        {odometer}
+    }}
+    return 0;
+}}
+"""

@@ -1,0 +1,89 @@
+"""A fuzzer with address and undefined-behaviour sanitizers finds no fault in any function of any header, nor a frame that is not encoded as it was decoded.
+
+The targets are made from the headers, see ``fuzz.py``. ``CODEWHEEL_FUZZ_SECONDS`` says how long each is run.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from batch import Batch
+from c_harness import FAMILIES
+from fuzz import HERE, PRECONDITIONS, Header, seeds, source
+from tools import tool
+from tree import generated_tree, library, number_from_environment
+
+SECONDS = number_from_environment("CODEWHEEL_FUZZ_SECONDS", 20)
+#: Wrap-around of unsigned numbers and shifts that lose bits are what the code means; every other loss of a number's value is watched.
+SANITIZERS = ["-fsanitize=fuzzer,address,undefined,integer", "-fno-sanitize=unsigned-integer-overflow,unsigned-shift-base", "-fno-sanitize-recover=all"]
+#: Register access over BiSS is a header of the manufacturer's, not of a family.
+TARGETS = (*FAMILIES, "biss")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("fuzz")
+
+
+@pytest.fixture(scope="module")
+def include(folder: Path) -> Path:
+    return generated_tree(folder) / "c" / "include"
+
+
+@pytest.fixture(scope="module")
+def logs(folder: Path, include: Path) -> dict[str, tuple[int, str]]:
+    """How each target ended, and what it said; two run at a time."""
+    compiler = [tool("clang"), "-std=c99", "-O1", "-g", *SANITIZERS, f"-I{include}"]
+    batches = {name: Batch(library()[name]) for name in FAMILIES}
+    maker = batches[FAMILIES[0]].view.maker.name
+
+    def run(name: str) -> tuple[int, str]:
+        if name in batches:
+            text, inputs = source(batches[name], include), seeds(batches[name])
+        else:
+            text, inputs = (HERE / "fuzz_biss.c").read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper()), iter(())
+        return fuzzed(compiler, text, inputs, folder / name)
+
+    with ThreadPoolExecutor(2) as pool:
+        return dict(zip(TARGETS, pool.map(run, TARGETS)))
+
+
+def fuzzed(compiler: list[str], text: str, inputs: Iterable[bytes], folder: Path) -> tuple[int, str]:
+    corpus = folder / "corpus"
+    corpus.mkdir(parents=True)
+    for index, data in enumerate(inputs):
+        (corpus / f"{index:04}").write_bytes(data)
+    program = folder / "target"
+    (folder / "target.c").write_text(text, encoding="utf-8")
+    done = subprocess.run([*compiler, str(folder / "target.c"), "-o", str(program)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:4000]
+    options = [f"-max_total_time={SECONDS}", "-max_len=1200" if folder.name == "biss" else "-max_len=96", "-seed=1", "-rss_limit_mb=1024", "-print_final_stats=1", "-verbosity=1"]
+    done = subprocess.run([str(program), *options, f"-artifact_prefix={folder}/", str(corpus)], capture_output=True, text=True, errors="replace", timeout=SECONDS + 120)
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_the_fuzzer_finds_nothing(logs: dict[str, tuple[int, str]], name: str) -> None:
+    status, log = logs[name]
+    said = [line for line in log.splitlines() if not re.match(r"#\d|INFO|\s+NEW_FUNC", line)]
+    assert status == 0, "\n".join(said[-60:])
+    runs = re.search(r"number_of_executed_units:\s+(\d+)", log)
+    assert runs is not None and int(runs[1]) > 500 * SECONDS, said[-10:]
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_every_function_is_called(name: str, include: Path) -> None:
+    """All but the helpers that are named with a reason: a function that the expressions overlook would not be fuzzed."""
+    batch = Batch(library()[name])
+    header = Header(batch, include)
+    called = re.findall(r"\(void\)(\w+)\(", header.calls())
+    own = [f"{item.view.name}_decode" for item in batch.codecs]
+    declared = [
+        found for file in ("encoder", name) for found in re.findall(r"^static inline [^;{]*?(\w+)\(", (include / batch.view.maker.name / f"{file}.h").read_text(encoding="ascii"), re.MULTILINE)
+    ]
+    assert sorted([*called, *own, *(f"{header.maker}_{item}" for item in PRECONDITIONS)]) == sorted(declared)

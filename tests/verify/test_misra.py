@@ -1,0 +1,84 @@
+"""The headers under cppcheck's MISRA add-on: nothing but what ``generated/c/MISRA.md`` names and gives a reason for."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from test_warnings import headers  # noqa: F401
+from tools import tool
+from uses import use_everything
+
+ROOT = Path(__file__).resolve().parents[2]
+DEVIATIONS = ROOT / "generated" / "c" / "MISRA.md"
+#: For unused types, tags and macros: only in files that do not use them.
+UNUSED = {"2.3", "2.4", "2.5"}
+#: Sizes of int and long: 16 and 32 bits, 32 and 32, 32 and 64.
+PLATFORMS = ("avr8", "arm32-wchar_t4", "unix64")
+
+
+def deviations() -> set[str]:
+    """The rules of the first table, which is the one of what the add-on finds."""
+    table = DEVIATIONS.read_text(encoding="utf-8").partition("These deviations are known besides")[0]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("|")][2:]
+    assert rows and all(len(row) == 4 and all(row) for row in rows), "each deviation has a rule, a category, a place and a reason"
+    assert {row[1] for row in rows} == {"advisory"}, "no required rule is deviated from"
+    return {row[0] for row in rows}
+
+
+def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple[str, str]]:
+    """Rule and place of everything that is found in the headers."""
+    unit = folder / "unit.c"
+    unit.write_text(code, encoding="ascii")
+    command = [
+        tool("cppcheck"), f"--platform={platform}", "--addon=misra", "--std=c99", f"-I{include}", "--enable=warning,style,performance,portability",
+        "--inconclusive", "--quiet", "--error-exitcode=0", "--template={file}:{line}: [{id}] {message}", str(unit),
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0 and "Bailing out" not in done.stderr, done.stdout + done.stderr
+    found = re.findall(r"^(.+?):(\d+): \[(?:misra-c2012-)?(.+?)\]", done.stderr, re.MULTILINE)
+    assert len(found) == len(done.stderr.splitlines()), done.stderr[:2000]
+    return {(rule, f"{Path(path).relative_to(include)}:{line}") for path, line, rule in found if Path(path) != unit}
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_headers_that_are_included_have_no_finding_without_a_reason(platform: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
+    include, every = headers
+    found = findings("".join(f'#include "{header}"\n' for header in every), include, tmp_path, platform)
+    allowed = deviations()
+    assert [item for item in sorted(found) if item[0] not in allowed] == []
+    assert {rule for rule, _ in found} == allowed, "a deviation that nothing needs"
+
+
+def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
+    include, every = headers
+    found = findings(use_everything(every, include), include, tmp_path, "unix64")
+    assert [item for item in sorted(found) if item[0] not in deviations() - UNUSED] == []
+
+
+@pytest.mark.parametrize(
+    ("sound", "planted", "rule"),
+    [
+        ("return v & 1U;", "return v & value >> 31U;", "12.1"),
+        ("    uint32_t v = value;\n", "    uint32_t v = value;\n    v = v << 1U, v >> 1U;\n", "12.3"),
+        ("static inline bool lika_is_digit(char letter)\n{\n", "static inline bool lika_is_digit(char letter)\n{\n    letter++;\n", "17.8"),
+        ("return v & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
+        ("        index += done;\n", "        if (done > 2U) {\n            index += done;\n        } else if (done > 1U) {\n            index += 2U;\n        }\n", "15.7"),
+    ],
+)
+def test_what_is_planted_is_found(sound: str, planted: str, rule: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
+    shutil.copytree(headers[0], tmp_path / "include")
+    header = tmp_path / "include" / "lika" / "encoder.h"
+    text = header.read_text(encoding="ascii")
+    assert text.count(sound) == 1
+    header.write_text(text.replace(sound, planted), encoding="ascii")
+    found = findings('#include "lika/encoder.h"\n', tmp_path / "include", tmp_path, "unix64")
+    assert rule in {item for item, _ in found} - deviations()
+
+
+def test_nothing_is_switched_off(headers: tuple[Path, list[str]]) -> None:  # noqa: F811
+    include, every = headers
+    assert not [header for header in every if re.search(r"cppcheck-suppress|NOLINT|lint ?[-!]e", (include / header).read_text())]

@@ -1,0 +1,47 @@
+"""What the evidence is about: the C headers and the Python package as generated.
+
+They are made from the specs as they are. ``CODEWHEEL_GENERATED`` names a folder to take instead, laid out like ``generated/``: a copy that
+was broken on purpose shows which check sees it.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from c_harness import devices_of, write
+from codewheel.model import Device
+from codewheel.targets import Library, c, python
+
+
+@functools.lru_cache
+def library() -> Mapping[str, Device]:
+    """The families of our specs, read once."""
+    return {device.name: device for device in devices_of()}
+
+
+def generated_tree(folder: Path) -> Path:
+    """A folder with ``c/include`` and ``python`` in it, written to ``folder`` unless the environment names one."""
+    given = os.environ.get("CODEWHEEL_GENERATED")
+    if given:
+        return Path(given).resolve()
+    ours = Library(tuple(library().values()))
+    for name, text in {**c.generate(ours), **python.generate(ours)}.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def include_of(device: Device, folder: Path) -> Path:
+    """The folder to include the header of a device from: that of the library's families, or one for a made-up device."""
+    if device.name in library():
+        return (Path(os.environ["CODEWHEEL_GENERATED"]).resolve() if "CODEWHEEL_GENERATED" in os.environ else folder) / "c" / "include"
+    return write(folder / device.name, (device,))
+
+
+def number_from_environment(name: str, default: int) -> int:
+    """A size of the evidence that may be set from outside."""
+    return int(os.environ.get(name, default))

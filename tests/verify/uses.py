@@ -1,0 +1,78 @@
+"""A C and C++ text that uses all there is in some headers: each function, macro, enumerator and type, by a function of its own.
+
+It is made from the text of the headers, so that nothing in them can be forgotten; and it says nothing of its own that a compiler could warn of.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+_FUNCTION = re.compile(r"^static inline ([\w \*]+?)(\w+)\(([^()]*)\)\s*\{", re.MULTILINE)
+_MACRO = re.compile(r"^#define (\w+)(\S*)(?: (.*))?$", re.MULTILINE)
+_ENUM = re.compile(r"^typedef enum \w* ?\{(.*?)\} (\w+);", re.MULTILINE | re.DOTALL)
+_STRUCT = re.compile(r"^typedef struct \w+ \{.*?^\} (\w+);", re.MULTILINE | re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What the headers declare at file scope."""
+
+    functions: tuple[tuple[str, str, str], ...]
+    macros: Sequence[tuple[str, str]]
+    enumerators: tuple[str, ...]
+    types: tuple[str, ...]
+
+    @property
+    def names(self) -> list[str]:
+        return [*(name for _, name, _ in self.functions), *(name for name, _ in self.macros), *self.enumerators, *self.types]
+
+
+def without_comments(text: str) -> str:
+    """The code of a header: no comments, and lines that end in a backslash joined."""
+    return re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL).replace("\\\n", " ")
+
+
+def declared(texts: Iterable[str]) -> Declared:
+    """Everything that the headers with these texts declare."""
+    code = "\n".join(map(without_comments, texts))
+    functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
+    # What the expressions above do not find would not be used, and nobody would see it.
+    assert len(functions) == len(re.findall(r"^static ", code, re.MULTILINE)), "a static that is no inline function"
+    macros = [(name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()]
+    assert not any(rest for _, rest, _ in _MACRO.findall(code)), "a macro with arguments"
+    enums = _ENUM.findall(code)
+    assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
+    enumerators = tuple(item.split("=")[0].strip() for body, _ in enums for item in body.split(","))
+    return Declared(functions, macros, enumerators, (*(name for _, name in enums), *_STRUCT.findall(code)))
+
+
+def use_everything(headers: Sequence[str], include: Path) -> str:
+    """A text that includes these headers, each given as below ``include``, and uses all that they and the shared header declare."""
+    shared = [f"{folder}/encoder.h" for folder in dict.fromkeys(header.partition("/")[0] for header in headers)]
+    found = declared((include / header).read_text(encoding="ascii") for header in dict.fromkeys([*shared, *headers]))
+    lines = [f'#include "{header}"' for header in headers]
+    for kind, name, given in found.functions:
+        arguments = "" if given == "void" else ", ".join(re.findall(r"(\w+)(?:\[\d*\])?(?:,|$)", given))
+        lines += _function(kind, name, given, f"{'' if kind == 'void' else 'return '}{name}({arguments});")
+    for name, value in found.macros:
+        if value.startswith("{"):
+            variant = max((item for item in found.types if item.endswith("_variant") and name.lower().startswith(item.removesuffix("variant"))), key=len)
+            lines += _function(variant, name, "void", f"const {variant} value = {name};", "return value;")
+        elif value.startswith('"'):
+            lines += _function("const char *", name, "void", f"return {name};")
+        else:
+            lines += _function("bool", name, "void", f"return {name} != 0;")
+    for name in found.enumerators:
+        lines += _function("bool", name, "void", f"return {name} != 0;")
+    for name in found.types:
+        lines += _function(f"const {name} *", name, f"const {name} *value", "return value;")
+    return "\n".join(lines) + "\n"
+
+
+def _function(kind: str, name: str, given: str, *body: str) -> list[str]:
+    """A function with its prototype, as strict warnings want it."""
+    head = f"{kind}{'' if kind.endswith('*') else ' '}use_{name}({given})"
+    return [f"{head};", head, "{", *(f"    {line}" for line in body), "}"]
