@@ -5,7 +5,7 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate test verify check spec-page clean
+.PHONY: generate test verify bench check spec-page clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -19,6 +19,11 @@ verify: .venv/.installed tools
 
 verify-%: .venv/.installed tools
 	@$(PY) -m pytest -rs -o addopts=-q tests/verify/test_$*.py
+
+# Size and speed of the C headers beside hand-written decoders and other generators; BENCH=--write writes docs/footprint.md too.
+bench: .venv/.installed tools
+	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@$(PY) benchmarks/footprint.py $(BENCH)
 
 check: .venv/.installed
 	@$(PY) -m codewheel check specs

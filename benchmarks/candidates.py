@@ -108,13 +108,14 @@ def candidates(frame: Frame, peers: Path) -> Iterator[Candidate]:
 def ours(frame: Frame) -> Iterator[Candidate]:
     """Our decoder for an order code chosen when it is compiled, at run time, and with the table that a macro chooses."""
     given, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
+    result = f"{frame.maker.lower()}_result"
     passed = given if frame.is_word else "bytes, sizeof bytes"
-    for name, macro in (("ours, order code fixed", ""), ("ours, fixed, table", f"#define {frame.maker}_CRC_TABLE\n")) if frame.is_word else (("ours, order code fixed", ""),):
-        head = f'{macro}#include "{frame.header}"\nint decode_ours({parameters}, {frame.layout} *out);\n'
-        body = f"static const {frame.variant_type} encoder = {frame.variant};\nint decode_ours({parameters}, {frame.layout} *out)\n{{\n    return (int){frame.layout}_decode(&encoder, {given}, out);\n}}\n"
+    for name, macro in (("ours, order code fixed", ""), ("ours, fixed, table", f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n")) if frame.is_word else (("ours, order code fixed", ""),):
+        head = f'{macro}#include "{frame.header}"\n{result} decode_ours({parameters}, {frame.layout} *out);\n'
+        body = f"static const {frame.variant_type} encoder = {frame.variant};\n{result} decode_ours({parameters}, {frame.layout} *out)\n{{\n    return {frame.layout}_decode(&encoder, {given}, out);\n}}\n"
         yield Candidate(name, "decode_ours", head + body, f"{head}static {frame.layout} out;", f"decode_ours({passed}, &out)", frame.good)
-    head = f'#include "{frame.header}"\nint decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out);\n'
-    body = f"int decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)\n{{\n    return (int){frame.layout}_decode(variant, {given}, out);\n}}\n"
+    head = f'#include "{frame.header}"\n{result} decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out);\n'
+    body = f"{result} decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)\n{{\n    return {frame.layout}_decode(variant, {given}, out);\n}}\n"
     yield Candidate("ours, at run time", "decode_ours", head + body, f"{head}static {frame.layout} out;\nstatic const {frame.variant_type} encoder = {frame.variant};", f"decode_ours(&encoder, {passed}, &out)", frame.good)
 
 
@@ -180,7 +181,7 @@ def write_peers(folder: Path) -> Path:
             raise RuntimeError(f"no {package} here; make bench installs it")
     folder.mkdir(parents=True, exist_ok=True)
     _run("cantools", "generate_c_source", "--no-floating-point-numbers", "--database-name", "peer", "-o", str(folder), str(HERE / "peers" / "frames.dbc"))
-    _run("nunavut", "--target-language", "c", "-O", str(folder), str(HERE / "peers" / "peer"))
+    _run("nunavut", "--target-language", "c", "--omit-float-serialization-support", "-O", str(folder), str(HERE / "peers" / "peer"))
     for frame in FRAMES:
         model = ("--width=6", "--poly=3", "--xor-out=0x3f") if frame.is_word else ("--width=8", "--poly=1", "--xor-out=0")
         reflect = str(not frame.is_word)

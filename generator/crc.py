@@ -47,13 +47,36 @@ def polynomial_text(width: int, poly: int) -> str:
 
 
 def form(width: int, poly: int, init: int, refin: bool, refout: bool) -> str:
-    """How code should compute a CRC with these parameters: ``fold``, ``xor`` or ``bitwise``."""
+    """How code should compute a CRC with these parameters: ``fold``, ``xor`` or ``table``."""
     if init == 0 and poly & 1:
         if width == 8 and poly == 1 and refin == refout:
             return "xor"
         if poly.bit_count() <= 2 and not refin and not refout:
             return "fold"
-    return "bitwise"
+    return "table"
+
+
+def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
+    """For each byte what it leaves of a CRC whose last bits it is: its remainder, moved up by the CRC's width.
+
+    ``reflected`` is for a register that is kept with its bits in the opposite order, as reflected input wants it.
+    """
+    whole = poly | 1 << width
+    if reflected:
+        return tuple(reflect(remainder(reflect(byte, 8) << width, whole), width) for byte in range(256))
+    return tuple(remainder(byte << width, whole) for byte in range(256))
+
+
+def word_table(width: int, poly: int) -> tuple[int, ...]:
+    """For each byte above the ``max(width, 8)`` bits of a number its remainder: what brings a word down byte by byte as it is."""
+    return tuple(remainder(byte << max(width, 8), poly | 1 << width) for byte in range(256))
+
+
+def remainder(number: int, polynomial: int) -> int:
+    """Long division of polynomials, ``polynomial`` with its top bit."""
+    while number.bit_length() >= polynomial.bit_length():
+        number ^= polynomial << (number.bit_length() - polynomial.bit_length())
+    return number
 
 
 def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 
@@ -68,7 +68,21 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
         device = build_device(data, maker, report.for_document(document))
         _compare_with_others(device, devices, document, report)
         devices.append(device)
-    return tuple(sorted(devices, key=lambda item: item.name)), report
+    devices.sort(key=lambda item: item.name)
+    if not report:
+        _check_names_in_c(devices, {document.data["device"]: document for document, data in checked if data is not None and "device" in data}, report)
+    return tuple(devices), report
+
+
+def _check_names_in_c(devices: Sequence[Device], documents: Mapping[str, Document], report: Report) -> None:
+    """Names that are apart in a spec can be one in C: said here, where line and column are known, and not when C is written."""
+    from .targets import Library
+    from .targets.c import name_clashes
+
+    for device, clash in name_clashes(Library(tuple(devices))):
+        document = documents[device.name]
+        where = f" on line {document.position(clash.other)[0]}" if clash.other and clash.other[0] != "device" else ""
+        report.add("c-name", document, clash.path, clash.message(where))
 
 
 def _check_manufacturer(maker: Manufacturer, others: Iterable[Manufacturer], document: Document, report: Report) -> None:

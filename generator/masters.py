@@ -131,7 +131,8 @@ def sheet(master: Master, record: Record) -> Sheet:
     if interface not in master.takes:
         names = {"biss": "BiSS C-mode", "ssi": "SSI"}
         only = listed(names[item] for item in master.takes)
-        return Sheet(master, (Refusal(f"Only {only} is described for this master; {record.code} sends {names[interface]}.", master.standing, ""),), (), (), speaks=False)
+        reason = f"Only {only} is described for this master; {record.code} sends {names[interface]}."
+        return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), speaks=False)
     refusals = [
         Refusal(f"{item['reason']} Here: {_actual(item['item'], record)}.", item.get("standing", master.standing), item["source"])
         for item in master.limits
@@ -175,7 +176,8 @@ def _actual(name: str, record: Record) -> str:
     if name in record.words:
         return f"{name.replace('_', ' ')} {record.words[name]}"
     number = record.numbers[name]
-    return f"{name.replace('_', ' ')} {f'{number:#x}' if name.startswith('crc_polynomial') and number is not None else number}"
+    shown = f"0x{number:02X}" if name.startswith("crc_polynomial") and number is not None else f"{number}"
+    return f"{name.replace('_', ' ')} {shown}"
 
 
 def _setting(item: Raw, master: Master, record: Record) -> Setting:

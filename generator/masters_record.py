@@ -113,7 +113,8 @@ def record(device: Device, variant: Variant, as_delivered: bool = True) -> Recor
     numbers = _widths(parts) | _crc_numbers(crc) | _times(interface) | _measured(measurement, variant)
     cables = tuple(f"shorter than {item.shorter_than_m} m: below {hertz(item.below_hz)}" for item in interface.cable_lengths)
     timeout = timeout_words(interface.timeout) if interface.timeout is not None else ""
-    return Record(variant.code, device.name, words, {name: numbers[name] for name in NUMBERS}, parts, timeout, cables, tuple(_notes(device, placed, parts, bool(cables), as_delivered)))
+    notes = tuple(_notes(device, placed, parts, bool(cables), as_delivered))
+    return Record(variant.code, device.name, words, {name: numbers[name] for name in NUMBERS}, parts, timeout, cables, notes)
 
 
 def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:

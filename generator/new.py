@@ -12,7 +12,7 @@ from pathlib import Path
 from .problems import Report
 from .read import read_document
 
-_NAME = re.compile(r"[a-z][a-z0-9_]*")
+_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
 
 

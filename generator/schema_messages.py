@@ -12,7 +12,7 @@ _TYPES = {"integer": "a whole number", "string": "text", "object": "a map of key
 
 #: Every pattern of the two schemas in words.
 PATTERNS = {
-    "^[a-z][a-z0-9_]*$": "a name has lower case letters, digits and underscores, a letter first",
+    "^[a-z][a-z0-9]*(_[a-z0-9]+)*$": "a name has lower case letters and digits, a letter first, and single underscores between them",
     "^[a-z][a-z0-9]*$": "it has lower case letters and digits, a letter first",
     "^[a-z]{2}$": "a language code has two lower case letters, as in en",
     "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is year-month-day, as in 2024-05-10",

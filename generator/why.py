@@ -17,6 +17,9 @@ from .why_tries import MISTAKES, Try
 
 __all__ = ["BitText", "Explanation", "Why", "explain_bits", "explain_bytes"]
 
+#: A mistake that more than one random frame in eight fits explains nothing.
+_LEAST_BITS = 3
+
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
@@ -83,8 +86,7 @@ def _why(device: Device, stuck: Explanation | None, tries: Iterable[Try], failed
     if not found:
         # Two at once only with the commonest of all, and only then: every further pair would fit by coincidence too.
         asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != "crc_not_inverted")), failed)
-        twice = [replace(item, fixed=0) for item in asked[len(single):]]
-        found = [replace(_explanation(device, item), twice=True) for item in twice if item.fits]
+        found = [replace(_explanation(device, item), twice=True) for item in asked[len(single):] if item.fits]
     found.sort(key=lambda item: -item.score)
     chances = {item.question: item.one_in for item in asked}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
@@ -93,11 +95,11 @@ def _why(device: Device, stuck: Explanation | None, tries: Iterable[Try], failed
 
 
 def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
-    """The tries without those that ask what is known to fail, and of those that ask the same and lead to the same frame the first."""
+    """The tries that say something, without those that ask what is known to fail; of those that ask the same and lead to the same frame the first."""
     wrong = {item.question for item in failed}
     found: dict[object, Try] = {}
     for item in tries:
-        if item.question not in wrong:
+        if item.known + item.demanded >= _LEAST_BITS and item.question not in wrong:
             leads_to = (item.number, item.placed.bits) if item.placed is not None else item.text
             found.setdefault((item.question, leads_to), item)
     return list(found.values())

@@ -88,7 +88,9 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     yield from _other_codes(device, variant, placed, crc, text)
 
 
-def read_as(kind: str, words: str, placed: PlacedLayout, crc: Crc, number: int, lost: int = 0, demanded: int = 0, holds: bool = True, codes: Sequence[str] = ()) -> Try:
+def read_as(
+    kind: str, words: str, placed: PlacedLayout, crc: Crc, number: int, lost: int = 0, demanded: int = 0, holds: bool = True, codes: Sequence[str] = ()
+) -> Try:
     """The try that the frame was ``number``, of which the last ``lost`` bits have not been received."""
     fixed, right = fixed_bits(placed, number)
     received = (number & crc.mask) >> lost
@@ -132,7 +134,8 @@ def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator
     for start in sorted({0, crc.mask} - {crc.init}):
         yield replace(same, kind="start_value", text=f"the CRC starts with {start:#x}", crc=replace(crc, init=start))
     backwards = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
-    yield replace(same, kind="polynomial_reversed", text=f"the polynomial is {backwards | 1 << crc.width:#x}, read from the other end", crc=replace(crc, poly=backwards))
+    words = f"the polynomial is {backwards | 1 << crc.width:#x}, read from the other end"
+    yield replace(same, kind="polynomial_reversed", text=words, crc=replace(crc, poly=backwards))
     yield replace(same, kind="crc_reversed", text="the bits of the CRC are in reversed order", received=reflect(received, crc.width))
 
 
@@ -148,7 +151,8 @@ def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
         return
     swapped = int.from_bytes(text.number.to_bytes(size, "little"), "big")
     unused = 8 * size - placed.bits
-    yield read_as("bytes_reversed", "the bytes are in reversed order", placed, crc, swapped & ((1 << placed.bits) - 1), demanded=unused, holds=not swapped >> placed.bits)
+    number = swapped & ((1 << placed.bits) - 1)
+    yield read_as("bytes_reversed", "the bytes are in reversed order", placed, crc, number, demanded=unused, holds=number == swapped)
 
 
 def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -164,7 +168,8 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
     words = "error and warning have been taken out of the frame"
     yield read_as("status_not_sent", f"{words}; the CRC is over them, with none active", placed, crc, frame)
     if text.exact:  # else it asks the same as a CRC over the bits before them
-        yield Try("status_not_sent", f"{words}; the CRC is over the rest", crc, data, bits, received, crc.width, usual=usual(placed, frame), number=frame, placed=placed)
+        words += "; the CRC is over the rest"
+        yield Try("status_not_sent", words, crc, data, bits, received, crc.width, usual=usual(placed, frame), number=frame, placed=placed)
 
 
 def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -213,7 +218,8 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
             # One bit more is the stop bit, or what came instead; further ones are 0, as the master holds SLI at 0.
             zeros = more if more > 1 else 0
             ends = text.number & ((1 << zeros) - 1)
-            yield read_as(_kind(codes), f"{who}, read {_bits(more)} too long", other, crc, text.number >> more, demanded=zeros, holds=not ends, codes=codes)
+            words = f"{who}, read {_bits(more)} too long"
+            yield read_as(_kind(codes), words, other, crc, text.number >> more, demanded=zeros, holds=not ends, codes=codes)
         elif -_CUT <= more < 0 and text.bits == placed.bits:
             yield read_as(_kind(codes), f"{who}, read {_bits(-more)} too short", other, crc, text.number << -more, -more, codes=codes)
 

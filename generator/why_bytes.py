@@ -16,8 +16,8 @@ _MOST_MORE = 4
 
 def tries(device: Device, variant: Variant, sender: str, given: PlacedLayout | None, data: bytes) -> Iterator[Try]:
     """Every single mistake that could have made ``data`` of a sound frame of the sender; by ``given``, if that is not None, they are one."""
-    layouts = [item.place(variant.parameters) for item in device.interface(variant.interface).layouts if item.sender == sender and item.carried_as == "bytes"]
-    for placed in layouts:
+    layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender and item.carried_as == "bytes"]
+    for placed in (item.place(variant.parameters) for item in layouts):
         field = placed.layout.crc_field
         if field is None or device.crc(field.crc).width != 8:
             continue
@@ -39,7 +39,8 @@ def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator
     yield replace(same, kind="crc_not_inverted", text=turned + also, crc=replace(crc, xorout=crc.xorout ^ crc.mask))
     for start in () if crc.form == "xor" else sorted({0, crc.mask} - {crc.init}):
         yield replace(same, kind="start_value", text=f"the CRC starts with {start:#x}", crc=replace(crc, init=start))
-    yield replace(same, kind="first_byte_left_out", text="the CRC is over the bytes after the first", data=int.from_bytes(data[1:-1], "big"), bits=bits - 8)
+    without = int.from_bytes(data[1:-1], "big")
+    yield replace(same, kind="first_byte_left_out", text="the CRC is over the bytes after the first", data=without, bits=bits - 8)
     for polynomial in POLYNOMIALS:
         if polynomial.bit_length() == 9:
             for reflected in (False, True):

@@ -27,7 +27,7 @@ class Crc:
     """A CRC by its standard parameters.
 
     ``form`` says how code should compute it: ``fold`` for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first; ``xor``
-    for x^8 + 1 over whole bytes, which is their XOR; ``bitwise`` for every other.
+    for x^8 + 1 over whole bytes, which is their XOR; ``table`` for every other.
     """
 
     name: str

@@ -81,7 +81,7 @@ def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for path, field in expanded(fields, groups):
             place = (*path, "name") if path not in used else path
             named.append((place, field.get("name")))
-            named += (((*path, *below, "name"), run["name"]) for below, run in items(field, "digits") if run["name"] != field.get("name"))
+            named += (((*path, *below, "name"), run["name"]) for below, run in items(field, "digits"))
         named += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
         _unique(named, "a field", report)
 

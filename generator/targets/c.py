@@ -8,35 +8,65 @@ an underscore at its end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 
 from ..markdown import text as markdown_text
+from ..model import Device, Manufacturer
 from ..render import render
 from . import Library, TargetError, has_biss
 from .c_device import DeviceView
+from .c_names import Clash, called, clashes
 from .c_package import package_files
 from .c_source import code, comment, comment_lines, in_comment, noted, string
 
 
 def generate(library: Library) -> dict[str, str]:
     """The headers, their README, and what makes a package of them."""
-    files = {}
+    files: dict[str, str] = {}
     views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
-        shared = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
-        files[f"c/include/{maker.name}/encoder.h"] = _render(library, "encoder.h.jinja", shared)
-        if has_biss(devices):
-            files[f"c/include/{maker.name}/biss.h"] = _render(library, "biss.h.jinja", shared)
+        shared = _shared(library, maker, devices)
+        files |= {f"c/include/{maker.name}/{name}": text for name, text in shared.items()}
         for device in devices:
             if device.name in ("biss", "encoder"):
                 raise TargetError(f"a family cannot be called '{device.name}': that is the name of a header that all share")
             views[device.name] = view = DeviceView(device)
-            files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**shared, "d": view})
+            files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**_names_of(maker), "d": view})
+        for device, clash in clashes(((item, views[item.name].names) for item in devices), _declared(maker, shared.values())):
+            raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if library.devices:
         package = package_files(library.by_manufacturer(), views, lambda template, values: _render(library, template, values))
         files |= {f"c/{path}": text for path, text in package.items()}
         files["c/MISRA.md"] = _render(library, "MISRA.md.jinja", {})
     return files
+
+
+def name_clashes(library: Library) -> Iterator[tuple[Device, Clash]]:
+    """Where two parts of a spec, or of two, have one name in C. Devices that C cannot express for another reason are left out."""
+    for maker, devices in library.by_manufacturer():
+        headers = []
+        for device in devices:
+            with suppress(TargetError):
+                headers.append((device, DeviceView(device).names))
+        yield from clashes(headers, _declared(maker, _shared(library, maker, devices).values()))
+
+
+def _names_of(maker: Manufacturer) -> dict[str, object]:
+    return {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
+
+
+def _shared(library: Library, maker: Manufacturer, devices: Sequence[Device]) -> dict[str, str]:
+    """The headers that the families of a manufacturer share, by name."""
+    names = ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",)
+    return {name: _render(library, f"{name}.jinja", _names_of(maker)) for name in names}
+
+
+def _declared(maker: Manufacturer, headers: Iterable[str]) -> set[str]:
+    """Whatever begins with the prefix in the code of these headers."""
+    code_alone = re.sub(r"/\*.*?\*/", " ", "\n".join(headers), flags=re.DOTALL)
+    return set(re.findall(rf"\b(?:{maker.name}|{maker.name.upper()})_\w+", code_alone))
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:

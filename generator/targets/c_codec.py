@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from ..expressions import Expression
-from ..model import Crc, Field, Join
-from .c_crc import crc_view, fold_lines
+from ..model import Field, Join
+from .c_crc import crc_view, fold_lines, word_by_bits, word_by_table
 from .c_decode import Decoder
 from .c_encode import Encoder
 from .c_layout import LayoutSource
@@ -24,7 +24,7 @@ def codec(source: LayoutSource, about: Sequence[Paragraph], limited: str = "", l
     order = range(source.length) if layout.byte_order == "low_byte_first" else range(source.length - 1, -1, -1)
     terms = [f"(uint64_t)bytes[{byte}]" if place == 0 else f"((uint64_t)bytes[{byte}] << {8 * place}U)" for place, byte in enumerate(order)]
     expected, expected_checks = _expected(source)
-    return CodecView(
+    made = CodecView(
         name=source.name,
         about=tuple(about),
         members=tuple(source.members()) or (Line("uint8_t no_data;", "this layout carries no data"),),
@@ -51,22 +51,28 @@ def codec(source: LayoutSource, about: Sequence[Paragraph], limited: str = "", l
         expected_needs_variant=needs_variant(expected_checks),
         fold=_fold(source),
     )
+    with source.view.names.of(*source.path):
+        source.view.names.give_codec(made)
+    return made
 
 
 def _fold(source: LayoutSource) -> CrcView | None:
-    """The function that finds the CRC of a whole word without a table."""
+    """The function that finds the CRC of a whole word."""
     crc_field = source.layout.crc_field
-    if not source.folds or crc_field is None:
+    if not source.whole_word or crc_field is None:
         return None
     crc = source.device.crc(crc_field.crc)
-    about = (f"CRC {crc.name} of a whole word, without a table: 0 when the word is sound. For a word with 0 in place of its CRC, the CRC to send.",)
-    return replace(crc_view(source.device, crc, "fold", f"{source.name}_crc"), about=about, folds=_fold_body(source, crc))
-
-
-def _fold_body(source: LayoutSource, crc: Crc) -> tuple[str, ...]:
-    """The remainder of a whole word. The final XOR, which lies in the bits of the CRC where no step moves it, is taken out at the end."""
-    remainder = f"v ^ {number(crc.xorout, True)}" if crc.xorout else "v"
-    return (*fold_lines(source.layout.fold, source.layout.widest, "word"), f"return {remainder};")
+    name, bits = source.view.crc_name(crc, "bits"), source.layout.widest
+    # The final XOR lies in the bits of the CRC, which no step moves, so that it can be taken out at the end.
+    result = f"return v ^ {number(crc.xorout, True)};" if crc.xorout else "return v;"
+    return replace(
+        crc_view(source.device, crc, "fold" if source.folds else "bits", name),
+        name=f"{source.name}_crc",
+        about=(f"CRC {crc.name} of a whole word: 0 when the word is sound. For a word with 0 in place of its CRC, the CRC to send.",),
+        folds=(*fold_lines(source.layout.fold, bits, "word"), result) if source.folds else (),
+        word_table=(*word_by_table(crc, bits, f"{name}_entry"), result),
+        word_bits=(*word_by_bits(crc, bits), result),
+    )
 
 
 def _setters(source: LayoutSource) -> Iterable[Setter]:
@@ -77,20 +83,24 @@ def _setters(source: LayoutSource) -> Iterable[Setter]:
             yield _digits_setter(source, field)
 
 
+#: What the functions that set several members call their other arguments.
+_TAKEN = frozenset(("variant", "out"))
+
+
 def _join_setter(source: LayoutSource, join: Join) -> Setter:
-    assignments, offset = [], Expression(0)
+    assignments, offset, argument = [], Expression(0), c_name(join.name, _TAKEN)
     for name in reversed(join.fields):
         field = source.layout.field(name)
         low, width = source.scope.text(offset), source.scope.text(field.width)
-        assignments.append(f"out->{c_name(name)} = ({unsigned(field.widest)}){source.maker}_field({c_name(join.name)}, {low}, {width});")
+        assignments.append(f"out->{c_name(name)} = ({unsigned(field.widest)}){source.maker}_field({argument}, {low}, {width});")
         offset += field.width
     about = f"Sets {join.name} and with it {' and '.join(join.fields)}."
     limit = f"{source.maker}_mask({source.scope.text(offset)})"
-    return Setter(f"{source.name}_set_{join.name}", source.join_type(join), c_name(join.name), limit, tuple(assignments), about, needs_variant(limit, assignments))
+    return Setter(f"{source.name}_set_{join.name}", source.join_type(join), c_name(join.name), argument, limit, tuple(assignments), about, needs_variant(limit, assignments))
 
 
 def _digits_setter(source: LayoutSource, field: Field) -> Setter:
-    kind, name = source.member_type(field), c_name(field.name)
+    kind, name = source.member_type(field), c_name(field.name, _TAKEN)
     assignments = []
     for run in field.digits:
         divided = f"{name} / {number(run.divisor)}" if run.divisor > 1 else name
@@ -98,7 +108,7 @@ def _digits_setter(source: LayoutSource, field: Field) -> Setter:
         assignments.append(f"out->{c_name(run.name)} = ({unsigned((run.modulus - 1).bit_length())})({whole});")
     limit = number(field.digits[0].divisor * field.digits[0].modulus - 1)
     about = f"Sets {field.name} and with it {', '.join(run.name for run in field.digits)}."
-    return Setter(f"{source.name}_set_{field.name}", kind, name, limit, tuple(assignments), about, False)
+    return Setter(f"{source.name}_set_{field.name}", kind, c_name(field.name), name, limit, tuple(assignments), about, False)
 
 
 def _expected(source: LayoutSource) -> tuple[list[Line], list[str]]:

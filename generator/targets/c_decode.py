@@ -37,33 +37,44 @@ class Decoder:
     # -- faults
 
     def first_checks(self) -> Iterable[Check]:
-        """The checks that come before anything is taken out: a disturbed frame costs no more, and registers are free for them."""
+        """What is checked before anything is taken out: a disturbed frame costs no more, and registers are free for it."""
         crc_field = self.layout.crc_field
         if crc_field is not None:
             yield Check(self._crc_condition(crc_field), "CRC")
-        if not self.layout.gray_of:
-            yield from self._constants_in_word() if self.source.by_word else self._constants_in_bytes()
 
     def checks(self) -> Iterable[Check]:
-        if self.layout.gray_of:
+        if self.source.by_word:
             yield from self._constants_in_word()
-        elif not self.source.by_word:
+        else:
             yield from self._padding()
-        for field in self.layout.fields:
+            yield from self._constants_in_bytes()
+        for field in sorted(self.layout.fields, key=lambda item: item.parity_of == self.source.fixed_selector):
             if field.kind == "parity":
-                yield Check(f"{self.local(field)} != {self._parity(field)}", "CONSTANT", f"even parity of {field.parity_of}")
+                yield from self._parity_checks(field)
         for field in self.layout.fields:
             condition = self.source.choice_condition(field, self.local(field), is_raw=True)
-            if condition:
+            if condition and not (field.name == self.source.fixed_selector and any(other.parity_of == field.name for other in self.layout.fields)):
                 yield Check(condition, "RANGE")
             if field.digits:
                 limit = field.digits[0].divisor * field.digits[0].modulus
                 yield Check(f"{self.local(field)} > {number(limit - 1)}", "RANGE", f"{sum(run.digits for run in field.digits)} digits")
 
+    def _parity_checks(self, field: Field) -> Iterable[Check]:
+        """A parity bit; of the field that tells this frame, whose one value has a known parity, another value is told from a fault first."""
+        of = self.layout.field(field.parity_of)
+        wrong = f"{self.local(field)} != {self._parity(field)}"
+        other = self.source.choice_condition(of, self.local(of), is_raw=True) if of.name == self.source.fixed_selector else ""
+        if not other:
+            yield Check(wrong, "CONSTANT", f"even parity of {of.name}")
+            return
+        right = f"{self.local(field)} == {self._parity(field)}"
+        yield Check(f"({other}) && ({right})", "RANGE", "another frame")
+        yield Check(f"({other}) || ({self.local(field)} != {self.layout.selects[0].bit_count() & 1}U)", "CONSTANT", f"even parity of {of.name}")
+
     def _crc_condition(self, field: Field) -> str:
         crc = self.source.device.crc(field.crc)
         if self.layout.carried_as == "bits":
-            if self.source.folds:
+            if self.source.whole_word:
                 return f"{self.source.name}_crc(word) != 0U"
             covered = f"word >> {crc.width}U, {self.scope.text(self.layout.bits - Expression(crc.width))}"
             return f"{self.view.crc_name(crc, 'bits')}({covered}) != (word & {mask(crc.width)})"

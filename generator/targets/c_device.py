@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
 
 from ..model import Alarm, Crc, Device, Field, Input, Interface, Manufacturer, Parameter, Register, Timing, Value, Variant, cite
 from .c_access import state_registers
@@ -11,12 +12,16 @@ from .c_crc import crc_view
 from .c_identity import identities
 from .c_interface import InterfaceSource
 from .c_meaning import meanings
+from .c_names import Names
 from .c_order_codes import OpenCode, open_codes, unknown_parts
 from .c_procedure import ProcedureSource
 from .c_register import RegisterSource
 from .c_run_time import held_in, takers
 from .c_source import Paragraph, Scope, bracketed, c_name, described, errata_at, errata_text, needs_variant, number, printed, sentence, string, title, unbracketed, unsigned
 from .c_views import AlarmView, Choice, CrcView, Function, Line, RegisterView
+
+
+_Built = TypeVar("_Built")
 
 
 class DeviceView:
@@ -28,13 +33,15 @@ class DeviceView:
         self.prefix = f"{device.manufacturer.name}_{device.name}"
         self.PREFIX = self.prefix.upper()
         self.scope = Scope(self.maker.name, self.prefix, frozenset(item.name for item in device.set_parameters))
-        self._taken: set[str] = set()
+        self.names = Names()
+        for name in ("variant", "order_code", "order_codes", "find_order_code", "H"):
+            self.unique(f"{self.PREFIX if name == 'H' else self.prefix}_{name}")
         self.parameters: Sequence[Parameter] = device.set_parameters
         self.members = [Line(f"{self.member_type(item)} {c_name(item.name)};", self._meaning(item)) for item in device.set_parameters]
         self.members = self.members or [Line("uint8_t no_parameter;", "all order codes are alike")]
-        self.derived = [self._derived(item) for item in self._in_order_of_use()]
-        self.codes = [self._code(variant) for variant in device.variants]
-        self.unlisted = self._unlisted()
+        self.derived = [self._of(lambda: self._derived(item), "parameters", item.name) for item in self._in_order_of_use()]
+        self.codes = self._of(lambda: [self._code(variant) for variant in device.variants], "order_code")
+        self.unlisted = self._of(self._unlisted, "order_code", "parts")
         self.open_codes = [self._open_code(item) for item in open_codes(device)]
         self.choices: dict[tuple[str, str], Choice] = {}
         self._shared_choices: dict[str, tuple[tuple[Value, ...], Choice]] = {}
@@ -42,18 +49,18 @@ class DeviceView:
         self._register_choices: dict[str, list[Choice]] = {}
         self._collect_choices()
         self._crc_names: dict[tuple[str, str], str] = {}
-        self.crcs = [view for crc in device.crcs for view in self._crc_views(crc)]
-        self.interfaces = [InterfaceSource(self, item).build() for item in device.interfaces]
+        self.crcs = [view for crc in device.crcs for view in self._of(lambda: tuple(self._crc_views(crc)), "crcs", crc.name)]
+        self.interfaces = [self._of(InterfaceSource(self, item).build, "interfaces", item.kind) for item in device.interfaces]
         self._register_sources = {item.name: RegisterSource(self, item) for item in device.registers}
         self.meanings = list(meanings(self))
-        self.registers = [item.build() for item in self._register_sources.values()]
+        self.registers = [self._register(name, item) for name, item in self._register_sources.items()]
         self.takers = list(takers(self))
         self.read_state = self.unique(f"{self.prefix}_read_state") if state_registers(self) else ""
         self.identities = identities(self)
-        self.procedures = [ProcedureSource(self, item).build() for item in device.procedures]
+        self.procedures = [self._of(ProcedureSource(self, item).build, "procedures", item.name) for item in device.procedures]
         self.inputs = [self._input(item) for item in device.inputs]
-        self.alarms = [self._alarm(item) for item in device.alarms]
-        self.timings = [line for item in device.timings for line in self.timing(item, self.PREFIX)]
+        self.alarms = [self._of(lambda: self._alarm(item), "alarms", item.name) for item in device.alarms]
+        self.timings = [line for item in device.timings for line in self._of(lambda: tuple(self.timing(item, self.PREFIX)), "timings", item.name)]
         self.order_about = self._order_about()
 
     @property
@@ -70,11 +77,19 @@ class DeviceView:
     # -- names and macros
 
     def unique(self, name: str) -> str:
-        """``name``, with underscores at its end where something else in the header is called so."""
-        while name in self._taken:
-            name += "_"
-        self._taken.add(name)
-        return name
+        """``name``, which nothing else at file scope may have: the rule ``c-name`` tells where something does."""
+        return self.names.give(name)
+
+    def _of(self, build: Callable[[], _Built], *path: str) -> _Built:
+        """What ``build`` makes; the names that it gives out are those of this part of the spec."""
+        with self.names.of(*path):
+            return build()
+
+    def _register(self, name: str, source: RegisterSource) -> RegisterView:
+        with self.names.of("registers", name):
+            view = source.build()
+            self.names.give_limits(view)
+        return view
 
     def macro(self, name: str, value: str, note: str = "") -> Line:
         return Line(f"#define {self.unique(name)} {value}", note)
@@ -175,13 +190,15 @@ class DeviceView:
         for interface, layout in self.device.layouts():
             for field in layout.fields:
                 if field.kind == "choice":
-                    self._add_choice(layout.name, field, self._interface_choices.setdefault(interface.kind, []), layout.name)
+                    with self.names.of("interfaces", interface.kind, "layouts", layout.name):
+                        self._add_choice(layout.name, field, self._interface_choices.setdefault(interface.kind, []), layout.name)
         for register in self.device.registers:
             for field in register.layout.fields:
                 if field.kind == "choice":
                     known = self._register_choices.setdefault(register.name, [])
                     sole = title(register) if len(register.layout.fields) == 1 else ""
-                    self._add_choice(f"reg_{register.name}", field, known, register.name, sole)
+                    with self.names.of("registers", register.name):
+                        self._add_choice(f"reg_{register.name}", field, known, register.name, sole)
 
     def _add_choice(self, owner: str, field: Field, group: list[Choice], about: str, sole: str = "") -> None:
         """The enumeration of a field; fields of one name and the same values share theirs."""
@@ -223,7 +240,10 @@ class DeviceView:
             style = ("fold" if crc.form == "fold" and crc.width <= 32 else "bits") if use == "bits" else ("xor" if crc.form == "xor" else "bytes")
             name = self.unique(f"{self.prefix}_crc_{crc.name}" + ("_bits" if use == "bits" and len(uses) > 1 else ""))
             self._crc_names[crc.name, use] = name
-            yield crc_view(self.device, crc, style, name)
+            view = crc_view(self.device, crc, style, name)
+            if view.table:
+                self.unique(f"{name}_entry")
+            yield view
 
     def crc_name(self, crc: Crc, use: str) -> str:
         return self._crc_names[crc.name, use]

@@ -55,7 +55,7 @@ class Encoder:
             return
         if field.kind in ("number", "choice") and not (field.width.is_constant and size_of(field.widest) == field.widest):
             choice = self.source.choice(field)
-            as_number = f"({unsigned(field.widest)}){name}" if choice is not None and choice.is_enum else name
+            as_number = f"(uint32_t){name}" if choice is not None and choice.is_enum else name
             yield Check(f"{as_number} > {self.source.width(field)}", "RANGE")
 
     def _from_digits(self, field: Field) -> str:
@@ -190,7 +190,7 @@ class Encoder:
             return
         crc = self.source.device.crc(field.crc)
         if self.layout.carried_as == "bits":
-            if self.source.folds:
+            if self.source.whole_word:
                 yield f"word |= {self.source.name}_crc(word);"
             else:
                 yield f"word |= {self.view.crc_name(crc, 'bits')}(word >> {crc.width}U, {self.scope.text(self.layout.bits - Expression(crc.width))});"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -75,8 +76,13 @@ class ExampleView:
 
 
 def examples(view: DeviceView) -> list[ExampleView]:
-    """A program for each interface."""
-    return [ExampleBuilder(view, interface).build() for interface in view.device.interfaces if any(layout.sender == "encoder" for layout in interface.layouts)]
+    """A program for each interface, but for one of whose frames no plain one can be made up."""
+    found = []
+    for interface in view.device.interfaces:
+        if any(layout.sender == "encoder" for layout in interface.layouts):
+            with suppress(codec.EncodeError):
+                found.append(ExampleBuilder(view, interface).build())
+    return found
 
 
 class ExampleBuilder:
@@ -178,12 +184,14 @@ class ExampleBuilder:
         measured = [item for item in layouts if measurement is not None and measurement.of in _members(item)]
         layout = (measured or layouts)[0]
         values = {field.name: _plain_value(layout, field) for field in layout.data_fields if field.kind != "digits"}
-        about = "made up, since the manual shows none"
+        placed = layout.place(self.variant.parameters)
         if measurement is not None and measured:
             counts, about = self._position()
-            values = {name: value for name, value in values.items() if not any(name in join.fields for join in layout.joins if join.name == measurement.of)}
-            values[measurement.of] = counts
-        return layout, codec.encode(self.device, layout.place(self.variant.parameters), values), about
+            parts = {name for join in layout.joins if join.name == measurement.of for name in join.fields}
+            # Where the position does not fit, the frame goes without it.
+            with suppress(codec.EncodeError):
+                return layout, codec.encode(self.device, placed, {**{name: value for name, value in values.items() if name not in parts}, measurement.of: counts}), about
+        return layout, codec.encode(self.device, placed, values), "made up, since the manual shows none"
 
     def _position(self) -> tuple[int, str]:
         worked = next((item for item in self.mine if item.kind == "measure" and item.counts is not None), None)

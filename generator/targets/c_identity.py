@@ -30,14 +30,14 @@ def _identity(view: DeviceView, kind: str, registers: list[Register], alone: boo
     locals_, checks = [], []
     for register in registers:
         codec = view.register_view(register).codec
-        name = c_name(register.name)
-        read = f"read->{name}"
+        read = f"read->{c_name(register.name)}"
         if codec is None:
             checks.append(Check(_of_byte(view, register, read), ""))
             continue
-        locals_.append(f"{codec.name} {name};")
-        decoded = f"({codec.name}_decode(variant, {read}, sizeof({read}), &{name}) != {view.maker.name.upper()}_OK)"
-        checks.append(Check(f"{decoded} || !{codec.name}_is_expected(variant, &{name})", ""))
+        local = c_name(register.name, ("read", "variant"))
+        locals_.append(f"{codec.name} {local};")
+        decoded = f"({codec.name}_decode(variant, {read}, sizeof({read}), &{local}) != {view.maker.name.upper()}_OK)"
+        checks.append(Check(f"{decoded} || !{codec.name}_is_expected(variant, &{local})", ""))
     return IdentityView(
         type=view.unique(f"{prefix}_identity"),
         function=view.unique(f"{prefix}_could_be"),

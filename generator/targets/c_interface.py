@@ -9,7 +9,7 @@ from ..model import Erratum, Interface, Layout, Port, cite
 from . import TargetError
 from .c_codec import codec
 from .c_layout import LayoutSource
-from .c_source import Paragraph, described, errata_at, errata_text, number, plain_expression, printed, sentence, words
+from .c_source import Paragraph, c_name, described, errata_at, errata_text, number, plain_expression, printed, sentence, words
 from .c_views import CodecView, InterfaceView, Line, Selector
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class InterfaceSource:
             choices=self.view.choices_of_interface(self.interface),
             controls=tuple(self._controls()),
             frames=tuple(self._frame_lines(frame_names)),
-            frame_type=self.view.unique(f"{self.prefix}_frame") if self.frames else "",
+            frame_type=self._frame_type(),
             frame_lengths=tuple((frame_names[layout.name], self._length_macro(layout)) for layout in self.frames),
             selectors=tuple(self._selector(sender, layouts, frame_names) for sender, layouts in self._by_sender()),
             cable=tuple((number(item.shorter_than_m), number(item.below_hz)) for item in sorted(self.interface.cable_lengths, key=lambda item: item.shorter_than_m)),
@@ -145,6 +145,13 @@ class InterfaceSource:
 
     # -- frames
 
+    def _frame_type(self) -> str:
+        """The enumeration of the frames; a function that gives their length goes with it."""
+        if not self.frames:
+            return ""
+        self.view.unique(f"{self.prefix}_frame_length")
+        return self.view.unique(f"{self.prefix}_frame")
+
     def _frame_lines(self, names: Mapping[str, str]) -> Iterable[Line]:
         for index, layout in enumerate(self.frames):
             yield Line(f"{names[layout.name]} = {index}" + ("," if index < len(self.frames) - 1 else ""), layout.printed_name)
@@ -164,7 +171,7 @@ class InterfaceSource:
         cases = tuple((tuple(known.get(value, number(value, True)) for value in layout.selects), names[layout.name]) for layout in layouts)
         needs = max(piece.byte for piece in field.pieces) + 1
         function, by_value = self.view.unique(f"{self.prefix}_{kind}_frame"), self.view.unique(f"{self.prefix}_{kind}_for")
-        return Selector(function, by_value, field.name, words(field.name), sender, cases, needs, expression)
+        return Selector(function, by_value, c_name(field.name, ("frame",)), words(field.name), sender, cases, needs, expression)
 
     def _length_macro(self, layout: Layout) -> str:
         return f"{self.view.PREFIX}_{layout.name.upper()}_LENGTH"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Field, Join, Layout, Piece, Register
 from . import TargetError
+from .c_crc import divides_words
 from .c_source import Paragraph, bracketed, c_name, described, mask, number, plain_expression, printed, sentence, size_of, span_text, title, unbracketed, unsigned
 from .c_views import Choice, Line
 
@@ -39,8 +40,17 @@ class LayoutSource:
         self.word = "plain" if layout.gray_of else "word"
         if self.by_word and layout.widest > 64:
             raise TargetError(f"{self.device.name}: '{layout.name}' has {layout.widest} bits and fields that move; the C target can place them in 64 bits only")
-        self.folds = bool(layout.fold) and layout.carried_as == "bits" and layout.crc_field is not None and layout.crc_field.widest <= 32
+        crc = self.device.crc(layout.crc_field.crc) if layout.carried_as == "bits" and layout.crc_field is not None else None
+        self.whole_word = crc is not None and divides_words(crc)
+        self.folds = self.whole_word and crc is not None and crc.form == "fold"
         self.fixed_selector = layout.selector if len(layout.selects) == 1 else ""
+
+    @property
+    def path(self) -> tuple[str, ...]:
+        """Where the layout stands in the spec."""
+        if self.register is not None:
+            return ("registers", self.register.name)
+        return ("interfaces", next(interface.kind for interface, layout in self.device.layouts() if layout is self.layout), "layouts", self.layout.name)
 
     # -- members
 

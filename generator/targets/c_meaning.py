@@ -63,7 +63,7 @@ def _of_length(view: DeviceView, prefix: str, step: Expression, steps: Expressio
         yield from _rolling(view, prefix, _wide(view, steps), f"The position{over} starts again at 0 after so many counts {where}.")
     width = str(step.constant) if step.is_constant else f"(int64_t){bracketed(view.scope.text(step))}"
     lines: tuple[str, ...] = (f"const int64_t step = {width};", "return position * step;")
-    yield Function(view.unique(f"{prefix}_micrometres"), "int64_t", "int64_t position", lines, f"A position{over} in micrometres {where}.", needs_variant(lines))
+    yield Function(view.unique(f"{prefix}_micrometres"), "int64_t", "int64_t position", lines, f"A position{over} in micrometres {where}; the product has to fit into 64 bits.", needs_variant(lines))
     lines = (f"const int64_t micrometres = {prefix}_micrometres(variant, position);", "return (double)micrometres / 1000.0;")
     yield Function(view.unique(f"{prefix}_millimetres"), "double", "int64_t position", lines, f"A position{over} in millimetres.", True)
 

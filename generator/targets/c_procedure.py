@@ -170,10 +170,10 @@ class ProcedureSource:
         name = self.names[argument]
         self.types.setdefault(argument, self.view.register_source(register).source.type_of(member))
         if argument not in self.filled:
-            value = f"{name}_register"
+            value, data = (c_name(f"{argument}_{what}", self.names) for what in ("register", "bytes"))
             setter = next((setter.name for setter in codec_view.setters if setter.member == c_name(member)), "")
             setting = f"result = {setter}(variant, {name}, &{value});" if setter else f"{value}.{c_name(member)} = {name};"
-            self.filled[argument] = ArgumentView(codec_view, value, f"{name}_bytes", setting)
+            self.filled[argument] = ArgumentView(codec_view, value, data, setting)
         self.groups.append(StepGroup("", step.meaning, f"{self.view.PREFIX}_REG_{register.name.upper()}_ADDRESS", len(self.rows), self.filled[argument].bytes))
         self.rows += [Line("")] * register.length
 

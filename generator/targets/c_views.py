@@ -44,6 +44,7 @@ class Setter:
     name: str
     type: str
     member: str
+    argument: str
     limit: str
     assignments: tuple[str, ...]
     about: str
@@ -52,6 +53,13 @@ class Setter:
 
 @dataclass(frozen=True)
 class CrcView:
+    """A CRC in its forms.
+
+    ``folds`` is the body without a table. ``table`` are the lines of the table, ``step`` takes in one byte with it, from ``table_init`` on;
+    ``turned`` says that the register has then to be turned round. For a whole word ``word_table`` is the body with the table and
+    ``word_bits`` the one bit by bit.
+    """
+
     name: str
     type: str
     style: str
@@ -65,6 +73,12 @@ class CrcView:
     top_shift: str
     width: str
     folds: tuple[str, ...] = ()
+    table: tuple[str, ...] = ()
+    step: tuple[str, ...] = ()
+    table_init: str = ""
+    turned: bool = False
+    word_table: tuple[str, ...] = ()
+    word_bits: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..markdown import code, text
-from ..masters import Master, Setting, Sheet, sheet
+from ..masters import Master, Refusal, Setting, Sheet, sheet
 from ..masters_record import NoRecord, Record, record
 from ..masters_text import bound, facts, legend, mark
 from ..model import Device, Interface
@@ -55,10 +55,11 @@ def _groups(device: Device, interface: Interface) -> list[Group]:
 
 def _interface(interface: Interface, groups: Sequence[Group], masters: Sequence[Master]) -> dict[str, Any]:
     same, head, rows = _split([(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups])
+    codes = [] if rows else [("Order codes", ", ".join(group.label for group in groups))]
     return {
         "title": interface.title,
         "anchor": interface.kind,
-        "facts": [(text(name), value) for name, value in same],
+        "facts": [*codes, *((text(name), value) for name, value in same)],
         "head": ["Order codes", *map(text, head)],
         "rows": rows,
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
@@ -109,8 +110,14 @@ def _master(master: Master, groups: Sequence[Group]) -> dict[str, Any]:
 def _row(item: Setting) -> Row:
     """Name with place, value, note, source."""
     name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
-    value = bound(item) + code(item.text) + text(mark(item)) if item.value is not None else text(item.text)
+    value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
     return name, value, text(item.note), text(item.source)
+
+
+def _mark(rule: Setting | Refusal) -> str:
+    """The mark, outside of what somebody copies."""
+    found = text(mark(rule))
+    return f" {found}" if found else ""
 
 
 def _row_notes(taken: Sequence[tuple[Group, Sheet]], same: set[str]) -> list[str]:
@@ -125,7 +132,7 @@ def _refused(sheets: Sequence[tuple[Group, Sheet]]) -> Iterator[str]:
     found: dict[str, list[str]] = {}
     for group, item in sheets:
         if item.refusals:
-            reasons = " ".join(f"{text(reason.reason)}{text(mark(reason))} \\[{text(reason.source)}\\]" for reason in item.refusals)
+            reasons = " ".join(f"{text(reason.reason)}{_mark(reason)} \\[{text(reason.source)}\\]" for reason in item.refusals)
             found.setdefault(reasons, []).append(group.label)
     for reasons, labels in found.items():
         yield f"{', '.join(labels)}: {reasons}"

@@ -404,7 +404,20 @@ def test_given_up_at_every_bit(build: Build) -> None:
         assert line.run() == "DONE" and line.master.data == b"\x44"
 
 
-def test_what_a_slave_allows(ask: Ask) -> None:
+def test_what_a_slave_allows(ask: Ask, build: Build) -> None:
+    """Eleven registers to read; the last of them and one more only to write; four in the middle neither. Every address is tried."""
+    line = build(readable=(), writable=())
+    assert ask("l", 0, 0x43, 11, 1, 0) == ask("l", 0, 0x4D, 2, 0, 1) == ask("l", 0, 0x45, 4, 0, 0) == [0]
+    read, written = [], []
+    for address in range(128):
+        line.master.read(address, 1, 0, 0)
+        read += [address] if line.run() == "DONE" else []
+        line.master.write(address, b"\x00", 0, 0)
+        written += [address] if line.run() == "DONE" else []
+    assert read == [0x43, 0x44, 0x49, 0x4A, 0x4B, 0x4C] and written == [0x4D, 0x4E]
+
+
+def test_what_a_slave_cannot_allow(ask: Ask) -> None:
     ask("i")
     assert ask("l", 0, 0x7F, 2, 1, 1) == ask("l", 0, 128, 0, 1, 1) == ask("l", 0, 0, 129, 1, 1) == [RESULTS.index("RANGE")]
     assert ask("l", 0, 0, 128, 1, 1) == ask("l", 0, 0x7F, 1, 0, 0) == [0]

@@ -20,7 +20,7 @@ from codewheel.schema_messages import KEYWORDS, PATTERNS
 
 MINIMAL = pathlib.Path(__file__).parent / "ok" / "minimal.yaml"
 SPECS = sorted((pathlib.Path(__file__).parents[2] / "specs").glob("*/*.yaml"))
-KINDS = ("device", "manufacturer")
+KINDS = ("device", "manufacturer", "master")
 SILENT = {"$schema", "$id", "$ref", "$defs", "title", "description", "properties", "items"}
 
 

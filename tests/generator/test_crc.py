@@ -82,10 +82,10 @@ def test_no_plan_is_shorter(width: int, poly: int) -> None:
 
 def test_form_follows_from_the_parameters() -> None:
     assert form(6, 0x03, 0, False, False) == "fold"
-    assert form(6, 0x03, 1, False, False) == "bitwise"
-    assert form(16, 0x90D9, 0, False, False) == "bitwise"
+    assert form(6, 0x03, 1, False, False) == "table"
+    assert form(16, 0x90D9, 0, False, False) == "table"
     assert form(8, 0x01, 0, True, True) == "xor"
-    assert form(8, 0x01, 0, True, False) == "bitwise"
+    assert form(8, 0x01, 0, True, False) == "table"
 
 
 def test_leading_zeros_do_not_change_a_crc_with_start_0() -> None:

@@ -172,6 +172,14 @@ def test_what_the_frame_would_read(decode: Run) -> None:
     assert best["order_codes"] == ["AMM5A17/1SC1", "AMM5B17/1SC1"] and best["reads"] == {"singleturn": 1}
 
 
+def test_what_follows_a_shorter_frame_is_0(decode: Run) -> None:
+    """The frame of above, which ends four bits before that of AMM5A21/1SC1: stop bit and SLI are 0, so anything else is no frame read on."""
+    frame = "0" * 16 + "1" + "11" + "110110"
+    for behind, expected in (("0000", True), ("0100", False), ("0001", False)):
+        found = decode("AMM5A21/1SC1", f"0b{frame}{behind}")[1]["why"]["explanations"]
+        assert ("AMM5A17/1SC1" in [code for item in found for code in item["order_codes"]]) is expected
+
+
 def test_an_echo_of_the_request(decode: Run) -> None:
     # The published reply, TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG, behind its request.
     code, data = decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")
@@ -277,7 +285,30 @@ def test_one_frame_takes_far_less_than_a_second(devices: Mapping[str, Device]) -
     assert (time.perf_counter() - before) / 10 < 0.5
 
 
-def test_hostile_specs_stay_within_bounds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_page_shows_what_the_command_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "why-a-crc-fails.md").read_text(encoding="utf-8")
+    command, *shown = page.split("```")[1].strip().splitlines()
+    assert main(command.split()[2:]) == 1
+    printed = capsys.readouterr().out.splitlines()
+    places = [printed.index(line) for line in shown if line not in ("...", "")]
+    assert len(places) > 5 and places == sorted(places)
+    assert all(f"`{kind}`" in page for kind in KINDS)
+
+
+@pytest.mark.parametrize("width", [1, 2, 3, 16])
+def test_a_crc_of_any_width(width: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A CRC of one or two bits says nothing, and what more than one frame in eight fits is not listed; nothing breaks."""
+    text = (SPECS / "bits22.yaml").read_text(encoding="utf-8").replace("width: 6", f"width: {width}").replace("poly: 0x03", "poly: 1")
+    (tmp_path / "bits22.yaml").write_text(text.replace("xorout: 0x3F", f"xorout: {(1 << width) - 1}"), encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    source = random.Random(width)
+    for extra in (-2, -1, 0, 0, 0, 1, 2):
+        assert main(["decode", "T22SC", f"0b{noise(source, 24 + width + extra)}", "--specs", str(tmp_path), "--json"]) in (0, 1)
+        found = json.loads(capsys.readouterr().out)["why"]
+        assert found is None or all(item["one_in"] >= 8 for item in found["explanations"])
+
+
+def test_made_up_layouts_break_nothing() -> None:
     """Every layout with a CRC that the made-up spec has, whatever its CRC: an explanation or none, never an error."""
     devices, report = load_library([SPECS])
     assert not report

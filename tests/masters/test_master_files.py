@@ -5,6 +5,7 @@ Each file in ``broken`` says in its first lines what is wrong with it, as those 
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
 
@@ -57,11 +58,13 @@ def test_every_rule_of_every_master_is_used_with_care(masters: dict[str, Master]
 def test_no_code_knows_a_master(masters: dict[str, Master]) -> None:
     """A master is a file: neither the generator nor a template has its name."""
     words = {word for master in masters.values() for word in re.findall(r"[A-Za-z][A-Za-z0-9-]{4,}", master.title)} | set(masters)
-    words -= {"Combivert", "controllers", "command", "drives", "cards", "motor-control", "Circulo", "Node"}
+    words -= {"Combivert", "controllers", "command", "drives", "cards", "motor-control", "Circulo", "Node", "iC-Haus", "bissc"}
     assert {"Beckhoff", "hostmot2", "Synapticon", "Novanta", "moteus"} <= words
     for folder, pattern in (("generator", "*.py"), ("generator", "*.json"), ("templates", "*.jinja")):
         for path in (ROOT / folder).rglob(pattern):
             text = path.read_text(encoding="utf-8")
+            if path.suffix == ".py":
+                text = ast.unparse(ast.parse(text))  # a comment may cite a document
             assert [word for word in words if re.search(rf"\b{re.escape(word)}\b", text)] == [], path
 
 

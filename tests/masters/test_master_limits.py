@@ -26,7 +26,7 @@ def changed(record: Record, **items: int | str | None) -> Record:
         ("beckhoff_el5042", {"data_bits": 64}, {"data_bits": 65}, "The position has 64 bits at most. Here: data bits 65."),
         ("beckhoff_ax8000", {"padding_left": 31}, {"padding_left": 32}, "There are 31 fill bits at most. Here: padding left 32."),
         ("ic_mb", {"data_and_status_bits": 64}, {"data_and_status_bits": 65}, "A slave sends 1 to 64 bits of sensor data, status bits included. Here: data and status bits 65."),
-        ("ic_mb", {"crc_polynomial": 0xB1}, {"crc_polynomial": 0x12F}, "A CRC polynomial has 8 bits at most, its last 1 included. Here: crc polynomial 0x12f."),
+        ("ic_mb", {"crc_polynomial": 0xB1}, {"crc_polynomial": 0x12F}, "A CRC polynomial has 8 bits at most, its last 1 included. Here: crc polynomial 0x12F."),
         ("ti_motor_control_sdk", {"data_bits": 56}, {"data_bits": 57}, "single_turn_len and multi_turn_len are 56 together at most. Here: data bits 57."),
         ("ti_motor_control_sdk", {"crc_bits": 6}, {"crc_bits": 16}, "The CRC of the position has 6 bits. Here: crc bits 16."),
         ("ti_motor_control_sdk", {"crc_inverted": 1}, {"crc_inverted": 0}, "The CRC is expected inverted; nothing turns that off. Here: crc inverted 0."),

@@ -9,7 +9,7 @@ import pytest
 
 from codewheel.masters import Master, sheet
 from codewheel.masters_record import NUMBERS, WORDS, NoRecord, Record, record
-from codewheel.model import Device
+from codewheel.model import Device, Field
 from codewheel.order_codes import find
 from codewheel.run_time import with_registers
 
@@ -98,7 +98,7 @@ def test_other_frames_are_refused(devices: tuple[Device, ...]) -> None:
     interface = device.interface("biss")
     layout = interface.layouts[0]
 
-    def with_fields(*changed: object) -> Device:
+    def with_fields(*changed: Field) -> Device:
         made = replace(layout, fields=tuple(changed))
         others = tuple(replace(item, layouts=(made,)) if item.kind == "biss" else item for item in device.interfaces)
         return replace(device, interfaces=others)
@@ -118,7 +118,7 @@ def test_crc_of_another_form(devices: tuple[Device, ...]) -> None:
     device = device_of(devices, "asc85")
     variant = find(device, "ASC8525/SC1").variant
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
-        crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)  # type: ignore[arg-type]
+        crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)
         with pytest.raises(NoRecord, match="straight or inverted as a whole"):
             record(replace(device, crcs=crcs), variant)
     straight = tuple(replace(item, xorout=0) for item in device.crcs)

@@ -21,6 +21,7 @@ from uses import declared, without_comments
 HERE = Path(__file__).resolve().parent
 
 _STRUCT = re.compile(r"^typedef struct (\w+) \{(.*?)^\} \w+;", re.MULTILINE | re.DOTALL)
+_TABLE = re.compile(r"^#ifdef \w+_CRC_TABLE\n(.*?)(?:^#else\n(.*?))?^#endif\n", re.MULTILINE | re.DOTALL)
 _MEMBER = re.compile(r"^\s*(?:const )?([\w ]+?) ?(\*?)(\w+)(?:\[(\w+)\])?;", re.MULTILINE)
 _NUMBERS = {"bool": 1, "char": 1, "uint8_t": 1, "int8_t": 1, "uint16_t": 2, "int16_t": 2, "uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "size_t": 8, "double": 8}
 
@@ -33,14 +34,19 @@ PRECONDITIONS = {
 }
 
 
+def folded(text: str) -> str:
+    """The code of a header without that of CRCs by table, which a macro chooses and the same frames on the host try."""
+    return _TABLE.sub(lambda found: found[2] or "", without_comments(text))
+
+
 class Header:
     """The functions and structs that a header and the shared one declare."""
 
     def __init__(self, batch: Batch, include: Path) -> None:
         self.maker, self.prefix = batch.view.maker.name, batch.view.prefix
-        texts = [(include / self.maker / f"{name}.h").read_text(encoding="ascii") for name in ("encoder", batch.device.name)]
+        texts = [folded((include / self.maker / f"{name}.h").read_text(encoding="ascii")) for name in ("encoder", batch.device.name)]
         found = declared(texts)
-        self.structs = {name: body for text in map(without_comments, texts) for name, body in _STRUCT.findall(text)}
+        self.structs = {name: body for text in texts for name, body in _STRUCT.findall(text)}
         own = {f"{item.view.name}_{verb}" for item in batch.codecs for verb in ("decode",)}
         left_out = {f"{self.maker}_{name}" for name in PRECONDITIONS}
         self.functions = [item for item in found.functions if item[1] not in own | left_out]

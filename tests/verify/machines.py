@@ -1,4 +1,4 @@
-"""Machines that the generated C runs on: the host, Cortex-M under system emulation, a big-endian one under user emulation."""
+"""Machines that the generated C runs on: the host, in both forms of the CRCs, Cortex-M under system emulation, a big-endian one under user emulation."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ _MAIN = "\nstatic size_t feed(uint8_t *to, size_t count);\nstatic void emit(cons
 
 @dataclass(frozen=True)
 class Machine:
-    """How to compile for it and how to run a program; ``bare`` has no system, so that a start file is needed."""
+    """How to compile for it and how to run a program; ``bare`` has no system, so that a start file is needed; ``table`` asks for CRCs by table."""
 
     name: str
     compiler: tuple[str, ...]
     emulator: tuple[str, ...] = ()
     bare: bool = False
+    table: bool = False
 
     def entry(self) -> str:
         """What follows the text of a program that has ``work``, ``feed`` and ``emit``."""
@@ -35,7 +36,7 @@ class Machine:
     def compile(self, text: str, folder: Path, include: Path, stem: str) -> Program:
         path, made = folder / f"{stem}.c", folder / f"{stem}-{self.name}"
         path.write_text(text, encoding="utf-8")
-        compiler = [tool(self.compiler[0]), *self.compiler[1:]]
+        compiler = [tool(self.compiler[0]), *self.compiler[1:], *(crc_tables(include) if self.table else ())]
         done = subprocess.run([*compiler, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(path), "-o", str(made)], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr[:4000]
         emulator = [tool(name) for name in self.emulator[:1]] + list(self.emulator[1:])
@@ -44,6 +45,11 @@ class Machine:
     def compile_main(self, text: str, folder: Path, include: Path, stem: str) -> Program:
         """The same for the text of a program with ``main``."""
         return self.compile(text + _MAIN + self.entry() if self.bare else text, folder, include, stem)
+
+
+def crc_tables(include: Path) -> list[str]:
+    """The options that choose the other form of the CRCs of whole words."""
+    return [f"-D{maker.name.upper()}_CRC_TABLE" for maker in sorted(include.iterdir())]
 
 
 @dataclass(frozen=True)
@@ -66,6 +72,7 @@ class Program:
 
 HOST = Machine("host", ("gcc", "-std=c99", "-O2"))
 MACHINES = (
+    Machine("crc-table", ("gcc", "-std=c99", "-O2"), table=True),
     Machine("cortex-m0", ("arm-none-eabi-gcc", "-mcpu=cortex-m0", "-Os", *_BARE), ("qemu-system-arm", "-M", "microbit", *_EMULATE), bare=True),
     Machine("cortex-m3", ("arm-none-eabi-gcc", "-mcpu=cortex-m3", "-O2", *_BARE), ("qemu-system-arm", "-M", "lm3s6965evb", *_EMULATE), bare=True),
     Machine("cortex-m4", ("arm-none-eabi-gcc", "-mcpu=cortex-m4", "-O3", *_BARE), ("qemu-system-arm", "-M", "netduinoplus2", *_EMULATE), bare=True),

@@ -12,7 +12,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from codewheel.expressions import Expression
@@ -22,6 +22,8 @@ from codewheel.model import Device, Variant
 UNDEFINED = (
     "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check --signed-overflow-check --undefined-shift-check --div-by-zero-check"
 ).split()
+#: For a loop that keeps nothing from one round to the next but a place that may be any: a few rounds from anywhere show all of them.
+PARTLY = "--no-unwinding-assertions"
 #: Far above what any proof here takes; one that does not end is no proof.
 TIMEOUT_S = 400
 
@@ -43,14 +45,18 @@ class Member:
 
 @dataclass(frozen=True)
 class Header:
-    """The functions and structs of a header, found by its text alone."""
+    """The functions and structs of a header, found by its text alone; ``options`` are macros that a user may define to have other code."""
 
     functions: Mapping[str, Function]
     structs: Mapping[str, tuple[Member, ...]]
+    options: tuple[str, ...] = ()
 
     @classmethod
     def read(cls, *texts: str) -> Header:
         text = re.sub(r"/\*.*?\*/", "", "\n".join(texts), flags=re.DOTALL)
+        options = tuple(dict.fromkeys(item for item in re.findall(r"^#ifdef (\w+)$", text, re.MULTILINE) if item != "__cplusplus"))
+        # As it is when nothing is defined that a header asks for.
+        text = re.sub(r"^#ifdef \w+\n(.*?)(?:^#else\n(.*?))?^#endif\n", lambda found: found[2] or "", text, flags=re.DOTALL | re.MULTILINE)
         functions = {}
         for found in re.finditer(r"^static inline ([^;{}]*?)(\w+)\(([^{}]*?)\)\n\{\n(.*?)^\}", text, re.DOTALL | re.MULTILINE):
             given = " ".join(found[3].split())
@@ -60,7 +66,7 @@ class Header:
             found[1]: tuple(Member(item[1].strip(), item[2], int(item[3] or 0)) for item in re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", found[2]))
             for found in re.finditer(r"^typedef struct (\w+) \{\n(.*?)^\} \1;", text, re.DOTALL | re.MULTILINE)
         }
-        return cls(functions, structs)
+        return cls(functions, structs, options)
 
     def member(self, struct: str, name: str) -> Member:
         """The member for a name of the spec; a reserved word has an underscore behind it."""
@@ -121,6 +127,10 @@ class Variants:
         ranges = {name: (held[name].min or 0, held[name].largest if (most := held[name].max) is None else most) for name in names if name in held}
         return cls(device, tuple(names), tuple(dict(zip(fixed, item)) for item in sorted(found)), ranges)
 
+    def fixed(self, values: Mapping[str, int]) -> Variants:
+        """The same with what registers hold at run time fixed to these values."""
+        return replace(self, ranges={name: (values[name], values[name]) if name in values else both for name, both in self.ranges.items()})
+
     @property
     def count(self) -> int:
         """How many sets of parameters one proof covers."""
@@ -177,7 +187,8 @@ class Checker:
         """Runs one proof on the headers below ``include``."""
         file = folder / (re.sub(r"\W", "_", proof.name) + ".c")
         file.write_text(proof.harness, encoding="utf-8")
-        command = [self.cbmc, str(file), "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind), "--unwinding-assertions"]
+        command = [self.cbmc, str(file), "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind)]
+        command += [] if PARTLY in proof.options else ["--unwinding-assertions"]
         command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
         try:
             with tempfile.TemporaryDirectory(dir=folder) as own:
@@ -186,7 +197,8 @@ class Checker:
             return Result(proof, False, f"{proof.name}: no answer within {TIMEOUT_S} s")
         proved = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
         refuted = done.returncode == 10 and "VERIFICATION FAILED" in done.stdout
-        told = [line for line in (done.stdout + done.stderr).splitlines() if refuted is False or line.startswith("Violated") or "FAILURE" in line or line.startswith("  ")]
+        told = (done.stdout + done.stderr).splitlines()
+        told = told[next((at for at, line in enumerate(told) if line.startswith("Violated")), 0) :]
         return Result(proof, proved, proof.name if proved else f"{proof.name}: {'REFUTED' if refuted else 'no result'}\n" + "\n".join(told[-12:]))
 
     def prove_all(self, proofs: Sequence[Proof], include: Path, folder: Path) -> list[Result]:

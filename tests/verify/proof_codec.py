@@ -5,8 +5,8 @@ Nothing here looks at how the C target reads or writes a field; from the header 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field as attribute
 from functools import cached_property
 
 from codewheel.expressions import Expression
@@ -17,6 +17,14 @@ from proof import PRELUDE, UNDEFINED, Header, Member, Proof, Variants, in_c
 
 #: The documented order of faults.
 LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
+
+
+def function(name: str, *lines: str) -> str:
+    return f"void {name}(void)\n{{\n    any_variant();\n" + "".join(f"    {line.strip()}\n" if line.strip() else "" for line in lines) + "}\n"
+
+
+def claim(condition: str, words: str) -> str:
+    return f'__CPROVER_assert({condition}, "{words}");'
 
 
 @dataclass(frozen=True)
@@ -49,6 +57,7 @@ class CodecProof:
     prefix: str
     name: str
     register: Register | None = None
+    held: Mapping[str, int] = attribute(default_factory=dict)
 
     # -- the layout
 
@@ -63,7 +72,7 @@ class CodecProof:
         equals = [item.equals for item in self.layout.fields if isinstance(item.equals, Expression)]
         expressions = [self.layout.bits, *(part for item in self.layout.fields for part in (item.low, item.width)), *limits, *equals]
         used = dict.fromkeys(name for item in expressions for name in item.parameters)
-        return Variants.of(self.device, self.interface, [*used, *([self.layout.gray_when] if self.layout.gray_when else [])])
+        return Variants.of(self.device, self.interface, [*used, *([self.layout.gray_when] if self.layout.gray_when else [])]).fixed(self.held)
 
     @property
     def by_word(self) -> bool:
@@ -203,7 +212,7 @@ class CodecProof:
             for name in join.fields:
                 joined = f"(({joined}) << {in_c(self.layout.field(name).width)} | {self._given(name)})"
             yield f"{self._given(join.name)} == {joined}"
-        yield from self.limits(lambda name: self._given(name))
+        yield from self.limits(self._given)
 
     def _given(self, name: str) -> str:
         return f"((number)in.{self.header.member(self.name, name).name})"
@@ -228,10 +237,10 @@ class CodecProof:
         if field.digits:
             yield f"{given} == {' + '.join(f'{self._given(run.name)} * {run.divisor}' for run in field.digits)}"
 
-    def limits(self, given: object) -> Iterator[str]:
+    def limits(self, given: Callable[[str], str]) -> Iterator[str]:
         """The limits of a register, which bound what is written and not what is read."""
         name = bounded(self.register) if self.register is not None else ""
-        if self.register is None or not name or not callable(given):
+        if self.register is None or not name:
             return
         if self.register.min is not None and not (self.register.min.is_constant and self.register.min.constant <= 0):
             yield f"{given(name)} >= {in_c(self.register.min)}"
@@ -263,12 +272,6 @@ class CodecProof:
         again_passed = "&again" if self.by_word else f"again, {self.size}"
         again_number = number_of.replace("wire", "again")
 
-        def function(name: str, *lines: str) -> str:
-            return f"void {name}(void)\n{{\n    any_variant();\n" + "".join(f"    {line.strip()}\n" if line.strip() else "" for line in lines) + "}\n"
-
-        def claim(condition: str, words: str) -> str:
-            return f'__CPROVER_assert({condition}, "{words}");'
-
         every = " && ".join
         text = f'#include "{self.prefix.replace("_", "/", 1)}.h"\n{PRELUDE}typedef unsigned __CPROVER_bitvector[{bits}] number;\n'
         text += self.variants.declare(self.prefix, self.header) + self.reference()
@@ -284,7 +287,7 @@ class CodecProof:
             "encode_members", *encoded, claim(f"(int)found == (({valid}) ? 0 : {RANGE})", "takes exactly the values in range"),
             f"if (found != 0) {{ {claim(same_wire, 'a fault leaves the result as it was')} return; }}",
             claim(f"check({number_of}) == 0", "constants, parity and choices as the layout has them"),
-            *(claim(f"({number_of}) >> {in_c(self.layout.bits)} == 0", "as many bits as the layout has") if self.by_word else "",),
+            claim(f"({number_of}) >> {in_c(self.layout.bits)} == 0", "as many bits as the layout has") if self.by_word else "",
             claim(f"uncovered({number_of}) == 0", "bits without a field are 0"),
             *(claim(item, "the reference reads the member back") for item in equal_reference),
         )
@@ -300,30 +303,28 @@ class CodecProof:
         if self.crc is not None and self.layout.crc_field is not None:
             place = f"{in_c(self.layout.crc_field.low)}, {in_c(self.layout.crc_field.width)}"
             text += function("encode_crc", *encoded, claim(f"found != 0 || crc_of({number_of}) == received({number_of}, {place})", "the CRC of the definition"))
-        text += self._length(function, claim, out, given, result) + self._setters(function, claim, result) + self._expected(function, claim)
+        text += self._length(out, given) + self._setters(result) + self._expected()
         calls = [name for name in ("decode_members", "encode_members", "length", *self._set_names(), *self._expected_names()) if f"void {name}(void)" in text]
         if self.crc is None:
             calls += ["decode_result", "decode_of_encode", "encode_of_decode"]
         return text + "void everything(void)\n{\n" + "".join(f"    {name}();\n" for name in calls) + "}\n"
 
-    def _length(self, function: object, claim: object, out: str, given: str, result: str) -> str:
-        if self.by_word or not callable(function) or not callable(claim):
+    def _length(self, out: str, given: str) -> str:
+        if self.by_word:
             return ""
         unchanged = " && ".join(f"out.{item.name} == before.{item.name}" for item in self.header.structs[self.name] if not item.count) or "1"
-        return str(function(
+        return function(
             "length", out, f"{self.name} before = out;", "size_t length = nondet_size();", f"__CPROVER_assume(length != {self.size});", "uint8_t none[1];",
             claim(f"{self.name}_decode(&variant, none, length, &out) == {LENGTH} && {unchanged}", "another length is refused before a byte is read"),
             given, claim(f"{self.name}_encode(&variant, &in, none, length) == {LENGTH}", "another length is refused before a byte is written"),
-        ))
+        )
 
     def _set_names(self) -> list[str]:
         return [f"set_{item}" for item in (*(join.name for join in self.layout.joins), *(field.name for field in self.fields if field.digits))]
 
-    def _setters(self, function: object, claim: object, result: str) -> str:
+    def _setters(self, result: str) -> str:
         """A number and its parts: the setter takes exactly the numbers that fit, and the parts are those that the reference would read."""
         text = ""
-        if not callable(function) or not callable(claim):
-            return text
         parts: list[tuple[str, str, Sequence[tuple[str, str]]]] = []
         for join in self.layout.joins:
             offset, found = Expression(0), []
@@ -340,19 +341,19 @@ class CodecProof:
             others = [f"out.{item.name} == before.{item.name}" for item in self.header.structs[self.name] if item.name not in touched and not item.count] or ["1"]
             same = [f"out.{item.name} == before.{item.name}" for item in self.header.structs[self.name] if item.name in touched]
             equal = [f"out.{whole.name} == given", *(f"(number)out.{self.header.member(self.name, part).name} == {value}" for part, value in pieces if value)]
-            text += str(function(
+            text += function(
                 f"set_{name}", self.header.anything(self.name, "out"), f"{self.name} before = out;", f"{whole.type} given = ({whole.type})nondet_word();",
                 f"{result} found = {self.name}_set_{name}(&variant, given, &out);", claim(f"(int)found == (({fits}) ? 0 : {RANGE})", "takes exactly the numbers that fit"),
                 claim(" && ".join(others), "sets nothing else"), claim(f"found != 0 || ({' && '.join(equal)})", "sets the number and its parts"),
                 claim(f"found == 0 || ({' && '.join(same)})", "a fault leaves the result as it was"),
-            ))
+            )
         return text
 
     def _expected_names(self) -> list[str]:
         return ["expected"] if f"{self.name}_is_expected" in self.header.functions else []
 
-    def _expected(self, function: object, claim: object) -> str:
-        if not self._expected_names() or not callable(function) or not callable(claim):
+    def _expected(self) -> str:
+        if not self._expected_names():
             return ""
         conditions: list[str] = []
         for field in self.fields:
@@ -364,12 +365,23 @@ class CodecProof:
             elif field.equals is not None:
                 conditions.append(f"(number)in.{member} == {field.equals}")
         test = f"{self.name}_is_expected(&variant, &in) == ({' && '.join(conditions)})"
-        return str(function("expected", self.header.anything(self.name, "in"), claim(test, "reads as the manual states")))
+        return function("expected", self.header.anything(self.name, "in"), claim(test, "reads as the manual states"))
+
+    @property
+    def functions(self) -> Iterator[str]:
+        """The functions that are proved here."""
+        yield from (f"{self.name}_{item}" for item in ("decode", "encode", *self._set_names()))
+        if self._expected_names():
+            yield f"{self.name}_is_expected"
 
     def proofs(self) -> Iterable[Proof]:
         text, covers = self.harness(), self.variants.count
+        state = "".join(f", {name} {value}" for name, value in self.held.items())
         unwind = max(66, self.layout.widest + 2)
-        yield Proof(f"{self.name} everything", text, "everything", unwind, tuple(UNDEFINED), covers)
+        yield Proof(f"{self.name} everything{state}", text, "everything", unwind, tuple(UNDEFINED), covers)
         if self.crc is not None:
             for entry in ("decode_result", "encode_crc", "decode_of_encode", "encode_of_decode"):
-                yield Proof(f"{self.name} {entry}", text, entry, unwind, ("--no-standard-checks",), covers)
+                yield Proof(f"{self.name} {entry}{state}", text, entry, unwind, ("--no-standard-checks",), covers)
+            for option in self.header.options:
+                for entry in ("decode_result", "encode_crc"):
+                    yield Proof(f"{self.name} {entry} with {option}{state}", text, entry, unwind, (f"-D{option}", *UNDEFINED), covers)

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from batch import Batch
 from c_harness import FAMILIES
-from fuzz import HERE, PRECONDITIONS, Header, seeds, source
+from fuzz import HERE, PRECONDITIONS, Header, folded, seeds, source
 from tools import tool
 from tree import generated_tree, library, number_from_environment
 
@@ -84,6 +84,6 @@ def test_every_function_is_called(name: str, include: Path) -> None:
     called = re.findall(r"\(void\)(\w+)\(", header.calls())
     own = [f"{item.view.name}_decode" for item in batch.codecs]
     declared = [
-        found for file in ("encoder", name) for found in re.findall(r"^static inline [^;{]*?(\w+)\(", (include / batch.view.maker.name / f"{file}.h").read_text(encoding="ascii"), re.MULTILINE)
+        found for file in ("encoder", name) for found in re.findall(r"^static inline [^;{]*?(\w+)\(", folded((include / batch.view.maker.name / f"{file}.h").read_text(encoding="ascii")), re.MULTILINE)
     ]
     assert sorted([*called, *own, *(f"{header.maker}_{item}" for item in PRECONDITIONS)]) == sorted(declared)

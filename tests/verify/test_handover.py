@@ -6,6 +6,7 @@ and is written with 40h open, saved and activated with 77h; the serial number 0A
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -66,7 +67,7 @@ def user(folder: Path) -> Path:
 
 
 def run(*command: str | Path, cwd: Path, **environment: str) -> str:
-    done = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, timeout=300, env={"PATH": "/usr/local/bin:/usr/bin:/bin", **environment})
+    done = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, timeout=300, env={"PATH": os.environ["PATH"], **environment})
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     return done.stdout
 

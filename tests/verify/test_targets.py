@@ -1,4 +1,4 @@
-"""The same code gives the same results on a Cortex-M0, M3 and M4, on a big-endian PowerPC and on the host.
+"""The same code gives the same results on a Cortex-M0, M3 and M4, on a big-endian PowerPC and on the host, there with CRCs by table as well.
 
 What is asked: everything that the tests of the C target ask, the worked examples of the manuals and public vectors among it; and thousands of
 random and disturbed frames of each layout, which the model's own codec judges as well. ``CODEWHEEL_TARGET_FRAMES`` sets another number of them.

@@ -31,8 +31,9 @@ start value 0, inverted, over CTS, ID and ADR, or over a byte of data. S, R, W, 
 
 Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. That CTS is in the CRC,
 the frame in which each answer comes, and P before a further S are as in masters that are published: lenzencoders/BISS-C
-(BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk (source/position_sense/bissc). Nothing here was
-tried on an encoder. Commands (CTS = 0) are not covered: a :class:`Slave` lets them pass.
+(BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk (source/position_sense/bissc). Inferred: at
+which end of a chain ID 0 is, and what a slave does with a disturbed byte or with R W = 00 or 11. Nothing here was tried
+on an encoder. Commands (CTS = 0) are not covered: a :class:`Slave` lets them pass.
 """
 
 from __future__ import annotations

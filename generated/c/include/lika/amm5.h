@@ -27,6 +27,8 @@
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
  * the functions _set_ make it so. Pointers must not be null.
+ *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
+ *                   entries in place of straight-line code, which is sooner on machines of 8 bits.
  */
 #ifndef LIKA_AMM5_H
 #define LIKA_AMM5_H
@@ -214,6 +216,38 @@ static inline const lika_amm5_order_code *lika_amm5_find_order_code(
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
+
+#ifdef LIKA_CRC_TABLE
+/* The table of CRC biss_6: what a byte leaves of it. */
+static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
+{
+    static const uint8_t entries[256] = {
+        0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
+        0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
+        0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
+        0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
+        0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
+        0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
+        0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
+        0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
+        0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
+        0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
+        0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
+        0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
+        0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
+        0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
+        0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
+        0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
+        0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
+        0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
+        0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
+        0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
+        0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
+        0x20U, 0x2CU, 0x38U, 0x34U
+    };
+    return entries[byte];
+}
+#endif
 
 /*
  * CRC biss_6, x^6 + x + 1 [6.2.1 p.33; prot: p.7-8; renishaw: data sheet; icmu: p.30]: width 6,
@@ -497,11 +531,21 @@ static inline uint32_t lika_amm5_single_cycle_data_bits(const lika_amm5_variant 
 }
 
 /*
- * CRC biss_6 of a whole word, without a table: 0 when the word is sound. For a word with 0 in place
- * of its CRC, the CRC to send.
+ * CRC biss_6 of a whole word: 0 when the word is sound. For a word with 0 in place of its CRC, the
+ * CRC to send.
  */
 static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
 {
+#ifdef LIKA_CRC_TABLE
+    uint8_t v = (uint8_t)(word >> 40U);
+    v = (uint8_t)(lika_amm5_crc_biss_6_entry(v) ^ (uint8_t)(word >> 32U));
+    v = (uint8_t)(lika_amm5_crc_biss_6_entry(v) ^ (uint8_t)(word >> 24U));
+    v = (uint8_t)(lika_amm5_crc_biss_6_entry(v) ^ (uint8_t)(word >> 16U));
+    v = (uint8_t)(lika_amm5_crc_biss_6_entry(v) ^ (uint8_t)(word >> 8U));
+    v = (uint8_t)(lika_amm5_crc_biss_6_entry(v) ^ (uint8_t)word);
+    v = (uint8_t)((v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U));
+    return v ^ 0x3FU;
+#else
     const uint32_t high = ((uint32_t)(word >> 32U) << 8U) | ((uint32_t)word >> 24U);
     uint32_t v = ((uint32_t)word & 0xFFFFFFU) ^ high ^ (high << 4U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
@@ -509,6 +553,7 @@ static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     return v ^ 0x3FU;
+#endif
 }
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
@@ -671,11 +716,11 @@ static inline lika_result lika_amm5_data_request_decode(
     if (length != LIKA_AMM5_DATA_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
@@ -747,21 +792,23 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
+    const uint8_t data = bytes[2];
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    const uint8_t data = bytes[2];
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     out->address = address;
     out->data = data;
@@ -817,20 +864,22 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     out->address = address;
     return LIKA_OK;
@@ -893,17 +942,17 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_SINGLETURN_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
     if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
+    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
+        return LIKA_FAULT_CONSTANT;
+    }
+    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
@@ -985,6 +1034,12 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_MULTITURN_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint16_t multiturn = (uint16_t)((uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U));
+    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
@@ -994,17 +1049,13 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
     if (bytes[4] != 0x00U) { /* above multiturn */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint16_t multiturn = (uint16_t)((uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U));
-    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) || (parity != 1U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->status_st_error = ((flags & 0x10U) != 0U);
@@ -1067,6 +1118,8 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
@@ -1076,13 +1129,13 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     if (bytes[2] != 0x23U) { /* encoder id */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) || (parity != 1U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->status_st_error = ((flags & 0x10U) != 0U);
@@ -1170,6 +1223,17 @@ static inline lika_result lika_amm5_complete_reply_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
+        ((uint32_t)bytes[4] << 16U);
+    const uint16_t multiturn = (uint16_t)((uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U));
+    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
+    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
@@ -1185,22 +1249,13 @@ static inline lika_result lika_amm5_complete_reply_decode(
     if ((bytes[9] & 0x19U) != 0x00U) { /* alarm zero 0, alarm zero 3 4 */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
-        ((uint32_t)bytes[4] << 16U);
-    const uint16_t multiturn = (uint16_t)((uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U));
-    if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (multiturn > lika_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) || (parity != 0U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     uint8_t flags = bytes[1];
     out->status_st_error = ((flags & 0x10U) != 0U);
@@ -1285,18 +1340,20 @@ static inline lika_result lika_amm5_eeprom_write_reply_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
-    }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint8_t address = (uint8_t)(bytes[1] >> 1U);
     const uint8_t data = bytes[2];
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
+    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->mem_busy = ((flags & 0x01U) != 0U);
@@ -1357,18 +1414,20 @@ static inline lika_result lika_amm5_eeprom_read_reply_decode(
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
-    }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint8_t address = (uint8_t)(bytes[1] >> 1U);
     const uint8_t data = bytes[2];
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
+    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if (data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->mem_busy = ((flags & 0x01U) != 0U);
@@ -1665,6 +1724,10 @@ static inline lika_result lika_amm5_reg_preset_decode(
         ((uint64_t)bytes[4] << 32U) |
         ((uint64_t)bytes[5] << 40U) |
         ((uint64_t)bytes[6] << 48U);
+    const uint16_t multiturn =
+        (uint16_t)lika_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
+    const uint32_t singleturn =
+        (uint32_t)lika_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
     if (((word >> 49U) & 0x7FU) != 0x00U) { /* zero above multiturn */
         return LIKA_FAULT_CONSTANT;
     }
@@ -1674,10 +1737,6 @@ static inline lika_result lika_amm5_reg_preset_decode(
     if (lika_field(word, 0U, 33U - variant->singleturn_bits) != 0x00U) { /* zero below singleturn */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint16_t multiturn =
-        (uint16_t)lika_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
-    const uint32_t singleturn =
-        (uint32_t)lika_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;

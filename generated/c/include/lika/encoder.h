@@ -56,7 +56,7 @@ typedef enum lika_access {
 typedef enum lika_step_kind {
     LIKA_STEP_WRITE = 1, /* write the byte value to the register address */
     LIKA_STEP_WAIT = 2,  /* wait microseconds at least */
-    LIKA_STEP_SEND = 3,  /* send the byte value so many times, microseconds at least between two */
+    LIKA_STEP_SEND = 3,  /* send the request value so many times, microseconds apart at least */
     LIKA_STEP_READ = 4,  /* read the register address */
     LIKA_STEP_POLL = 5   /* read the register address until its bits under mask are value */
 } lika_step_kind;
@@ -89,7 +89,7 @@ static inline lika_step lika_step_wait(uint32_t microseconds)
     return step;
 }
 
-/* A step that sends one byte several times. */
+/* A step that sends a request of one byte several times. */
 static inline lika_step lika_step_send(uint8_t value, uint16_t times, uint32_t microseconds)
 {
     const lika_step step = { LIKA_STEP_SEND, 0U, 0xFFU, value, times, microseconds };
@@ -141,8 +141,9 @@ typedef struct lika_transport {
 #define LIKA_POLL_PAUSE_US 1000U /* microseconds between them */
 
 /*
- * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED. A fault that is found
- * before the first step, or in what was read, leaves it as it was. NULL will do in its place.
+ * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED, and with RANGE where a
+ * list has a step of no kind. A fault that is found before the first step, or in what was read,
+ * leaves it as it was. NULL will do in its place.
  */
 typedef struct lika_failure {
     size_t step; /* which step, the first is 0 */
@@ -401,7 +402,7 @@ static inline uint64_t lika_mask(uint32_t bits)
     return (bits < 64U) ? (((uint64_t)1U << bits) - 1U) : UINT64_MAX;
 }
 
-/* What a word holds from bit low up; of its upper half where that is enough, which small machines shift sooner. */
+/* What a word holds from bit low up; small machines shift the upper half alone sooner. */
 static inline uint64_t lika_above(uint64_t word, uint32_t low)
 {
     if (low > 63U) {

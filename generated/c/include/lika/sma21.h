@@ -32,6 +32,8 @@
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
  * the functions _set_ make it so. Pointers must not be null.
+ *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
+ *                   entries in place of straight-line code, which is sooner on machines of 8 bits.
  */
 #ifndef LIKA_SMA21_H
 #define LIKA_SMA21_H
@@ -284,6 +286,38 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
+
+#ifdef LIKA_CRC_TABLE
+/* The table of CRC biss_6: what a byte leaves of it. */
+static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
+{
+    static const uint8_t entries[256] = {
+        0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
+        0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
+        0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
+        0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
+        0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
+        0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
+        0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
+        0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
+        0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
+        0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
+        0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
+        0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
+        0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
+        0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
+        0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
+        0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
+        0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
+        0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
+        0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
+        0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
+        0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
+        0x20U, 0x2CU, 0x38U, 0x34U
+    };
+    return entries[byte];
+}
+#endif
 
 /*
  * CRC biss_6, x^6 + x + 1 [6.2 p.26; prot: p.7-8; renishaw: data sheet; icmu: p.30]: width 6,
@@ -546,17 +580,27 @@ static inline uint32_t lika_sma21_single_cycle_data_bits(const lika_sma21_varian
 }
 
 /*
- * CRC biss_6 of a whole word, without a table: 0 when the word is sound. For a word with 0 in place
- * of its CRC, the CRC to send.
+ * CRC biss_6 of a whole word: 0 when the word is sound. For a word with 0 in place of its CRC, the
+ * CRC to send.
  */
 static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
 {
+#ifdef LIKA_CRC_TABLE
+    uint8_t v = (uint8_t)(word >> 32U);
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(word >> 24U));
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(word >> 16U));
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(word >> 8U));
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)word);
+    v = (uint8_t)((v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U));
+    return v ^ 0x3FU;
+#else
     const uint32_t high = ((uint32_t)(word >> 32U) << 20U) | ((uint32_t)word >> 12U);
     uint32_t v = ((uint32_t)word & 0xFFFU) ^ high ^ (high << 2U);
     v = (v & 0xFFFU) ^ (v >> 12U) ^ ((v >> 12U) << 2U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     v = (v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U);
     return v ^ 0x3FU;
+#endif
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
@@ -679,11 +723,11 @@ static inline lika_result lika_sma21_data_request_decode(
     if (length != LIKA_SMA21_DATA_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
         return LIKA_FAULT_CONSTANT;
     }
@@ -789,17 +833,17 @@ static inline lika_result lika_sma21_position_reply_decode(
     if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_POSITION_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
     if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
+    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
+        return LIKA_FAULT_CONSTANT;
+    }
+    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
     if (parity != lika_parity(data_id)) { /* even parity of data_id */
@@ -913,22 +957,25 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
     if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint64_t position = (uint64_t)bytes[2] | ((uint64_t)bytes[3] << 8U) |
+        ((uint64_t)bytes[4] << 16U) | ((uint64_t)bytes[5] << 24U) | ((uint64_t)bytes[6] << 32U) |
+        ((uint64_t)bytes[7] << 40U);
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint64_t position = (uint64_t)bytes[2] | ((uint64_t)bytes[3] << 8U) |
-        ((uint64_t)bytes[4] << 16U) | ((uint64_t)bytes[5] << 24U) | ((uint64_t)bytes[6] << 32U) |
-        ((uint64_t)bytes[7] << 40U);
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) &&
+        (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) || (parity != 0U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
     out->status_alarm = ((flags & 0x10U) != 0U);
@@ -1026,6 +1073,13 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if (lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
+    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
+        ((uint32_t)bytes[4] << 16U);
+    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
@@ -1038,18 +1092,14 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if (bytes[6] != 0x00U) { /* encoder id 2 */
         return LIKA_FAULT_CONSTANT;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
-        ((uint32_t)bytes[4] << 16U);
-    if (position > lika_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) {
+    /* another frame */
+    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) &&
+        (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
+    }
+    /* even parity of data_id */
+    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) || (parity != 0U)) {
+        return LIKA_FAULT_CONSTANT;
     }
     uint8_t flags = bytes[1];
     out->status_alarm = ((flags & 0x10U) != 0U);
@@ -1563,13 +1613,13 @@ static inline lika_result lika_sma21_reg_configuration_decode(
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    if ((bytes[0] & 0x99U) != 0x00U) { /* unused 7, unused 3 4, unused 0 */
-        return LIKA_FAULT_CONSTANT;
-    }
     const uint8_t counting_direction = (uint8_t)((bytes[0] >> 6U) & 0x01U);
     const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
     const uint8_t enable_preset_offset = (uint8_t)((bytes[0] >> 2U) & 0x01U);
     const uint8_t select_preset_offset = (uint8_t)((bytes[0] >> 1U) & 0x01U);
+    if ((bytes[0] & 0x99U) != 0x00U) { /* unused 7, unused 3 4, unused 0 */
+        return LIKA_FAULT_CONSTANT;
+    }
     out->counting_direction = (lika_sma21_counting_direction)counting_direction;
     out->output_code = (lika_sma21_output_code)output_code;
     out->enable_preset_offset = (lika_sma21_enable_preset_offset)enable_preset_offset;
@@ -1586,16 +1636,16 @@ static inline lika_result lika_sma21_reg_configuration_encode(
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
-    if ((uint8_t)in->counting_direction > 0x01U) {
+    if ((uint32_t)in->counting_direction > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if ((uint8_t)in->output_code > 0x01U) {
+    if ((uint32_t)in->output_code > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if ((uint8_t)in->enable_preset_offset > 0x01U) {
+    if ((uint32_t)in->enable_preset_offset > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
-    if ((uint8_t)in->select_preset_offset > 0x01U) {
+    if ((uint32_t)in->select_preset_offset > 0x01U) {
         return LIKA_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)(((uint32_t)in->counting_direction << 6U) |

@@ -1,4 +1,4 @@
-"""The machines that code is measured on: bytes of a function with all that it calls, and what one call of it executes."""
+"""The boards that code is measured on: bytes of a function with all that it calls, and what one call of it executes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LOADED = 1
 
 
 @dataclass(frozen=True)
-class Machine:
+class Board:
     """``prefix`` begins the names of its tools; ``unit`` is what :meth:`executed` counts."""
 
     name: str
@@ -86,11 +86,11 @@ class Machine:
         return int(found[1])
 
 
-MACHINES = (
-    Machine("cortex-m0plus", "arm-none-eabi", ("-mcpu=cortex-m0plus", "-mthumb"), "instructions"),
-    Machine("cortex-m4", "arm-none-eabi", ("-mcpu=cortex-m4", "-mthumb"), "instructions"),
-    Machine("rv32imc", "riscv64-unknown-elf", ("-march=rv32imc", "-mabi=ilp32", "--specs=picolibc.specs"), "instructions"),
-    Machine("avr", "avr", ("-mmcu=atmega328p",), "cycles"),
+BOARDS = (
+    Board("cortex-m0plus", "arm-none-eabi", ("-mcpu=cortex-m0plus", "-mthumb"), "instructions"),
+    Board("cortex-m4", "arm-none-eabi", ("-mcpu=cortex-m4", "-mthumb"), "instructions"),
+    Board("rv32imc", "riscv64-unknown-elf", ("-march=rv32imc", "-mabi=ilp32", "--specs=picolibc.specs"), "instructions"),
+    Board("avr", "avr", ("-mmcu=atmega328p",), "cycles"),
 )
 
 

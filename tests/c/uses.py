@@ -6,7 +6,7 @@ It is made from the text of the headers, so that nothing in them can be forgotte
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,6 +24,8 @@ class Declared:
     macros: Sequence[tuple[str, str]]
     enumerators: tuple[str, ...]
     types: tuple[str, ...]
+    #: The lines that open the conditions under which a function is there at all.
+    conditions: Mapping[str, tuple[str, ...]]
 
     @property
     def names(self) -> list[str]:
@@ -46,7 +48,24 @@ def declared(texts: Iterable[str]) -> Declared:
     enums = _ENUM.findall(code)
     assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
     enumerators = tuple(item.split("=")[0].strip() for body, _ in enums for item in body.split(","))
-    return Declared(functions, macros, enumerators, (*(name for _, name in enums), *_STRUCT.findall(code)))
+    return Declared(functions, macros, enumerators, (*(name for _, name in enums), *_STRUCT.findall(code)), dict(_conditions(code)))
+
+
+def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Each function that only some settings have, with the lines that ask for these; guards and the check for C++ are no settings."""
+    opened: list[str] = []
+    for line in code.splitlines():
+        word, *rest = line.split() or [""]
+        if word in ("#ifdef", "#ifndef"):
+            opened.append(line)
+        elif word == "#else":
+            opened[-1] = f"{'#ifndef' if opened[-1].startswith('#ifdef') else '#ifdef'} {opened[-1].split()[1]}"
+        elif word == "#endif":
+            opened.pop()
+        found = re.match(r"static inline [\w \*]+?(\w+)\(", line)
+        settings = tuple(item for item in opened if not item.endswith("_H") and item != "#ifdef __cplusplus")
+        if found and settings:
+            yield found[1], settings
 
 
 def use_everything(headers: Sequence[str], include: Path) -> str:
@@ -56,7 +75,9 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
     lines = [f'#include "{header}"' for header in headers]
     for kind, name, given in found.functions:
         arguments = "" if given == "void" else ", ".join(re.findall(r"(\w+)(?:\[\d*\])?(?:,|$)", given))
-        lines += _function(kind, name, given, f"{'' if kind == 'void' else 'return '}{name}({arguments});")
+        made = _function(kind, name, given, f"{'' if kind == 'void' else 'return '}{name}({arguments});")
+        settings = found.conditions.get(name, ())
+        lines += [*settings, *made, *("#endif" for _ in settings)]
     for name, value in found.macros:
         if value.startswith("{"):
             variant = max((item for item in found.types if item.endswith("_variant") and name.lower().startswith(item.removesuffix("variant"))), key=len)

@@ -1,0 +1,164 @@
+/*
+ * Claims about register access over BiSS for the model checker CBMC. What a machine can be in is
+ * written down once, in _can_be; each function then shows that it leads from there to there again,
+ * whatever comes over the line, and does nothing undefined on the way. So no frames are too many.
+ */
+#include "@maker@/biss.h"
+
+int nondet_int(void);
+uint8_t nondet_byte(void);
+uint16_t nondet_half(void);
+uint32_t nondet_word(void);
+size_t nondet_size(void);
+
+static uint8_t into[@MAKER@_BISS_REGISTERS];
+static const uint8_t from[@MAKER@_BISS_REGISTERS];
+
+static bool either(void)
+{
+    return nondet_int() > 0;
+}
+
+static bool master_can_be(const @maker@_biss_master *master)
+{
+    const bool running = master->outcome == @MAKER@_BISS_RUNNING;
+    const bool at_p = (master->phase == @MAKER@_BISS_PHASE_BYTE) && (master->at == 12U);
+    if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > @MAKER@_BISS_ZEROS)) {
+        return false;
+    }
+    if (!running) {
+        return master->phase == @MAKER@_BISS_PHASE_WAIT;
+    }
+    if ((master->request.id > 7U) || (master->done >= master->count) || (master->count > @MAKER@_BISS_REGISTERS)) {
+        return false;
+    }
+    /* The registers that are left do not run past 7Fh. While P is sent, the byte before it counts as done. */
+    if ((master->request.address + (master->count - master->done) + (at_p ? 1 : 0)) > 0x80) {
+        return false;
+    }
+    if (master->request.write ? (master->from != from) : (master->into != into)) {
+        return false;
+    }
+    switch (master->phase) {
+    case @MAKER@_BISS_PHASE_HEADER:
+        return master->at <= 17U;
+    case @MAKER@_BISS_PHASE_START:
+        return master->busy <= master->busy_limit;
+    case @MAKER@_BISS_PHASE_BYTE:
+        return at_p || ((master->at < 12U) && ((master->answers >> master->at) == 0U));
+    default:
+        return master->at == 0U;
+    }
+}
+
+void one_more_bit_of_a_master(void)
+{
+    @maker@_biss_master master;
+    master.outcome = (@maker@_biss_outcome)nondet_int();
+    master.phase = (@maker@_biss_phase)nondet_int();
+    master.request.write = either();
+    __CPROVER_assume(master_can_be(&master));
+    (void)@maker@_biss_master_next(&master, either());
+    __CPROVER_assert(master_can_be(&master), "a master stays what it can be");
+    @maker@_biss_master_abort(&master);
+    __CPROVER_assert(master_can_be(&master) && (master.outcome != @MAKER@_BISS_RUNNING), "and can be given up");
+}
+
+void a_master_begins(void)
+{
+    @maker@_biss_master master;
+    const uint8_t id = nondet_byte();
+    const uint8_t address = nondet_byte();
+    const size_t count = nondet_size();
+    const bool fits = (id < 8U) && (address < 0x80U) && (count > 0U) && (count <= (size_t)(0x40U - (address % 0x40U)));
+    @maker@_result result;
+    @maker@_biss_master_init(&master);
+    __CPROVER_assert(master_can_be(&master), "a master that is new");
+    master.zeros = nondet_byte();
+    __CPROVER_assume(master_can_be(&master));
+    if (either()) {
+        result = @maker@_biss_master_read(&master, id, address, into, count, nondet_half());
+    } else {
+        result = @maker@_biss_master_write(&master, id, address, from, count, nondet_half());
+    }
+    __CPROVER_assert(result == (fits ? @MAKER@_OK : @MAKER@_FAULT_RANGE), "what runs past the end is refused, and nothing else");
+    __CPROVER_assert(master_can_be(&master) && (fits == (master.outcome == @MAKER@_BISS_RUNNING)), "nothing begins that is refused");
+}
+
+static bool slave_can_be(const @maker@_biss_slave *slave)
+{
+    if (((unsigned)slave->phase > 3U) || ((unsigned)slave->wants > 2U) || (slave->zeros > @MAKER@_BISS_ZEROS) || (slave->current > 0x7FU)) {
+        return false;
+    }
+    switch (slave->phase) {
+    case @MAKER@_BISS_PHASE_HEADER:
+        return (slave->at <= 16U) && ((slave->received >> slave->at) == 0U);
+    case @MAKER@_BISS_PHASE_BYTE:
+        return (slave->at <= 12U) && ((slave->received >> slave->at) == 0U);
+    default:
+        return true;
+    }
+}
+
+void one_more_bit_of_a_slave(void)
+{
+    @maker@_biss_slave slave;
+    @maker@_biss_wants before;
+    slave.wants = (@maker@_biss_wants)nondet_int();
+    slave.phase = (@maker@_biss_phase)nondet_int();
+    slave.locked = either();
+    slave.write = either();
+    slave.given = either();
+    __CPROVER_assume(slave_can_be(&slave));
+    before = slave.wants;
+    (void)@maker@_biss_slave_next(&slave, either(), either());
+    __CPROVER_assert(slave_can_be(&slave), "a slave stays what it can be");
+    if ((before == @MAKER@_BISS_WANTS_NOTHING) && (slave.wants == @MAKER@_BISS_WANTS_STORE)) {
+        const uint32_t bits = ((uint32_t)slave.value << 4U) | @maker@_biss_crc(slave.value, 8U);
+        __CPROVER_assert((slave.received == bits) && (slave.address == slave.current), "only a byte whose CRC fits is stored");
+    }
+    if (either()) {
+        @maker@_biss_slave_give(&slave, nondet_byte());
+    } else {
+        @maker@_biss_slave_stored(&slave);
+    }
+    __CPROVER_assert(slave_can_be(&slave), "and when it has what it wants");
+}
+
+void a_slave_begins(void)
+{
+    @maker@_biss_slave slave;
+    @maker@_biss_slave_init(&slave);
+    __CPROVER_assert(slave_can_be(&slave), "a slave that is new");
+    slave.current = nondet_byte();
+    __CPROVER_assume(slave.current < 0x80U);
+    slave.write = either();
+    __CPROVER_assert(!@maker@_biss_slave_may(&slave), "refuses every register");
+}
+
+void words(void)
+{
+    @maker@_biss_request request;
+    @maker@_biss_request again;
+    const uint32_t word = nondet_word();
+    uint32_t made;
+    uint8_t slaves;
+    uint8_t value = 0x5AU;
+    @maker@_biss_outcome outcome;
+    if (@maker@_biss_request_decode(word, &request) == @MAKER@_OK) {
+        __CPROVER_assert((@maker@_biss_request_encode(&request, &made) == @MAKER@_OK) && (made == word), "a word that is a request is made by it");
+    }
+    request.id = nondet_byte();
+    request.address = nondet_byte();
+    request.write = either();
+    request.value = nondet_byte();
+    if (@maker@_biss_request_encode(&request, &made) == @MAKER@_OK) {
+        __CPROVER_assert(@maker@_biss_request_decode(made, &again) == @MAKER@_OK, "a request is a word");
+        __CPROVER_assert(
+            (again.id == request.id) && (again.address == request.address) && (again.write == request.write) && (again.value == request.value),
+            "and comes back from it");
+    }
+    outcome = @maker@_biss_answer_decode(&request, nondet_word(), &slaves, &value);
+    __CPROVER_assert(slaves <= 9U, "slaves are counted up to 9");
+    __CPROVER_assert((value == 0x5AU) || ((outcome == @MAKER@_BISS_DONE) && !request.write), "no other answer has a value");
+}

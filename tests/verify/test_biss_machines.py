@@ -1,0 +1,65 @@
+"""Register access over BiSS, proved by CBMC for every state that a machine can be in and every bit that can come over the line."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from c_harness import devices_of, write
+from tools import tool
+
+HARNESS = Path(__file__).with_name("proof_biss.c")
+#: Undefined behaviour, and besides it every unsigned overflow and every number that a smaller type cannot hold.
+CHECKS = (
+    "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check --signed-overflow-check --unsigned-overflow-check"
+    " --conversion-check --undefined-shift-check --div-by-zero-check --unwind 130 --unwinding-assertions"
+).split()
+CLAIMS = re.findall(r"^void (\w+)\(void\)$", HARNESS.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("biss"), devices_of())
+
+
+def verdict(include: Path, folder: Path, claim: str) -> str:
+    """What fails, or nothing."""
+    checker = tool("cbmc", [str(Path(__file__).resolve().parents[2] / ".cbmc")])
+    (header,) = include.glob("*/biss.h")
+    maker = header.parent.name
+    harness = folder / "harness.c"
+    harness.write_text(HARNESS.read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper()), encoding="utf-8")
+    done = subprocess.run([checker, str(harness), f"-I{include}", "--function", claim, *CHECKS], capture_output=True, text=True, timeout=400)
+    # A function without a body may give anything: that is what the harness is for.
+    failed = [line for line in done.stdout.splitlines() if line.endswith(": FAILURE") and ".no-body." not in line]
+    assert failed or "0 of " in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
+    return "\n".join(failed)
+
+
+@pytest.mark.parametrize("claim", CLAIMS)
+def test_whatever_comes_over_the_line(claim: str, include: Path, tmp_path: Path) -> None:
+    assert verdict(include, tmp_path, claim) == ""
+
+
+@pytest.mark.parametrize(
+    ("claim", "sound", "planted"),
+    [
+        ("one_more_bit_of_a_master", "if (master->at == 12U) {", "if (master->at == 13U) {"),
+        ("a_master_begins", "(request->address & 0x3FU)", "(request->address & 0x1FU)"),
+        ("one_more_bit_of_a_slave", "if (slave->at > 12U) {", "if (slave->at > 13U) {"),
+        ("one_more_bit_of_a_slave", "const bool last = (slave->current & 0x3FU) == 0x3FU;", "const bool last = false;"),
+        ("words", "return crc ^ 0xFU;", "return crc ^ 0x1FU;"),
+    ],
+)
+def test_what_is_planted_is_found(claim: str, sound: str, planted: str, include: Path, tmp_path: Path) -> None:
+    (header,) = include.glob("*/biss.h")
+    text = header.read_text(encoding="ascii")
+    assert text.count(sound) == 1
+    folder = tmp_path / "include" / header.parent.name
+    folder.mkdir(parents=True)
+    for shared in header.parent.glob("*.h"):
+        (folder / shared.name).write_bytes(shared.read_bytes())
+    (folder / "biss.h").write_text(text.replace(sound, planted), encoding="ascii")
+    assert verdict(folder.parent, tmp_path, claim) != ""

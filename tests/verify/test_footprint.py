@@ -1,0 +1,66 @@
+"""The generated decoders stay as small and as quick as recorded: bytes, instructions and cycles are exact, so that one too many shows.
+
+``python benchmarks/footprint.py --write`` records them anew; the page docs/footprint.md has the same figures beside those of others.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tools import tool
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+RECORDED: dict[str, Any] = json.loads((BENCHMARKS / "footprint.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def footprint(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The script that measures; it needs the emulator of the extra ``bench``."""
+    if importlib.util.find_spec("unicorn") is None:
+        words = "no Python package unicorn here, so the instructions are not counted; pip install 'codewheel[bench]' or make bench"
+        if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
+            pytest.fail(words)
+        pytest.skip(words)
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    yield importlib.import_module("footprint")
+    for name in ("footprint", "boards", "candidates", "host"):
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize("name", RECORDED)
+def test_no_byte_and_no_instruction_more_than_recorded(name: str, footprint: Any, tmp_path: Path) -> None:
+    (board,) = (item for item in footprint.BOARDS if item.name == name)
+    tool(board.compiler)
+    if name == "avr":
+        tool("simavr")
+    recorded = RECORDED[name]
+    if board.version() != recorded["compiler"]:
+        pytest.skip(f"the figures were recorded with {recorded['compiler']}, here is {board.version()}; make bench BENCH=--write records them anew")
+    measured = {frame: {key: list(pair) for key, pair in rows.items()} for frame, rows in footprint.measure_ours(board, tmp_path).items()}
+    assert {frame: set(rows) for frame, rows in measured.items()} == {frame: set(rows) for frame, rows in recorded["figures"].items()}
+    more = [
+        f"{frame}, {key}: {pair} where {recorded['figures'][frame][key]} are recorded (bytes, {board.unit})"
+        for frame, rows in measured.items()
+        for key, pair in rows.items()
+        if pair[0] > recorded["figures"][frame][key][0] or pair[1] > recorded["figures"][frame][key][1]
+    ]
+    assert not more, "\n".join(more)
+
+
+def test_a_wrongly_decoded_frame_is_no_figure(footprint: Any, tmp_path: Path) -> None:
+    """The emulated call has to give the right members: a decoder that is not reached would be the quickest of all."""
+    board = footprint.BOARDS[0]
+    tool(board.compiler)
+    frame = footprint.FRAMES[0]
+    first = next(iter(footprint.ours(frame)))
+    include = [footprint.write_headers(tmp_path)]
+    broken = type(first)(**{**vars(first), "good": "out.multiturn == 1U"})
+    with pytest.raises(RuntimeError, match="not decoded as it should be"):
+        footprint.measure(frame, broken, board, include, tmp_path)
