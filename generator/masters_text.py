@@ -50,7 +50,7 @@ def _time(value: int | None, bound: str) -> str:
 
 
 def _status(record: Record) -> str:
-    words = {"low": "0 while it speaks", "high": "1 while it speaks", "": "always 1"}
+    words = {"low": "active low", "high": "active high", "": "always 1"}
     shown = [f"{part.name} ({words[part.active]})" for part in record.parts if part.role == "status"]
     return ", ".join(shown) if shown else "none"
 

@@ -85,7 +85,7 @@ def word_by_table(crc: Crc, bits: int, entry: str) -> list[str]:
         lines = ["const uint32_t low = (uint32_t)word;", *(["const uint32_t high = (uint32_t)(word >> 32U);"] if count > 4 else [])]
         lines += [f"uint8_t v = (uint8_t){_byte(count - 1)};"]
         lines += [f"v = (uint8_t)({entry}(v) ^ (uint8_t){_byte(place)});" for place in range(count - 2, -1, -1)]
-        return [*lines, *(f"v = (uint8_t)({fold_step('v', step)});" for step in (fold_plan(crc.width, crc.poly, 8) if crc.width < 8 else ()))]
+        return [*lines, *(f"v = (uint8_t)({fold_step('(uint32_t)v', step)});" for step in (fold_plan(crc.width, crc.poly, 8) if crc.width < 8 else ()))]
     whole = min(crc.width // 8, count)
     lines = ["const uint32_t low = (uint32_t)word;", *(["const uint32_t high = (uint32_t)(word >> 32U);"] if count - whole > 4 else [])]
     lines += [f"uint32_t v = (uint32_t)(word >> {8 * (count - whole)}U);" if count > whole else "uint32_t v = (uint32_t)word;"]

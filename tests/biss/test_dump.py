@@ -108,12 +108,10 @@ def is_expression(text: str) -> bool:
         return False
 
 
-@pytest.mark.parametrize("path", sorted(SPECS.rglob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(path for path in SPECS.glob("*/*.yaml") if path.stem != "manufacturer" and path.parent.name != "masters"), ids=lambda path: path.stem)
 def test_every_fact_of_the_spec_is_there(path: Path, devices: tuple[Device, ...]) -> None:
     document = read_document(path, Report())
     assert document is not None
-    if "device" not in document.data:
-        pytest.skip("no device file")
     dump = device_dump(next(device for device in devices if device.name == document.data["device"]))
     held = [value for _, value in leaves(dump)]
     texts = {value for value in held if isinstance(value, str)}

@@ -103,8 +103,8 @@ def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]
     pairs = []
     for interface in device.interfaces:
         frames = [layout for layout in interface.layouts if layout.selector]
-        variant = next((item for item in device.variants if item.interface == interface.kind), None)
-        for kind, sender in (("request", "master"), ("reply", "encoder")) if frames and variant else ():
+        variant = next(item for item in device.variants if item.interface == interface.kind)
+        for kind, sender in (("request", "master"), ("reply", "encoder")) if frames else ():
             for byte in range(256):
                 index = next((at for at, layout in enumerate(frames) if layout.sender == sender and byte >> 3 & 15 in layout.selects), None)
                 pairs.append((f"{variant.code} select {kind} {byte:02X}", "4 0 0" if index is None else f"0 {index} {frames[index].widest // 8}"))

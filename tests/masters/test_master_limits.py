@@ -30,6 +30,7 @@ def changed(record: Record, **items: int | str | None) -> Record:
         ("ti_motor_control_sdk", {"data_bits": 56}, {"data_bits": 57}, "single_turn_len and multi_turn_len are 56 together at most. Here: data bits 57."),
         ("ti_motor_control_sdk", {"crc_bits": 6}, {"crc_bits": 16}, "The CRC of the position has 6 bits. Here: crc bits 16."),
         ("ti_motor_control_sdk", {"crc_inverted": 1}, {"crc_inverted": 0}, "The CRC is expected inverted; nothing turns that off. Here: crc inverted 0."),
+        ("ti_c2000", {"data_bits": 62}, {"data_bits": 63}, "Position, error and warning are kept in 64 bits together. Here: data bits 63."),
         ("moteus", {"data_bits": 58}, {"data_bits": 59}, "There are 58 data bits at most. Here: data bits 59."),
         ("linuxcnc_hostmot2", {"frame_bits": 96}, {"frame_bits": 97}, "A BiSS channel has 96 bits at most. Here: frame bits 97."),
         ("linuxcnc_hostmot2", {"singleturn_bits": 32}, {"singleturn_bits": 33}, "A field has 32 bits at most. Here: singleturn bits 33."),

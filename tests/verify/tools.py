@@ -21,6 +21,7 @@ PACKAGES = {
     "qemu-ppc-static": "apt-get install qemu-user-static",
     "riscv64-unknown-elf-gcc": "apt-get install gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf",
     "avr-gcc": "apt-get install gcc-avr avr-libc",
+    "simavr": "apt-get install simavr",
     "cbmc": "tests/verify/get-cbmc .cbmc (and apt-get install cryptominisat)",
     "cryptominisat5": "apt-get install cryptominisat",
     "cmake": "apt-get install cmake",

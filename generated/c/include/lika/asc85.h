@@ -487,12 +487,14 @@ static inline uint32_t lika_asc85_single_cycle_data_bits(const lika_asc85_varian
 static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 {
 #ifdef LIKA_CRC_TABLE
-    uint8_t v = (uint8_t)(word >> 32U);
-    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)(word >> 24U));
-    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)(word >> 16U));
-    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)(word >> 8U));
-    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)word);
-    v = (uint8_t)((v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U));
+    const uint32_t low = (uint32_t)word;
+    const uint32_t high = (uint32_t)(word >> 32U);
+    uint8_t v = (uint8_t)high;
+    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)(low >> 24U));
+    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)(low >> 16U));
+    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)(low >> 8U));
+    v = (uint8_t)(lika_asc85_crc_biss_6_entry(v) ^ (uint8_t)low);
+    v = (uint8_t)(((uint32_t)v & 0x3FU) ^ ((uint32_t)v >> 6U) ^ (((uint32_t)v >> 6U) << 1U));
     return v ^ 0x3FU;
 #else
     const uint32_t high = ((uint32_t)(word >> 32U) << 20U) | ((uint32_t)word >> 12U);

@@ -586,12 +586,14 @@ static inline uint32_t lika_sma21_single_cycle_data_bits(const lika_sma21_varian
 static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
 {
 #ifdef LIKA_CRC_TABLE
-    uint8_t v = (uint8_t)(word >> 32U);
-    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(word >> 24U));
-    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(word >> 16U));
-    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(word >> 8U));
-    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)word);
-    v = (uint8_t)((v & 0x3FU) ^ (v >> 6U) ^ ((v >> 6U) << 1U));
+    const uint32_t low = (uint32_t)word;
+    const uint32_t high = (uint32_t)(word >> 32U);
+    uint8_t v = (uint8_t)high;
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(low >> 24U));
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(low >> 16U));
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)(low >> 8U));
+    v = (uint8_t)(lika_sma21_crc_biss_6_entry(v) ^ (uint8_t)low);
+    v = (uint8_t)(((uint32_t)v & 0x3FU) ^ ((uint32_t)v >> 6U) ^ (((uint32_t)v >> 6U) << 1U));
     return v ^ 0x3FU;
 #else
     const uint32_t high = ((uint32_t)(word >> 32U) << 20U) | ((uint32_t)word >> 12U);
@@ -1259,7 +1261,7 @@ static inline int64_t lika_sma21_ssi_position_difference(
     return lika_difference(now, before, lika_sma21_ssi_modulus(variant));
 }
 
-/* A position over SSI in micrometres [5.2 p.20; 6.2 p.25]. */
+/* A position over SSI in micrometres [5.2 p.20; 6.2 p.25]; the product has to fit into 64 bits. */
 static inline int64_t lika_sma21_ssi_micrometres(
     const lika_sma21_variant *variant, int64_t position)
 {
@@ -1290,7 +1292,10 @@ static inline int64_t lika_sma21_biss_position_difference(
     return lika_difference(now, before, lika_sma21_biss_modulus(variant));
 }
 
-/* A position over BiSS C-mode in micrometres [5.2 p.20; 6.2 p.25]. */
+/*
+ * A position over BiSS C-mode in micrometres [5.2 p.20; 6.2 p.25]; the product has to fit into 64
+ * bits.
+ */
 static inline int64_t lika_sma21_biss_micrometres(
     const lika_sma21_variant *variant, int64_t position)
 {
@@ -1322,7 +1327,7 @@ static inline int64_t lika_sma21_rs485_position_difference(
     return lika_difference(now, before, lika_sma21_rs485_modulus(variant));
 }
 
-/* A position over RS-485 in micrometres [4.10 p.18]. */
+/* A position over RS-485 in micrometres [4.10 p.18]; the product has to fit into 64 bits. */
 static inline int64_t lika_sma21_rs485_micrometres(
     const lika_sma21_variant *variant, int64_t position)
 {
