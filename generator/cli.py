@@ -216,7 +216,8 @@ def _check(chosen: argparse.Namespace) -> int:
             print(_count(len(report), "problem"))
         else:
             names = ", ".join(device.name for device in devices)
-            print(f"no problems in {len(devices)} {'family' if len(devices) == 1 else 'families'}: {names}")
+            # A file may be checked that makes no family by itself, such as a master.
+            print(f"no problems in {len(devices)} {'family' if len(devices) == 1 else 'families'}: {names}" if devices else "no problems")
     return 1 if report else 0
 
 

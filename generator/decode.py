@@ -168,7 +168,7 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded, w
 
 
 def _why_lines(why: Why) -> list[str]:
-    by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "not 1"
+    by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = f"{why.tried} usual mistake{'s' if why.tried > 1 else ''}"
     noise = f"{tried} tried; of 100 frames of random bits {by_chance} would fit one or more of them"
     if not why.explanations:

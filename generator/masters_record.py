@@ -110,10 +110,11 @@ def record(device: Device, variant: Variant, as_delivered: bool = True) -> Recor
         "coding": _coding(placed, measurement),
         "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
     }
-    numbers = _widths(parts) | _crc_numbers(crc) | _times(interface) | _measured(measurement, variant)
+    widths = _widths(parts)
+    numbers = widths | _crc_numbers(crc) | _times(interface) | _measured(measurement, variant, widths["multiturn_bits"] or 0)
     cables = tuple(f"shorter than {item.shorter_than_m} m: below {hertz(item.below_hz)}" for item in interface.cable_lengths)
     timeout = timeout_words(interface.timeout) if interface.timeout is not None else ""
-    notes = tuple(_notes(device, placed, parts, bool(cables), as_delivered))
+    notes = tuple(_notes(device, interface, placed, parts, as_delivered))
     return Record(variant.code, device.name, words, {name: numbers[name] for name in NUMBERS}, parts, timeout, cables, notes)
 
 
@@ -246,19 +247,23 @@ def _times(interface: Interface) -> dict[str, int | None]:
     }
 
 
-def _measured(measurement: Measurement, variant: Variant) -> dict[str, int | None]:
+def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
     found = {"counts_per_turn": measurement.steps_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
-    return {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
+    known = {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
+    if known["turns"] is not None:
+        # Registers may say fewer bits than the revolutions that other registers, left as delivered, would need.
+        known["turns"] = min(known["turns"], 1 << multiturn_bits)
+    return known
 
 
-def _notes(device: Device, placed: PlacedLayout, parts: Sequence[Part], has_cables: bool, as_delivered: bool) -> Iterator[str]:
+def _notes(device: Device, interface: Interface, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool) -> Iterator[str]:
     for what, names in (("widths", set(placed.layout.bits.parameters)), ("code", {placed.layout.gray_when} - {""})):
         needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
         held = dict.fromkeys(_register(device.register(item.register)) for item in device.run_time_parameters if item.name in needed)
         if held:
             given = "as delivered; other contents need other settings" if as_delivered else "as given"
             yield f"Registers decide on the {what}: {', '.join(held)}. What is said here is for these registers {given}."
-    if has_cables:
+    if interface.clock_max_hz is not None:
         yield "The clocks shown are the fastest that encoder and master take; the cable may need a slower one."
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:

@@ -83,7 +83,7 @@ def _why(device: Device, stuck: Explanation | None, tries: Iterable[Try], failed
         return None
     found = [_explanation(device, item) for item in single if item.fits]
     asked = single
-    if not found:
+    if not found and stuck is None:
         # Two at once only with the commonest of all, and only then: every further pair would fit by coincidence too.
         asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != "crc_not_inverted")), failed)
         found = [replace(_explanation(device, item), twice=True) for item in asked[len(single):] if item.fits]

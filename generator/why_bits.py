@@ -22,6 +22,10 @@ _CUT = 2
 _STATES = 4096
 
 
+#: A layout of a certain length, and the order codes that send it; none where registers make it so.
+Shape = tuple[PlacedLayout, tuple[str, ...]]
+
+
 @dataclass(frozen=True, slots=True)
 class BitText:
     """A frame as typed: ``bits`` long, or, where the text does not say how many zeros are in front, at least so long."""
@@ -205,23 +209,33 @@ def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterato
 def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
     """The frame of another order code, or of this one with other widths in its registers: whole, read too long, or cut off."""
     shapes = _shapes(device, variant, placed)
-    whole = [(other, codes) for other, codes in shapes if (other.bits == text.bits if text.exact else placed.bits < text.bits <= other.bits)]
+    whole = [same for bits, same in shapes.items() if (bits == text.bits if text.exact else placed.bits < text.bits <= bits)]
     if whole:
         # Where the text may have any number of zeros in front, the CRC cannot tell these lengths apart.
-        other, codes = whole[0][0], tuple(code for _, some in whole for code in some)
+        other = _possible(whole[0], text.number)[0]
+        codes = tuple(code for same in whole for code in _possible(same, text.number)[1])
         longer = " or more" if len(whole) > 1 else ""
         yield read_as(_kind(codes), f"{other.bits} bits{longer}, {_sender(variant, codes)}", other, crc, text.number, codes=codes)
-    for other, codes in shapes:
-        who = f"{other.bits} bits, {_sender(variant, codes)}"
-        more = placed.bits - other.bits
+    for bits, same in shapes.items():
+        more = placed.bits - bits
         if more > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
             # One bit more is the stop bit, or what came instead; further ones are 0, as the master holds SLI at 0.
             zeros = more if more > 1 else 0
             ends = text.number & ((1 << zeros) - 1)
-            words = f"{who}, read {_bits(more)} too long"
+            other, codes = _possible(same, text.number >> more)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {_bits(more)} too long"
             yield read_as(_kind(codes), words, other, crc, text.number >> more, demanded=zeros, holds=not ends, codes=codes)
         elif -_CUT <= more < 0 and text.bits == placed.bits:
-            yield read_as(_kind(codes), f"{who}, read {_bits(-more)} too short", other, crc, text.number << -more, -more, codes=codes)
+            other, codes = _possible(same, text.number << -more)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {_bits(-more)} too short"
+            yield read_as(_kind(codes), words, other, crc, text.number << -more, -more, codes=codes)
+
+
+def _possible(shapes: Sequence[Shape], number: int) -> Shape:
+    """Of shapes of one length, that which asks least of the frame, with the order codes of all that the frame could be."""
+    could = [item for item in shapes if fixed_bits(item[0], number)[1]] or shapes
+    least = min(could, key=lambda item: fixed_bits(item[0], number)[0])
+    return least[0], tuple(code for _, codes in could for code in codes)
 
 
 def _kind(codes: Sequence[str]) -> str:
@@ -238,13 +252,16 @@ def _sender(variant: Variant, codes: Sequence[str]) -> str:
     return f"the frame of {codes[0]}" + (f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else "")
 
 
-def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> list[tuple[PlacedLayout, tuple[str, ...]]]:
-    """The layout with every other length that it can have; with the order codes that have it, none where registers say so."""
-    found: dict[int, tuple[PlacedLayout, list[str]]] = {}
+def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int, list[Shape]]:
+    """The layout with every other length that it can have, by length, shortest first. Those of one length differ in what they ask of a frame, such as
+    zeros above the position."""
+    found: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
     for other in device.variants:
         if other.interface == variant.interface:
             made = placed.layout.place(other.parameters)
-            found.setdefault(made.bits, (made, []))[1].append(other.code)
+            asks = tuple((item.low, item.width) for item in made.fields if item.field.kind == "constant")
+            found.setdefault((made.bits, asks), (made, []))[1].append(other.code)
+    lengths = {bits for bits, _ in found}
     held = run_time_widths(device, placed.layout)
     items = [item for item in device.run_time_parameters if item.read_from in held]
     if items:
@@ -253,11 +270,15 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> list[tupl
         for values in islice(product(*(range(item.min or 0, (item.max or 0) + 1) for item in items)), _STATES):
             changed: Mapping[str, int] = {**given, **dict(zip((item.name for item in items), values))}
             parameters = resolve_parameters(changed, definitions)
-            if placed.layout.bits.value(parameters) not in found:
+            if placed.layout.bits.value(parameters) not in lengths:
                 made = placed.layout.place(parameters)
-                found[made.bits] = (made, [])
-    found.pop(placed.bits, None)
-    return [(made, tuple(codes)) for _, (made, codes) in sorted(found.items())]
+                lengths.add(made.bits)
+                found[made.bits, ()] = (made, [])
+    shapes: dict[int, list[Shape]] = {}
+    for (bits, _), (made, codes) in sorted(found.items(), key=lambda item: item[0][0]):
+        if bits != placed.bits:
+            shapes.setdefault(bits, []).append((made, tuple(codes)))
+    return shapes
 
 
 def _status_mask(placed: PlacedLayout) -> int:

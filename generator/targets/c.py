@@ -2,8 +2,8 @@
 
 The headers need C99 or C++11 and no library. Everything a template prints is prepared as text: names, numbers, expressions and conditions.
 
-Names from a spec become C names as they are. A member whose name is reserved in C or C++ (up to C23 and C++23) or is a common macro takes
-an underscore at its end.
+Names from a spec become C names as they are. A member whose name is reserved has an underscore at its end: the words of C to C23 and C++ to
+C++26, the types of the three headers, and macros without arguments of common compilers and standard headers.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .. import codec
 from ..model import Register
 from . import TargetError
-from .c_source import Paragraph, needs_variant, number, title
+from .c_source import Paragraph, addresses, needs_variant, number, title
 from .c_views import AccessView, Check, CodecView, Limits
 
 if TYPE_CHECKING:
@@ -57,18 +57,15 @@ def _selector(view: DeviceView, register: Register) -> str:
 
 
 def _about(view: DeviceView, register: Register, does: str) -> Iterable[Paragraph]:
-    where = f"{register.address:02X}h" + (f" to {register.last_address:02X}h" if register.length > 1 else "")
-    yield f"{does} {title(register)}, {where}."
+    waits = f", then waits {register.wait_at_least_ms} ms" if does == "Writes" and register.wait_at_least_ms is not None else ""
+    yield f"{does} {title(register)}, {addresses(register)}{waits}."
     selector = _selector(view, register)
     if selector:
         yield f"Selects bank {register.bank} first: a write to {title(view.device.register(selector))}."
     elif register.bank is not None:
         yield f"Bank {register.bank} has to be selected before."
-    if does == "Writes":
-        if register.wait_at_least_ms is not None:
-            yield f"Then waits {register.wait_at_least_ms} ms."
-        if register.name in state_registers(view):
-            yield f"The frames depend on it: {view.prefix}_read_state() makes the variant follow."
+    if does == "Writes" and register.name in state_registers(view):
+        yield f"The frames depend on it: {view.prefix}_read_state() makes the variant follow."
 
 
 def state_registers(view: DeviceView) -> list[str]:

@@ -104,7 +104,7 @@ def _digits_setter(source: LayoutSource, field: Field) -> Setter:
     assignments = []
     for run in field.digits:
         divided = f"{name} / {number(run.divisor)}" if run.divisor > 1 else name
-        whole = divided if run is field.digits[0] else f"{divided} % {number(run.modulus)}"
+        whole = divided if run is field.digits[0] else f"{bracketed(divided)} % {number(run.modulus)}"
         assignments.append(f"out->{c_name(run.name)} = ({unsigned((run.modulus - 1).bit_length())})({whole});")
     limit = number(field.digits[0].divisor * field.digits[0].modulus - 1)
     about = f"Sets {field.name} and with it {', '.join(run.name for run in field.digits)}."

@@ -96,7 +96,7 @@ def word_by_table(crc: Crc, bits: int, entry: str) -> list[str]:
 
 
 def _byte(place: int) -> str:
-    """A byte of a word in its halves, which small machines take apart sooner."""
+    """A byte of a word in its halves, which small machines take apart faster."""
     half, left = ("high", place - 4) if place > 3 else ("low", place)
     return f"({half} >> {8 * left}U)" if left else half
 

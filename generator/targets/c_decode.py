@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from ..expressions import Expression
 from ..model import Field
 from .c_layout import LayoutSource
-from .c_source import c_name, mask, number, unsigned
+from .c_source import bracketed, c_name, mask, number, unsigned, words
 from .c_views import Check
 
 
@@ -65,11 +65,11 @@ class Decoder:
         wrong = f"{self.local(field)} != {self._parity(field)}"
         other = self.source.choice_condition(of, self.local(of), is_raw=True) if of.name == self.source.fixed_selector else ""
         if not other:
-            yield Check(wrong, "CONSTANT", f"even parity of {of.name}")
+            yield Check(wrong, "CONSTANT", f"even parity of {words(of.name)}")
             return
         right = f"{self.local(field)} == {self._parity(field)}"
-        yield Check(f"({other}) && ({right})", "RANGE", "another frame")
-        yield Check(f"({other}) || ({self.local(field)} != {self.layout.selects[0].bit_count() & 1}U)", "CONSTANT", f"even parity of {of.name}")
+        yield Check(f"({other}) && ({right})", "RANGE", f"{words(of.name)} of another frame")
+        yield Check(f"({other}) || ({self.local(field)} != {self.layout.selects[0].bit_count() & 1}U)", "CONSTANT", f"even parity of {words(of.name)}")
 
     def _crc_condition(self, field: Field) -> str:
         crc = self.source.device.crc(field.crc)
@@ -135,7 +135,7 @@ class Decoder:
             name = self.local(field)
             for run in field.digits:
                 divided = f"{name} / {number(run.divisor)}" if run.divisor > 1 else name
-                whole = divided if run is field.digits[0] else f"{divided} % {number(run.modulus)}"
+                whole = divided if run is field.digits[0] else f"{bracketed(divided)} % {number(run.modulus)}"
                 yield f"out->{c_name(run.name)} = ({unsigned((run.modulus - 1).bit_length())})({whole});"
         for join in self.layout.joins:
             yield f"out->{c_name(join.name)} = {self.source.join_in_word(join) or self.source.joined(join, self.local)};"

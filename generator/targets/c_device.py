@@ -17,7 +17,7 @@ from .c_order_codes import OpenCode, open_codes, unknown_parts
 from .c_procedure import ProcedureSource
 from .c_register import RegisterSource
 from .c_run_time import held_in, takers
-from .c_source import Paragraph, Scope, bracketed, c_name, described, errata_at, errata_text, needs_variant, number, printed, sentence, string, title, unbracketed, unsigned
+from .c_source import Paragraph, Scope, bracketed, c_name, described, errata_at, errata_text, needs_variant, number, printed, sentence, string, title, unbracketed, unsigned, words
 from .c_views import AlarmView, Choice, CrcView, Function, Line, RegisterView
 
 
@@ -42,7 +42,9 @@ class DeviceView:
         self.derived = [self._of(lambda: self._derived(item), "parameters", item.name) for item in self._in_order_of_use()]
         self.codes = self._of(lambda: [self._code(variant) for variant in device.variants], "order_code")
         self.unlisted = self._of(self._unlisted, "order_code", "parts")
-        self.open_codes = [self._open_code(item) for item in open_codes(device)]
+        patterns = open_codes(device)
+        self.open_codes = [self._open_code(item) for item in patterns]
+        self.refused_codes = any(item.code is None for item in patterns)
         self.choices: dict[tuple[str, str], Choice] = {}
         self._shared_choices: dict[str, tuple[tuple[Value, ...], Choice]] = {}
         self._interface_choices: dict[str, list[Choice]] = {}
@@ -225,7 +227,9 @@ class DeviceView:
 
     @staticmethod
     def _value_note(item: Value) -> str:
-        note = described(printed(item) if printed(item).lower().replace(" ", "_") != item.name else "", item.meaning)
+        # One word that the name of the constant has already is not said again; several are, for those who look for them.
+        said = printed(item).lower() == item.name
+        note = described("" if said else printed(item), item.meaning)
         return f"{note} [{cite(item.source)}]" if item.source and note else note
 
     # -- CRCs
@@ -267,17 +271,17 @@ class DeviceView:
         field = next((field for _, layout in self.device.layouts() for field in layout.fields if field.group == alarm.group and field.name == alarm.field and field.pieces), None)
         if alarm.group and field is not None and len(field.pieces) == 1:
             piece = field.pieces[0]
-            macros.append(self.macro(f"{stem}_MASK", number(piece.mask << piece.right, True), f"in the byte of the {alarm.group.replace('_', ' ')}"))
+            macros.append(self.macro(f"{stem}_MASK", number(piece.mask << piece.right, True), self._place_of_alarm(alarm.group)))
         elif alarm.register:
             register = self.device.register(alarm.register)
             item = register.layout.field(alarm.field) if alarm.field else register.layout.fields[0]
             # A flag that moves with the order code has no mask of its own; the register's codec finds it.
             if item.low.is_constant and item.width.is_constant:
                 bits = ((1 << item.widest) - 1) << item.low.constant
-                macros.append(self.macro(f"{stem}_MASK", number(bits, True), f"in the register {title(register)}"))
+                macros.append(self.macro(f"{stem}_MASK", number(bits, True), f"in {title(register)}, {register.address:02X}h"))
         if alarm.below_mv is not None:
             macros.append(self.macro(f"{stem}_BELOW_MV", number(alarm.below_mv), "threshold in millivolts"))
-        latch = "" if alarm.latch is None else "Stays until it is reset." if alarm.latch else "Goes when its cause goes."
+        latch = "" if alarm.latch is None else "Stays until it is reset (latch)." if alarm.latch else "Goes when its cause goes (no latch)."
         cleared = ", ".join(alarm.cleared_by)
         about: list[Paragraph] = [
             f"{described(title(alarm), alarm.meaning)} [{cite(alarm.source)}]",
@@ -287,3 +291,9 @@ class DeviceView:
         ]
         about += [errata_text(item) for item in errata_at(self.device, f"alarms.{alarm.name}")]
         return AlarmView(tuple(about), tuple(macros))
+
+    def _place_of_alarm(self, name: str) -> str:
+        """Where the bits of a group of fields are, by the manual's own name for it."""
+        group = next(item for item in self.device.field_groups if item.name == name)
+        where = f"in {'' if group.bits <= 8 else 'its byte of '}the {words(name)}"
+        return f"{where}, {printed(group)}" if printed(group) else where

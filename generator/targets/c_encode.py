@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ..expressions import Expression
 from ..model import Field
@@ -38,7 +39,15 @@ class Encoder:
                 yield Check(f"{given(field)} != {self._from_digits(field)}", "RANGE", "the number and its digits disagree")
         for join in self.layout.joins:
             yield Check(f"in->{c_name(join.name)} != ({self.source.joined(join, given)})", "RANGE", f"{join.name} and its parts disagree")
-        yield from self.limits.checks(f"in->{c_name(self.limited)}") if self.limited else ()
+        yield from self._limit_checks() if self.limited else ()
+
+    def _limit_checks(self) -> Iterable[Check]:
+        """The limits of the register; where 0 is refused already, a least value of 1 says no more."""
+        limits = self.limits
+        field = next((item for item in self.source.member_fields if item.name == self.limited), None)
+        if field is not None and (field.zero_means or field.power_of_two) and limits.least == 1:
+            limits = replace(limits, binding_min=False)
+        yield from limits.checks(f"in->{c_name(self.limited)}")
 
     def _field_checks(self, field: Field) -> Iterable[Check]:
         name = given(field)

@@ -12,11 +12,15 @@ from .. import codec
 from ..examples import example_variant
 from ..model import Example, Field, Interface, Layout, Procedure, Register, Variant, cite
 from .c_layout import LayoutSource
-from .c_source import COLUMNS, ascii_text, c_name, described, number, string, title, words
+from .c_source import COLUMNS, ascii_text, c_name, code, described, number, string, title, words
 from .c_views import AccessView, Line, ProcedureView
 
 if TYPE_CHECKING:
     from .c_device import DeviceView
+
+
+#: As many characters of explanation fit behind a number.
+_FEW = 40
 
 
 @dataclass(frozen=True)
@@ -211,14 +215,14 @@ class ExampleBuilder:
             unit = {"degrees": "degrees", "millimetres": "mm"}.get(function.name.rsplit("_", 1)[1], "")
             if unit and function.name.removesuffix(f"_{function.name.rsplit('_', 1)[1]}") in (self.view.prefix, f"{self.view.prefix}_{self.interface.kind}"):
                 kind = function.arguments.split()[0]
-                yield f'printf("  that is %.3f {unit}\\n", {function.name}(&encoder, ({kind})frame.{c_name(measurement.of)}));'
+                yield code(f'printf("  that is %.3f {unit}\\n", {function.name}(&encoder, ({kind})frame.{c_name(measurement.of)}));', 4)
 
     # -- registers and procedures
 
     def _read(self, register: Register, example: Example) -> ReadView:
         access = self.view.register_view(register).access
         heading = f"{ascii_text(title(register))} {register.address:02X}h"
-        lines = tuple(shown(self.view.register_source(register).source, "held")) if access.struct else ('printf("  value: %u\\n", (unsigned)held);',)
+        lines = tuple(shown(self.view.register_source(register).source, "held")) if access.struct else (code('printf("  value: %u\\n", (unsigned)held);', 4),)
         parts = (f"print_registers({string(heading)},", f"{access.stem}_ADDRESS,", f"{access.stem}_LENGTH);")
         printed = _lines(parts, 4)
         return ReadView(heading, register.name, f"a worked example [{cite(example.source)}]", access, printed, lines)
@@ -235,29 +239,39 @@ class ExampleBuilder:
 
     def _memory(self, registers: Sequence[tuple[Register, Example]], written: frozenset[str]) -> Iterable[Line]:
         """What the registers hold at first: the worked examples, and what is delivered where the procedure writes."""
-        for register, example in registers:
+        for register, example in sorted(registers, key=lambda item: item[0].address):
             data = register.default_bytes() or bytes(register.length) if register.name in written else example.bytes
             yield Line(f"[0x{register.address:02X}] = {', '.join(number(byte, True) for byte in data)}", title(register) + (", as delivered" if register.name in written else ""))
 
 
 def shown(source: LayoutSource, struct: str) -> Iterable[str]:
-    """Statements that print the members of a struct."""
+    """Statements that print the members of a struct, as they stand in a function."""
     for field in source.member_fields:
         member = f"{struct}.{c_name(field.name)}"
         if field.kind == "text":
-            yield f'printf("  {field.name}: %.*s\\n", (int)sizeof({member}), {member});'
+            yield code(f'printf("  {field.name}: %.*s\\n", (int)sizeof({member}), {member});', 4)
         elif field.kind == "flag":
-            yield f'printf("  {field.name}: %s\\n", {member} ? "yes" : "no");'
+            yield code(f'printf("  {field.name}: %s\\n", {member} ? "yes" : "no");', 4)
         else:
-            yield _number(field.name, member, field.signed)
+            yield _number(field.name, member, field.signed, _known(field))
         for run in field.digits:
             yield _number(run.name, f"{struct}.{c_name(run.name)}", False)
     for join in source.layout.joins:
         yield _number(join.name, f"{struct}.{c_name(join.name)}", False)
 
 
-def _number(name: str, member: str, signed: bool) -> str:
-    return f'printf("  {name}: %{"lld" if signed else "llu"}\\n", ({"" if signed else "unsigned "}long long){member});'
+def _number(name: str, member: str, signed: bool, known: str = "") -> str:
+    value = f"({'' if signed else 'unsigned '}long long){member}"
+    form = "%lld" if signed else "%llu"
+    if known:
+        return _lines((f'printf("  {name}: {form} (%s)\\n",', f"{value},", f"{string(known)});"), 4)
+    return code(f'printf("  {name}: {form}\\n", {value});', 4)
+
+
+def _known(field: Field) -> str:
+    """What the values of a choice mean, where they are few."""
+    values = ", ".join(f"{item.value} {ascii_text(title(item))}" for item in field.values)
+    return values if field.kind == "choice" and len(values) <= _FEW else ""
 
 
 def _lines(parts: Sequence[str], indent: int) -> str:

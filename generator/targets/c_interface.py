@@ -86,7 +86,7 @@ class InterfaceSource:
         if not lengths:
             return ()
         where = cite(tuple(dict.fromkeys(source for item in lengths for source in item.source)))
-        return (f"The clock that must not be reached with a cable of so many metres, in hertz; 0 where the cable is too long for any [{where}].",)
+        return (f"The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where the manual has none for so long a cable [{where}].",)
 
     def _timeout_factor(self) -> int:
         """The time-out in nanoseconds times the clock in hertz; 0 where it does not follow the clock."""
@@ -125,11 +125,11 @@ class InterfaceSource:
         yield from self._control_data()
 
     def _port(self, port: Port) -> Iterable[Line]:
-        yield self.view.macro(f"{self.upper}_BAUD", number(port.baud), f"bits per second [{cite(port.source)}]")
-        yield self.view.macro(f"{self.upper}_DATA_BITS", number(port.data_bits))
+        yield self.view.macro(f"{self.upper}_BAUD", number(port.baud), f"baud rate in bits per second [{cite(port.source)}]")
+        yield self.view.macro(f"{self.upper}_DATA_BITS", number(port.data_bits), "data bits of a byte")
         letter = {"none": "'N'", "even": "'E'", "odd": "'O'"}[port.parity]
-        yield self.view.macro(f"{self.upper}_PARITY", letter, f"{port.parity}; flow control: {port.flow_control}")
-        yield self.view.macro(f"{self.upper}_STOP_BITS", number(port.stop_bits))
+        yield self.view.macro(f"{self.upper}_PARITY", letter, f"parity: {port.parity}; flow control: {port.flow_control}")
+        yield self.view.macro(f"{self.upper}_STOP_BITS", number(port.stop_bits), "stop bits")
 
     def _control_data(self) -> Iterable[Line]:
         for field in self.interface.control_data:

@@ -168,6 +168,8 @@ class LayoutSource:
     def _moving(self, low: Expression, width: Expression) -> str:
         if self.layout.carried_as == "bits" and self.layout.bits - low - width == Expression(0):
             # Nothing lies above it: the length has been checked.
+            if low == Expression(0):
+                return self.word
             return f"({self.word} >> {low.constant}U)" if low.is_constant else f"{self.maker}_above({self.word}, {self.scope.text(low)})"
         return f"{self.maker}_field({self.word}, {self.scope.text(low)}, {self.scope.text(width)})"
 

@@ -72,7 +72,7 @@ def _rolling(view: DeviceView, prefix: str, modulus: str, about: str) -> Iterabl
     name = f"{prefix}_modulus"
     yield _function(view, name, "uint64_t", "", modulus, about)
     text = f"{view.maker.name}_difference(now, before, {name}(variant))"
-    about = "How far the position has moved since it was before, the shorter way round. Added up, it counts on where the position starts again."
+    about = "How far the position has moved from before to now, the shorter way round. Added up, the differences count on where the position starts again."
     yield _function(view, f"{prefix}_position_difference", "int64_t", "uint64_t now, uint64_t before", text, about)
 
 

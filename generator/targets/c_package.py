@@ -13,6 +13,7 @@ from . import has_biss
 from .c_device import DeviceView
 from .c_example import ExampleView, ReadView, RunView, examples
 from .c_source import ascii_text, c_name
+from .c_views import CrcView
 
 #: Each file beside headers and programs, and its template; ``{package}`` is the package's name. Placed so that the folder is itself laid out as it is installed.
 FILES = {
@@ -46,6 +47,9 @@ def package_files(makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]], vie
         "makers": [maker for maker, _ in makers],
         "with_biss": [maker.name for maker, devices in makers if has_biss(devices)],
         "devices": [device for _, devices in makers for device in devices],
+        "with_tables": _with_crcs(makers, views, lambda crc: crc.style == "fold" and bool(crc.table)),
+        "with_bitwise": _with_crcs(makers, views, lambda crc: bool(crc.step)),
+        "longest": max((item for view in views.values() for item in view.procedures if item.parameters), key=lambda item: item.count, default=None),
         "examples": [item.name for found in programs.values() for _, item in found],
     }
     files = {path.format(package=package): render(template, values) for path, template in FILES.items()}
@@ -53,6 +57,11 @@ def package_files(makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]], vie
         for view, item in programs[maker.name]:
             files[f"examples/{item.name}.c"] = render("example.c.jinja", {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "d": view, "e": item})
     return files
+
+
+def _with_crcs(makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]], views: Mapping[str, DeviceView], wanted: Callable[[CrcView], bool]) -> list[str]:
+    """The manufacturers, in capitals, some of whose CRCs are such ones."""
+    return [maker.name.upper() for maker, devices in makers if any(wanted(crc) for device in devices for crc in views[device.name].crcs)]
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,8 @@ class ProcedureSource:
         taken = {name for name, _, _ in self.reads}
         base = c_name(register.name) if length == register.length else c_name(f"{register.name}_{step.field}")
         name = next(name for name in (base, *(f"{base}_{number}" for number in range(2, len(taken) + 3))) if name not in taken)
-        self.reads.append((name, length, described(title(register), step.meaning)))
+        what = f"{title(register)}, {title(register.layout.field(step.field))}" if step.field else title(register)
+        self.reads.append((name, length, described(what, step.meaning)))
 
     def _add(self, call: str, note: str = "", initialiser: str = "") -> None:
         self.groups.append(StepGroup(f"steps[{len(self.rows)}] = {self.maker}_step_{call};", note))
@@ -191,7 +192,12 @@ class ProcedureSource:
             yield f"send({byte}, {step.times}U, {time})", f"{kind}SEND, 0U, 0xFFU, {byte}, {step.times}U, {time}", step.meaning or f"data ID {words(step.data_id)}"
             return
         register = self.device.register(step.register)
-        about = step.meaning or (f"{title(register)}: {words(step.value_name)}" if step.value_name else title(register))
+        looked_at = title(register.layout.field(step.field)) if step.field else ""
+        if step.do == "write":
+            where = ", ".join(filter(None, (title(register), looked_at)))
+            about = step.meaning or described(where, words(step.value_name))
+        else:
+            about = described(looked_at, step.meaning) or title(register)
         for index, (offset, bits, value) in enumerate(self._step_bytes(register, step)):
             note = about if index == 0 else ""
             address = number(register.address + offset, True)

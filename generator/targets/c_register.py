@@ -11,7 +11,7 @@ from . import TargetError
 from .c_access import access
 from .c_codec import codec
 from .c_layout import LayoutSource
-from .c_source import Paragraph, bracketed, errata_at, errata_text, needs_variant, number, sentence, signed_number, span_text, title, unbracketed, unsigned, words
+from .c_source import Paragraph, addresses, bracketed, errata_at, errata_text, needs_variant, number, sentence, signed_number, span_text, title, unbracketed, unsigned, words
 from .c_views import Function, Limits, Line, Mask, MeaningView, RegisterView
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class RegisterSource:
     def _macros(self) -> Iterable[Line]:
         register, macro = self.register, self.view.macro
         yield macro(f"{self.stem}_ADDRESS", number(register.address, True))
-        yield macro(f"{self.stem}_LENGTH", number(register.length), f"bytes, {register.address:02X}h to {register.last_address:02X}h" if register.length > 1 else "byte")
+        yield macro(f"{self.stem}_LENGTH", number(register.length), f"bytes, {addresses(register)}" if register.length > 1 else "byte")
         yield macro(f"{self.stem}_ACCESS", f"{self.view.maker.name.upper()}_ACCESS_{register.access.upper()}")
         if register.default is not None:
             yield macro(f"{self.stem}_DEFAULT", number(register.default, True, 2 * min(register.length, 8)), "value as delivered")
@@ -69,7 +69,7 @@ class RegisterSource:
     def _about(self) -> Iterable[Paragraph]:
         register = self.register
         access = register.access.replace("_", " ").replace("read write", "read and write")
-        yield f"{title(register)}{self._elsewhere()}, {access}, over {self.device.interface(register.interface).title} [{cite(register.source)}]."
+        yield f"{title(register)}{self._elsewhere()}, {addresses(register)}, {access}, over {self.device.interface(register.interface).title} [{cite(register.source)}]."
         yield sentence(register.meaning)
         if register.length > 1:
             yield "The lowest address holds the low byte." if register.byte_order == "low_byte_first" else "The lowest address holds the high byte."
@@ -179,7 +179,7 @@ class RegisterSource:
         ranges = [(parameters, *self._range(parameters)) for parameters in self._parameters]
         binding_min = low is not None and any(low.value(parameters) > least for parameters, least, _ in ranges)
         binding_max = high is not None and any(high.value(parameters) < most for parameters, _, most in ranges)
-        return Limits(texts["min"], texts["max"], tuple(macros), tuple(functions), binding_min, binding_max)
+        return Limits(texts["min"], texts["max"], tuple(macros), tuple(functions), binding_min, binding_max, low.constant if low is not None and low.is_constant else None)
 
     @property
     def _parameters(self) -> list[Mapping[str, int]]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from ..expressions import Expression
-from ..model import Device, Erratum, cite
+from ..model import Device, Erratum, Register, cite
 from ..render import plain
 from . import TargetError
 
@@ -229,6 +229,11 @@ def title(item: Named) -> str:
 def printed(item: Named) -> str:
     """The manual's own name, in whatever language; empty where the manual has none."""
     return item.printed_name or ", ".join(item.names.values())
+
+
+def addresses(register: Register) -> str:
+    """Where a register is, as the manuals write it."""
+    return f"{register.address:02X}h" + (f" to {register.last_address:02X}h" if register.length > 1 else "")
 
 
 def errata_text(erratum: Erratum) -> Paragraph:

@@ -134,6 +134,8 @@ class Limits:
     functions: tuple[Function, ...] = ()
     binding_min: bool = False
     binding_max: bool = False
+    #: The least value where it is the same for all order codes.
+    least: int | None = None
 
     def checks(self, name: str) -> Iterable[Check]:
         """Where ``name`` goes beyond them; a limit that its width implies is not checked."""

@@ -81,7 +81,8 @@ def run_time_variants(device: Device) -> list[Variant]:
     kinds = {device.register(name).interface for name in held_by}
     for variant in [item for item in device.variants if item.interface in kinds][:4]:
         for _ in range(6):
-            held, code = {}, variant.code
+            held: dict[int, int] = {}
+            code = variant.code
             for register in (device.register(name) for name in sorted(held_by)):
                 data = register_bytes(device, register, random_)
                 held |= {register.address + index: byte for index, byte in enumerate(data)}

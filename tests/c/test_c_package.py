@@ -22,7 +22,7 @@ HOSTILE = 'x */ " \' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/'
 #: What each program prints of the worked examples in the manuals: AM36 6.5, AMM5 6.4, ASC85 6.4, SMA21 4.1, 6.4, 6.6.2 and 7.3.3; the reply to the
 #: AMM5 is one that another T-format receiver printed (20 C7 D1 6A 5E: 6AD1C7h is 7,000,519).
 PRINTED = {
-    "am36_biss": ["Preset 50h: 00 00 01 86 A0\n  position: 100000\n", "Information per revolution 4Bh: 10 00 00\n  steps: 1048576\n", "Number of revolutions 4Eh: 00 00\n  revolutions: 65536\n"],
+    "am36_biss": ["Preset 50h: 00 00 01 86 A0\n  position: 100000\n", "Information per revolution 4Bh: 10 00 00\n  steps: 1048576\n", "Number of revolutions 4Eh: 00 00\n  revolutions: 65536\n", "  counting_direction: 0 (0 CW, 1 CCW)\n  output_code: 1 (0 Gray, 1 Binary)\n  enable_preset: 0 (0 Enable, 1 Disable)\n"],
     "am36_ssi": ["that is 90.000 degrees\n"],
     "amm5_biss": ["Preset 11h: 00 30 24 F4 00 00 00\n", "  position: 1000003\n", "Serial number 44h: 0A E8 69 EE\n  serial: 183003630\n  year: 18\n  week: 30\n  number: 3630\n"],
     "amm5_rs485": ["singleturn: 7000519\n", "Reset all errors\n  send BA\n  wait 40 us\n  send BA\n", "send BA\n  wait 2000 us\n"],

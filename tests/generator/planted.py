@@ -36,7 +36,8 @@ ENCODERS = (
     *(Encoder(code, 0, bits, 1, others=tuple(other for other in ASC85 if other[0] != code)) for code, bits in ASC85),
     Encoder("SMA21-SC4-0050", 4, 20, others=(("SMA21-SC1-0001", 25),)),
     Encoder("SMA21-SC4-0005", 1, 23, others=(("SMA21-SC1-0001", 25),)),
-    Encoder("SMA21-SC4-0001", 0, 25),
+    # Of four shapes of 32 bits only the one without zeros above the position fits.
+    Encoder("SMA21-SC4-0001", 0, 25, others=(("SMA21-SC1-0002", 24),)),
     Encoder("AM3616/4096-I7", 0, 36, has_status=False),
 )
 

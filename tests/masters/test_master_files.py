@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from codewheel.check import check_document
+from codewheel.cli import main
 from codewheel.masters import Master
 from codewheel.masters_record import NUMBERS, WORDS
 from codewheel.problems import Report
@@ -45,6 +46,11 @@ def test_broken_master_is_refused_in_the_words_expected(path: Path) -> None:
 @pytest.mark.parametrize("path", sorted((ROOT / "specs" / "masters").glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_master_is_sound(path: Path) -> None:
     assert problems_of(path)[0] == []
+
+
+def test_a_sound_master_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(ROOT / "specs" / "masters" / "moteus.yaml")]) == 0
+    assert capsys.readouterr().out == "no problems\n"
 
 
 def test_every_rule_of_every_master_is_used_with_care(masters: dict[str, Master]) -> None:

@@ -68,13 +68,39 @@ def test_registers_are_named(devices: tuple[Device, ...], record_of: RecordOf) -
     notes = record_of("AM3616/4096-I7").notes
     assert any("(56h)" in note and "(57h)" in note and "widths" in note and "as delivered" in note for note in notes)
     assert any("(49h)" in note and "code" in note for note in notes)
-    assert not record_of("AMM5A23/65KSC1").notes
+    assert record_of("AMM5A23/65KSC1").notes == ("The clocks shown are the fastest that encoder and master take; the cable may need a slower one.",)
     device = device_of(devices, "am36")
     variant = find(device, "AM3616/4096-I7").variant
     # 0Ch = 12 bits of turns, 10h = 16 bits of position; bit 5 of the configuration cleared is Gray code.
     other = record(device, with_registers(device, variant, {0x57: 0x0C, 0x56: 0x10, 0x49: 0x00}), as_delivered=False)
     assert (other.numbers["multiturn_bits"], other.numbers["singleturn_bits"], other.words["coding"]) == (12, 16, "gray")
     assert not any("as delivered" in note for note in other.notes)
+
+
+@pytest.mark.parametrize(
+    ("registers", "turns", "bits"),
+    [
+        ({0x57: 0x0D}, 8192, 13),  # 13 bits tell 2^13 revolutions apart, whatever 4E-4F held as delivered
+        ({0x57: 0x00}, 1, 0),
+        ({0x57: 0x0A, 0x4E: 0x03, 0x4F: 0xE8}, 1000, 10),  # 3E8h = 1000 revolutions in 10 bits
+    ],
+)
+def test_no_more_turns_than_bits(
+    devices: tuple[Device, ...], masters: dict[str, Master], registers: dict[int, int], turns: int, bits: int
+) -> None:
+    """Drives that are told the revolutions take the width of the frame from them."""
+    device = device_of(devices, "am36")
+    found = record(device, with_registers(device, find(device, "AM3616/4096-I7").variant, registers), as_delivered=False)
+    assert (found.numbers["turns"], found.numbers["multiturn_bits"]) == (turns, bits)
+    told = {item.name: item.value for item in sheet(masters["beckhoff_ax8000"], found).settings}
+    assert told["Number of distinguishable revolutions"] == turns
+
+
+def test_any_number_of_turn_bits(devices: tuple[Device, ...], masters: dict[str, Master]) -> None:
+    """FB1.ENCRES is 2 to the power of 32 less the multiturn bits: 2^(32 - 13) = 2^19 = 524288."""
+    device = device_of(devices, "am36")
+    found = record(device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x57: 0x0D}), as_delivered=False)
+    assert {item.name: item.value for item in sheet(masters["kollmorgen_akd"], found).settings}["FB1.ENCRES"] == 524288
 
 
 def test_gray_over_biss(devices: tuple[Device, ...], masters: dict[str, Master]) -> None:

@@ -14,18 +14,20 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from codewheel.expressions import Expression
 from codewheel.model import Device, Variant
 
 #: Undefined behaviour of every kind that the checker knows, overflow of floating point left out.
 UNDEFINED = (
-    "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check --signed-overflow-check --undefined-shift-check --div-by-zero-check"
+    "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check"
+    " --signed-overflow-check --undefined-shift-check --div-by-zero-check"
 ).split()
 #: For a loop that keeps nothing from one round to the next but a place that may be any: a few rounds from anywhere show all of them.
 PARTLY = "--no-unwinding-assertions"
-#: Far above what any proof here takes; one that does not end is no proof.
-TIMEOUT_S = 400
+#: Seconds of processor time, far above what any proof here takes; one that does not end is no proof. How busy the machine is does not matter.
+LIMIT_S = 300
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,12 @@ class Header:
         for found in re.finditer(r"^static inline ([^;{}]*?)(\w+)\(([^{}]*?)\)\n\{\n(.*?)^\}", text, re.DOTALL | re.MULTILINE):
             given = " ".join(found[3].split())
             arguments = [re.fullmatch(r"(.*?)(\w+)", item.strip()) for item in given.split(",") if item.strip() != "void"]
-            functions[found[2]] = Function(found[2], " ".join(found[1].split()), tuple((item[1].strip(), item[2]) for item in arguments if item), found[4])
+            pairs = tuple((item[1].strip(), item[2]) for item in arguments if item)
+            functions[found[2]] = Function(found[2], " ".join(found[1].split()), pairs, found[4])
         structs = {
-            found[1]: tuple(Member(item[1].strip(), item[2], int(item[3] or 0)) for item in re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", found[2]))
+            found[1]: tuple(
+                Member(item[1].strip(), item[2], int(item[3] or 0)) for item in re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", found[2])
+            )
             for found in re.finditer(r"^typedef struct (\w+) \{\n(.*?)^\} \1;", text, re.DOTALL | re.MULTILINE)
         }
         return cls(functions, structs, options)
@@ -146,7 +151,8 @@ class Variants:
         lines += f"static {prefix}_variant variant;\nstatic void any_variant(void)\n{{\n    {prefix}_variant anything;\n    variant = anything;\n"
         lines += "".join(f"    p_{name} = nondet_number();\n" for name in self.names if name not in definitions)
         if self.combinations and self.combinations[0]:
-            choices = " ||\n        ".join("(" + " && ".join(f"p_{name} == {value}" for name, value in item.items()) + ")" for item in self.combinations)
+            sets = (" && ".join(f"p_{name} == {value}" for name, value in item.items()) for item in self.combinations)
+            choices = " ||\n        ".join(f"({item})" for item in sets)
             lines += f"    __CPROVER_assume({choices});\n"
         lines += "".join(f"    __CPROVER_assume(p_{name} >= {low} && p_{name} <= {high});\n" for name, (low, high) in self.ranges.items())
         for name in self.names:
@@ -161,14 +167,15 @@ class Variants:
 
 @dataclass(frozen=True)
 class Proof:
-    """A function of a harness whose claims are to hold; ``covers`` is for how many sets of parameters they do."""
+    """A function of a harness whose claims are to hold, for how many sets of parameters of what."""
 
     name: str
     harness: str
     entry: str
     unwind: int = 66
     options: tuple[str, ...] = ()
-    covers: int = 1
+    covers: int = 0
+    of: str = ""
 
 
 @dataclass(frozen=True)
@@ -178,6 +185,18 @@ class Result:
     words: str
 
 
+class Told(NamedTuple):
+    """How many proofs there were of something, how many of them failed, and for how many sets of parameters they are."""
+
+    what: str
+    proofs: int
+    failed: int
+    covered: int
+
+    def __str__(self) -> str:
+        return f"{self.what}: {self.proofs} proofs, {self.failed} failed" + (f", over {self.covered} sets of parameters" if self.covered else "")
+
+
 @dataclass(frozen=True)
 class Checker:
     cbmc: str
@@ -185,23 +204,22 @@ class Checker:
 
     def prove(self, proof: Proof, include: Path, folder: Path) -> Result:
         """Runs one proof on the headers below ``include``."""
-        file = folder / (re.sub(r"\W", "_", proof.name) + ".c")
-        file.write_text(proof.harness, encoding="utf-8")
-        command = [self.cbmc, str(file), "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind)]
+        command = [self.cbmc, "harness.c", "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind)]
         command += [] if PARTLY in proof.options else ["--unwinding-assertions"]
         command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
-        try:
-            with tempfile.TemporaryDirectory(dir=folder) as own:
-                done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, env={**os.environ, "TMPDIR": own})
-        except subprocess.TimeoutExpired:
-            return Result(proof, False, f"{proof.name}: no answer within {TIMEOUT_S} s")
+        # The limit counts for the checker and for the solver that it starts.
+        limited = ["sh", "-c", f'ulimit -c 0; ulimit -t {LIMIT_S}; exec "$@"', "sh", *command]
+        with tempfile.TemporaryDirectory(dir=folder) as own:
+            Path(own, "harness.c").write_text(proof.harness, encoding="utf-8")
+            done = subprocess.run(limited, capture_output=True, text=True, cwd=own, env={**os.environ, "TMPDIR": own})
         proved = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
         refuted = done.returncode == 10 and "VERIFICATION FAILED" in done.stdout
+        why = "REFUTED" if refuted else f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
         told = (done.stdout + done.stderr).splitlines()
         told = told[next((at for at, line in enumerate(told) if line.startswith("Violated")), 0) :]
-        return Result(proof, proved, proof.name if proved else f"{proof.name}: {'REFUTED' if refuted else 'no result'}\n" + "\n".join(told[-12:]))
+        return Result(proof, proved, proof.name if proved else f"{proof.name}: {why}\n" + "\n".join(told[-12:]))
 
-    def prove_all(self, proofs: Sequence[Proof], include: Path, folder: Path) -> list[Result]:
-        """Several at once, as many as there are processors."""
+    def prove_all(self, proofs: Sequence[tuple[Proof, Path]], folder: Path) -> list[Result]:
+        """Several at once, as many as there are processors; each on the headers below the path given with it."""
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            return list(pool.map(lambda proof: self.prove(proof, include, folder), proofs))
+            return list(pool.map(lambda both: self.prove(both[0], both[1], folder), proofs))

@@ -6,8 +6,9 @@ The harness of a function is built from its signature, so that a new function is
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from codewheel.model import Device
 
@@ -16,7 +17,9 @@ from proof import PARTLY, PRELUDE, UNDEFINED, Function, Header, Proof, Variants
 TRANSPORT, UNSUPPORTED = 5, 7
 #: Bounds of what is given: bytes of a buffer, steps of a procedure, characters of a label, repetitions of a step.
 BYTES, STEPS, LABEL, TIMES = 16, 2, 12, 2
-#: How often a loop goes round at most, and one more: over order codes, over steps that may be anything, and every other.
+#: How far a position goes in either direction: times a step of one byte it still fits into 64 bits, as the headers ask for.
+POSITION = "(1LL << 55)"
+#: How often a loop goes round at most, and one more: over order codes, over steps that may be anything, every other, and one whose rounds may be any.
 CODES_ROUNDS, STEPS_ROUNDS, ROUNDS, ANY_ROUNDS = 70, 4, 24, 3
 
 #: A transport of which every function may be missing or may fail at any call, with any number but 0. None may be called after one has failed.
@@ -42,9 +45,9 @@ static int32_t on_write(void *context, uint16_t address, const uint8_t *bytes, s
 }
 static int32_t on_wait(void *context, uint32_t microseconds) { return fails(); }
 static int32_t on_send(void *context, uint8_t request) { return fails(); }
-static @transport@ any_transport(void)
+static @maker@_transport any_transport(void)
 {
-    @transport@ found;
+    @maker@_transport found;
     found.context = 0;
     found.read_registers = nondet_bool() ? on_read : 0;
     found.write_registers = nondet_bool() ? on_write : 0;
@@ -55,6 +58,91 @@ static @transport@ any_transport(void)
     return found;
 }
 """
+
+#: What stands for running steps where a device's procedures are proved: it reads and writes all that it is given and may end in any way that is
+#: open to it. That running steps is so, whatever they are, is proved with the shared header.
+_RUN = """\
+static @maker@_result any_run(
+    const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length, @maker@_failure *failure)
+{
+    size_t reads = 0;
+    __CPROVER_assert(failed_with == 0, "nothing is run after a failure");
+    for (size_t at = 0; at < count; at++) {
+        __CPROVER_assert(steps[at].kind >= @MAKER@_STEP_WRITE && steps[at].kind <= @MAKER@_STEP_POLL, "a kind of step");
+        reads += steps[at].kind == @MAKER@_STEP_READ;
+    }
+    if (reads != length) return @MAKER@_FAULT_LENGTH;
+    for (size_t at = 0; at < length; at++) bytes[at] = nondet_byte();
+    if (nondet_bool()) return @MAKER@_OK;
+    if (nondet_bool()) return nondet_bool() ? @MAKER@_FAULT_UNSUPPORTED : @MAKER@_FAULT_TIMEOUT;
+    __CPROVER_assume(fails() != 0);
+    if (failure != 0) failure->error = failed_with;
+    return @MAKER@_FAULT_TRANSPORT;
+}
+#define @maker@_run any_run
+"""
+
+
+class _Given:
+    """What a function is given: lines that declare it, what is passed on, and the results by type and name."""
+
+    def __init__(self, of: CallProof, function: Function) -> None:
+        self.lines: list[str] = []
+        self.passed: list[str] = []
+        self.results: list[tuple[str, str]] = []
+        self.transport = any(name == "transport" for _, name in function.arguments)
+        self._of, self._any_steps = of, _any_steps(of.maker, function)
+        kinds = [kind for kind, _ in function.arguments]
+        counted = ""
+        for (kind, name), follows in zip(function.arguments, [*kinds[1:], ""]):
+            plain, local = kind.removeprefix("const ").rstrip(" *"), f"a_{name}"
+            if counted and kind == "size_t":
+                self.passed.append(counted)
+                counted = ""
+            elif kind.endswith("*") and follows == "size_t" and plain in ("uint8_t", f"{of.maker}_step"):
+                counted = f"{local}_count"
+                self._several(plain, kind, local, counted)
+            elif kind.endswith("*"):
+                self._pointer(plain, kind, local)
+            else:
+                self.lines.append(f"{kind} {local}{' = nondet_bool()' if kind == 'bool' else ''};")
+                if (kind, name) == ("int64_t", "position"):
+                    self.lines.append(f"__CPROVER_assume({local} >= -{POSITION} && {local} <= {POSITION});")
+                self.passed.append(local)
+
+    def _several(self, plain: str, kind: str, local: str, count: str) -> None:
+        """A buffer and how many there are in it."""
+        most = STEPS if self._any_steps or kind == f"const {self._of.maker}_step *" else BYTES if plain == "uint8_t" else 4 * BYTES
+        self.lines.append(f"size_t {count} = nondet_size(); __CPROVER_assume({count} <= {most});")
+        if self._any_steps:
+            # Memory of a size that may be anything is too hard here.
+            self.lines.append(f"{plain} {local}[{most}];")
+        else:
+            self.lines.append(f"{plain} *{local} = malloc({count} * sizeof({plain})); __CPROVER_assume({local} != 0);")
+        if plain != "uint8_t" and kind.startswith("const"):
+            self.lines.append(f"for (size_t at = 0; at < {count}; at++) __CPROVER_assume({local}[at].times <= {TIMES});")
+        self.passed.append(local)
+
+    def _pointer(self, plain: str, kind: str, local: str) -> None:
+        of = self._of
+        if of.device is not None and plain == f"{of.prefix}_variant":
+            self.lines.append(f"{plain} {local} = variant;")
+        elif plain == "char":
+            self.lines.append(f"char {local}[{LABEL + 1}]; {local}[{LABEL}] = 0;")
+        elif plain == f"{of.maker}_transport":
+            self.lines.append(f"const {plain} {local} = any_transport();")
+        elif plain == f"{of.maker}_failure":
+            self.lines.append(f"{plain} failure;")
+        else:
+            self.lines += [line.strip() for line in of.header.anything(plain, local).splitlines()]
+            if plain == f"{of.maker}_step":
+                self.lines.append(f"__CPROVER_assume({local}.times <= {TIMES});")
+            if not kind.startswith("const"):
+                self.results.append((plain, local))
+        if plain == f"{of.maker}_failure":
+            self.passed.append("&failure" if self.transport else "nondet_bool() ? &failure : 0")
+        else:
+            self.passed.append(local if plain == "char" else f"&{local}")
 
 
 @dataclass(frozen=True)
@@ -71,86 +159,48 @@ class CallProof:
     def prefix(self) -> str:
         return f"{self.maker}_{self.device.name}" if self.device is not None else self.maker
 
+    @cached_property
+    def variants(self) -> Variants | None:
+        return Variants.of(self.device, "", [item.name for item in self.device.set_parameters]) if self.device is not None else None
+
+    @cached_property
     def harness(self) -> str:
-        text = f'#include "{self.maker}/encoder.h"\n{PRELUDE}'
+        text = f'#include "{self.maker}/encoder.h"\n{PRELUDE}{_TRANSPORT}'
         if self.device is not None:
-            # Comparing labels is proved with the shared header; here it may find anything, so that the search holds whatever the label.
-            text += f"static size_t any_match(const char *label, const char *code) {{ return nondet_size(); }}\n#define {self.maker}_label_match any_match\n"
-        text += f'#include "{self.include}"\n'
-        if f"{self.maker}_transport" in self.header.structs or any("transport" in kind for item in self.functions for kind, _ in item.arguments):
-            text += _TRANSPORT.replace("@transport@", f"{self.maker}_transport").replace("@times@", str(TIMES))
-        if self.device is not None:
-            text += Variants.of(self.device, "", [item.name for item in self.device.set_parameters]).declare(self.prefix, self.header)
+            # Comparing labels, too, is proved with the shared header; here it may find anything, so that the search holds whatever the label.
+            text += "static size_t any_match(const char *label, const char *code) { return nondet_size(); }\n#define @maker@_label_match any_match\n"
+            text += f'{_RUN}#include "{self.include}"\n'
+        text = text.replace("@maker@", self.maker).replace("@MAKER@", self.maker.upper()).replace("@times@", str(TIMES))
+        if self.variants is not None:
+            text += self.variants.declare(self.prefix, self.header)
         return text + "".join(map(self._call, self.functions))
 
     def _call(self, function: Function) -> str:
-        lines: list[str] = []
-        passed: list[str] = []
-        results: list[tuple[str, str]] = []
-        pending = ""
-        for index, (kind, name) in enumerate(function.arguments):
-            plain = kind.removeprefix("const ").rstrip(" *")
-            follows = function.arguments[index + 1][0] if index + 1 < len(function.arguments) else ""
-            local = f"a_{name}"
-            if pending and kind == "size_t":
-                passed.append(pending)
-                pending = ""
-            elif not kind.endswith("*"):
-                lines.append(f"{kind} {local}{' = nondet_bool()' if kind == 'bool' else ''};")
-                passed.append(local)
-            elif self.device is not None and plain == f"{self.prefix}_variant":
-                lines.append(f"{plain} {local} = variant;")
-                passed.append(f"&{local}")
-            elif plain == "char":
-                lines.append(f"char {local}[{LABEL + 1}]; {local}[{LABEL}] = 0;")
-                passed.append(local)
-            elif follows == "size_t" and plain in ("uint8_t", f"{self.maker}_step"):
-                most = (STEPS if _any_steps(self.maker, function) else BYTES) if plain == "uint8_t" else STEPS if kind.startswith("const") else 4 * BYTES
-                pending = f"{local}_count"
-                lines.append(f"size_t {pending} = nondet_size(); __CPROVER_assume({pending} <= {most});")
-                if _any_steps(self.maker, function):
-                    # Memory of a size that may be anything is too hard here.
-                    lines.append(f"{plain} {local}[{most}];")
-                else:
-                    lines.append(f"{plain} *{local} = malloc({pending} * sizeof({plain})); __CPROVER_assume({local} != 0);")
-                if plain != "uint8_t" and kind.startswith("const"):
-                    lines.append(f"for (size_t at = 0; at < {pending}; at++) __CPROVER_assume({local}[at].times <= {TIMES});")
-                passed.append(local)
-            elif plain == f"{self.maker}_transport":
-                lines.append(f"const {plain} {local} = any_transport();")
-                passed.append(f"&{local}")
-            elif plain == f"{self.maker}_failure":
-                lines.append(f"{plain} failure;")
-                passed.append("nondet_bool() ? &failure : 0" if "transport" not in dict((n, k) for k, n in function.arguments) else "&failure")
-            else:
-                lines += [line.strip() for line in self.header.anything(plain, local).splitlines()]
-                if plain == f"{self.maker}_step":
-                    lines.append(f"__CPROVER_assume({local}.times <= {TIMES});")
-                if not kind.startswith("const"):
-                    results.append((plain, local))
-                passed.append(f"&{local}")
-        call = f"{function.name}({', '.join(passed)})"
-        given = {name for _, name in function.arguments}
-        if function.type != f"{self.maker}_result":
-            lines.append(f"{'' if function.type == 'void' else '(void)'}{call};")
+        given = _Given(self, function)
+        call = f"{function.name}({', '.join(given.passed)})"
+        lines = given.lines
+        if function.type == f"{self.maker}_result":
+            lines += [f"const {kind} before_{name} = {name};" for kind, name in given.results]
+            lines += [f"const int found = (int){call};", *self._claims(given)]
         else:
-            lines += [f"const {kind} before_{name} = {name};" for kind, name in results]
-            lines.append(f"const int found = (int){call};")
-            for kind, name in results:
-                members = self.header.structs.get(kind)
-                places = [f".{item.name}{at}" for item in members for at in ([f"[{index}]" for index in range(item.count)] or [""])] if members else [""]
-                same = " && ".join(f"{name}{place} == before_{name}{place}" for place in places)
-                lines.append(f'__CPROVER_assert(found == 0 || ({same}), "a fault leaves the result as it was");')
-            if "transport" in given:
-                lines.append(f'__CPROVER_assert(failed_with == 0 || found == {TRANSPORT}, "a failure of the transport is reported");')
-                lines.append(f'__CPROVER_assert(failed_with == 0 || failure.error == failed_with, "with the number of the function that failed");')
-                lines.append(f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");')
+            lines.append(f"{'' if function.type == 'void' else '(void)'}{call};")
         variant = "    any_variant();\n" if self.device is not None else ""
         return f"void call_{function.name}(void)\n{{\n{variant}" + "".join(f"    {line}\n" for line in lines) + "}\n"
 
+    def _claims(self, given: _Given) -> Iterator[str]:
+        for kind, name in given.results:
+            members = self.header.structs.get(kind, ())
+            places = [f".{item.name}{at}" for item in members for at in ([f"[{index}]" for index in range(item.count)] or [""])] or [""]
+            same = " && ".join(f"{name}{place} == before_{name}{place}" for place in places)
+            yield f'__CPROVER_assert(found == 0 || ({same}), "a fault leaves the result as it was");'
+        if given.transport:
+            yield f'__CPROVER_assert(failed_with == 0 || found == {TRANSPORT}, "a failure of the transport is reported");'
+            yield '__CPROVER_assert(failed_with == 0 || failure.error == failed_with, "with the number of the function that failed");'
+            yield f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");'
+
     def proofs(self, together: int = 10) -> Iterable[Proof]:
         """Several functions in one run; those that go through the list of order codes one by one, because they take longest."""
-        text = self.harness()
+        text, covers = self.harness, self.variants.count if self.variants is not None else 0
         anywhere = [item for item in self.functions if ("size_t *", "next") in item.arguments]
         codes = [item for item in self.functions if "order_codes(" in item.body or "label" in item.name if item not in anywhere]
         steps = [item for item in self.functions if _any_steps(self.maker, item)]
@@ -160,7 +210,9 @@ class CallProof:
         for group, rounds in groups:
             body = "".join(f"    call_{item.name}();\n" for item in group)
             more = f" and {len(group) - 1} more" if len(group) > 1 else ""
-            yield Proof(f"{group[0].name}{more}, undefined behaviour", f"{text}void everything(void)\n{{\n{body}}}\n", "everything", rounds, (*UNDEFINED, *([PARTLY] if rounds == ANY_ROUNDS else [])))
+            options = (*UNDEFINED, *([PARTLY] if rounds == ANY_ROUNDS else []))
+            whole = f"{text}void everything(void)\n{{\n{body}}}\n"
+            yield Proof(f"{group[0].name}{more}, called", whole, "everything", rounds, options, covers, self.prefix)
 
 
 def _any_steps(maker: str, function: Function) -> bool:

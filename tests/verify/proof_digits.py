@@ -5,10 +5,10 @@ The reference does not divide either: it counts, and carries as an odometer does
 
 from __future__ import annotations
 
-from proof_codec import RANGE, CodecProof
+from proof_layout import RANGE, Codec
 
 
-def program(codec: CodecProof) -> str:
+def program(codec: Codec) -> str:
     """A C program for a register whose only field is a number of at most 32 bits with digits; it returns 0 when it is right for all of them."""
     (field,) = codec.fields
     assert field.digits and field.widest <= 32 and codec.size * 8 == field.widest and not codec.by_word

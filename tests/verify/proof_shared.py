@@ -7,27 +7,38 @@ from collections.abc import Iterable
 from codewheel.model import Crc, Device
 
 from proof import PRELUDE, UNDEFINED, Header, Proof
+from proof_reference import shift_in, shifted_out
 
 #: What is proved here, where the arguments are as their comments say.
 FUNCTIONS = ("mask", "field", "signed", "fits_signed", "from_gray", "to_gray", "parity", "difference")
 #: The longest run of bytes over which a CRC is proved.
 BYTES = 12
+#: How many powers of two go into one proof of a difference.
+POWERS = 8
 
 _BITS = """\
 typedef __int128 wide;
-void gray(void)
+/* Gray code of a number: each bit is the sum of the bit and the one above it. As that gives back every word, the other way is its inverse. */
+static unsigned long long in_gray(unsigned long long plain, unsigned low, unsigned bits)
+{
+    unsigned long long gray = plain;
+    for (int i = 0; i < 63; i++)
+        if (i >= low && i + 1 < low + bits) gray ^= ((plain >> (i + 1)) & 1) << i;
+    return gray;
+}
+void to_gray(void)
 {
     unsigned long long word = nondet_word();
     unsigned low = nondet_byte(), bits = nondet_byte();
     __CPROVER_assume(low + bits <= 64);
-    unsigned long long plain = word, sum = 0;
-    for (int i = 63; i >= 0; i--)
-        if (i >= low && i < low + bits) {
-            sum ^= (word >> i) & 1;
-            plain = (plain & ~(1ULL << i)) | (sum << i);
-        }
-    __CPROVER_assert(@_from_gray(word, low, bits) == plain, "each bit is the sum of those from the top down to it");
-    __CPROVER_assert(@_to_gray(plain, low, bits) == word, "and back");
+    __CPROVER_assert(@_to_gray(word, low, bits) == in_gray(word, low, bits), "each bit is the sum of it and the one above");
+}
+void from_gray(void)
+{
+    unsigned long long word = nondet_word();
+    unsigned low = nondet_byte(), bits = nondet_byte();
+    __CPROVER_assume(low + bits <= 64);
+    __CPROVER_assert(in_gray(@_from_gray(word, low, bits), low, bits) == word, "the number of which this is the Gray code");
 }
 void numbers(void)
 {
@@ -48,19 +59,21 @@ void parity(void)
     for (int i = 0; i < 32; i++) odd ^= (value >> i) & 1;
     __CPROVER_assert(@_parity(value) == odd, "1 where the number of ones is odd");
 }
+#ifdef POWER
+/* Some of the powers of two; other numbers of 64 bits are too hard to divide by. */
 void difference(void)
 {
-    /* Every power of two; others are too hard to divide by, and stand in difference_of_bytes. */
-    unsigned long long modulus = nondet_word(), now = nondet_word(), before = nondet_word();
-    unsigned power = nondet_byte() & 63;
-    __CPROVER_assume(modulus == 0 || modulus == (1ULL << power));
-    long long moved = @_difference(now, before, modulus);
-    if (modulus == 0) {
-        __CPROVER_assert(moved == 0, "no modulus");
-        return;
+    for (unsigned power = POWER; power < POWER + @powers@; power++) {
+        unsigned long long modulus = 1ULL << power, now = nondet_word(), before = nondet_word();
+        long long moved = @_difference(now, before, modulus);
+        __CPROVER_assert(((now - before - (unsigned long long)moved) & (modulus - 1)) == 0, "from before to now");
+        __CPROVER_assert((wide)2 * moved < (wide)modulus && (wide)2 * moved >= -(wide)modulus, "the shorter way, half way round backwards");
     }
-    __CPROVER_assert(((now - before - (unsigned long long)moved) & (modulus - 1)) == 0, "from before to now");
-    __CPROVER_assert((wide)2 * moved < (wide)modulus && (wide)2 * moved >= -(wide)modulus, "the shorter way, half way round backwards");
+}
+#endif
+void difference_without_modulus(void)
+{
+    __CPROVER_assert(@_difference(nondet_word(), nondet_word(), 0) == 0, "does not move");
 }
 void difference_of_bytes(void)
 {
@@ -75,9 +88,11 @@ void difference_of_anything(void) { (void)@_difference(nondet_word(), nondet_wor
 
 
 def shared_proofs(maker: str) -> Iterable[Proof]:
-    text = f'#include "{maker}/encoder.h"\n{PRELUDE}' + _BITS.replace("@", maker)
-    for entry in ("gray", "numbers", "parity", "difference", "difference_of_bytes", "difference_of_anything"):
+    text = f'#include "{maker}/encoder.h"\n{PRELUDE}' + _BITS.replace("@powers@", str(POWERS)).replace("@", maker)
+    for entry in ("to_gray", "from_gray", "numbers", "parity", "difference_without_modulus", "difference_of_bytes", "difference_of_anything"):
         yield Proof(f"{maker} {entry}", text, entry, 66, tuple(UNDEFINED))
+    for power in range(0, 64, POWERS):
+        yield Proof(f"{maker} difference by 2^{power} and on", text, "difference", 66, (f"-DPOWER={power}", *UNDEFINED))
 
 
 def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
@@ -98,28 +113,24 @@ def maker_header(device: Device) -> str:
 
 def _crc(crc: Crc, name: str, kinds: list[str]) -> str:
     if kinds == ["const uint8_t *", "size_t"]:
-        given = f"uint8_t data[{BYTES}]; size_t length = nondet_size(); __CPROVER_assume(length <= {BYTES}); for (int i = 0; i < {BYTES}; i++) data[i] = nondet_byte();"
+        given = f"uint8_t data[{BYTES}]; for (int i = 0; i < {BYTES}; i++) data[i] = nondet_byte();"
+        given += f" size_t length = nondet_size(); __CPROVER_assume(length <= {BYTES});"
         call, rounds, before = f"{name}(data, length)", 8 * BYTES, "i / 8 < length"
         bit = f"(data[i / 8] >> ({'i % 8' if crc.refin else '7 - i % 8'})) & 1"
-    elif kinds == ["uint64_t", "uint32_t"]:
-        given = "unsigned long long data = nondet_word(); unsigned length = nondet_byte(); __CPROVER_assume(length <= 64);"
-        call, rounds, before, bit = f"{name}(data, length)", 64, "63 - i < length", "(data >> (63 - i)) & 1"
     else:
         assert kinds == ["uint64_t"] and crc.init == 0, f"{name}: a CRC function of {kinds} has no proof yet"
         given = "unsigned long long data = nondet_word();"
         call, rounds, before, bit = f"{name}(data)", 64, "1", "(data >> (63 - i)) & 1"
-    turned = f"unsigned long long turned = 0; for (int k = 0; k < {crc.width}; k++) turned |= ((r >> k) & 1) << ({crc.width - 1} - k); r = turned;" if crc.refout else ""
+    shift, turn = "\n            ".join(shift_in(crc, bit)), "\n    ".join(shifted_out(crc))
     return f"""void crc(void)
 {{
     {given}
-    unsigned long long r = {crc.init}ULL;
+    unsigned long long shift_register = {crc.init}ULL;
     for (int i = 0; i < {rounds}; i++)
         if ({before}) {{
-            unsigned long long feedback = ((r >> {crc.width - 1}) ^ (unsigned long long)({bit})) & 1;
-            r = (r << 1) & {crc.mask}ULL;
-            for (int k = 0; k < {crc.width}; k++) r ^= (({crc.poly}ULL >> k) & feedback) << k;
+            {shift}
         }}
-    {turned}
-    __CPROVER_assert({call} == (r ^ {crc.xorout}ULL), "the CRC of the definition");
+    {turn}
+    __CPROVER_assert({call} == (shift_register ^ {crc.xorout}ULL), "the CRC of the definition");
 }}
 """

@@ -47,7 +47,8 @@ def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_headers_that_are_included_have_no_finding_without_a_reason(platform: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
     include, every = headers
-    found = findings("".join(f'#include "{header}"\n' for header in every), include, tmp_path, platform)
+    # One by one: the add-on compares all names of a unit with each other, and all headers at once take minutes.
+    found = {item for header in every for item in findings(f'#include "{header}"\n', include, tmp_path, platform)}
     allowed = deviations()
     assert [item for item in sorted(found) if item[0] not in allowed] == []
     assert {rule for rule, _ in found} == allowed, "a deviation that nothing needs"
@@ -55,17 +56,18 @@ def test_headers_that_are_included_have_no_finding_without_a_reason(platform: st
 
 def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
     include, every = headers
-    found = findings(use_everything(every, include), include, tmp_path, "unix64")
-    assert [item for item in sorted(found) if item[0] not in deviations() - UNUSED] == []
+    for header in every:
+        found = findings(use_everything([header], include), include, tmp_path, "unix64")
+        assert [item for item in sorted(found) if item[0] not in deviations() - UNUSED] == []
 
 
 @pytest.mark.parametrize(
     ("sound", "planted", "rule"),
     [
-        ("return v & 1U;", "return v & value >> 31U;", "12.1"),
+        ("return (0x6996U >> (v & 0x0FU)) & 1U;", "return v & value >> 31U;", "12.1"),
         ("    uint32_t v = value;\n", "    uint32_t v = value;\n    v = v << 1U, v >> 1U;\n", "12.3"),
         ("static inline bool lika_is_digit(char letter)\n{\n", "static inline bool lika_is_digit(char letter)\n{\n    letter++;\n", "17.8"),
-        ("return v & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
+        ("return (0x6996U >> (v & 0x0FU)) & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
         ("        index += done;\n", "        if (done > 2U) {\n            index += done;\n        } else if (done > 1U) {\n            index += 2U;\n        }\n", "15.7"),
     ],
 )

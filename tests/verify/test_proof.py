@@ -12,18 +12,20 @@ from __future__ import annotations
 import itertools
 import os
 import re
+import shutil
 import subprocess
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from c_harness import FAMILIES
 from codewheel.model import Device
-from proof import Checker, Header, Proof
+from proof import Checker, Header, Proof, Result, Told
 from proof_calls import CallProof
-from proof_codec import CodecProof
+from proof_codec import functions, proofs
 from proof_digits import program
+from proof_layout import Codec
 from proof_shared import FUNCTIONS, crc_proofs, shared_proofs
 from tools import tool
 from tree import generated_tree, library
@@ -41,6 +43,11 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
+def maker() -> str:
+    return library()[FAMILIES[0]].manufacturer.name
+
+
+@pytest.fixture(scope="module")
 def checker() -> Checker:
     return Checker(tool("cbmc", (OURS,)), tool("cryptominisat5"))
 
@@ -50,18 +57,18 @@ def header_of(device: Device, include: Path) -> Header:
     return Header.read(*((folder / name).read_text(encoding="utf-8") for name in ("encoder.h", f"{device.name}.h")))
 
 
-def codecs(device: Device, header: Header) -> Iterator[CodecProof]:
+def codecs(device: Device, header: Header) -> Iterator[Codec]:
     """Every frame, and every register that is more than one number in one byte."""
     prefix = f"{device.manufacturer.name}_{device.name}"
     for interface, layout in device.layouts():
-        yield CodecProof(device, interface.kind, layout, header, prefix, f"{prefix}_{layout.name}")
+        yield Codec(device, interface.kind, layout, header, prefix, f"{prefix}_{layout.name}")
     for register in device.registers:
         plain = register.length == 1 and [item.width.render() for item in register.layout.fields] == ["8"]
         if not plain:
-            yield CodecProof(device, register.interface, register.layout, header, prefix, f"{prefix}_reg_{register.name}", register)
+            yield Codec(device, register.interface, register.layout, header, prefix, f"{prefix}_reg_{register.name}", register)
 
 
-def states(codec: CodecProof) -> Iterator[Mapping[str, int]]:
+def states(codec: Codec) -> Iterator[Mapping[str, int]]:
     """What is proved one by one: nothing where all parameters go at once; else the first width that a register holds, at either end and between or
     everywhere, and what is on or off. The other widths stay anything."""
     if codec.variants.count <= AT_ONCE:
@@ -74,48 +81,49 @@ def states(codec: CodecProof) -> Iterator[Mapping[str, int]]:
             yield {first: value, **dict(zip(switches, state))}
 
 
-def told(checker: Checker, proofs: Iterable[Proof], include: Path, folder: Path, capsys: pytest.CaptureFixture[str], what: str) -> None:
+Prove = Callable[[str, Iterable[Proof]], None]
+
+
+@pytest.fixture
+def prove(checker: Checker, include: Path, tmp_path: Path, told: list[Told]) -> Prove:
     """Proves them, and says how many there were; fails with what was refuted."""
-    results = checker.prove_all(list(proofs), include, folder)
-    bad = [item for item in results if not item.proved]
-    covered = sum(item.proof.covers for item in results)
-    with capsys.disabled():
-        print(f"\n{what}: {len(results)} proofs over {covered} sets of parameters, {len(bad)} failed", flush=True)
-    assert results and not bad, "\n\n".join(item.words for item in bad)
+
+    def run(what: str, proofs: Iterable[Proof]) -> None:
+        results = checker.prove_all([(proof, include) for proof in proofs], tmp_path)
+        bad = [item.words for item in results if not item.proved]
+        covered = {item.proof.of: item.proof.covers for item in results}
+        told.append(Told(what, len(results), len(bad), sum(covered.values())))
+        assert results and not bad, "\n\n".join(bad)
+
+    return run
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_codecs_are_equal_to_their_layout(family: str, checker: Checker, include: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    device = library()[family]
-    proofs = [proof for codec in codecs(device, header_of(device, include)) for held in states(codec) for proof in replace(codec, held=held).proofs()]
-    told(checker, proofs, include, tmp_path, capsys, f"{family}, decoders and encoders")
+def test_codecs_are_equal_to_their_layout(family: str, include: Path, prove: Prove) -> None:
+    found = codecs(library()[family], header_of(library()[family], include))
+    prove(f"{family}, decoders and encoders", [proof for codec in found for held in states(codec) for proof in proofs(replace(codec, held=held))])
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_crcs_are_those_of_the_definition(family: str, checker: Checker, include: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    device = library()[family]
-    told(checker, crc_proofs(device, header_of(device, include)), include, tmp_path, capsys, f"{family}, CRCs")
+def test_crcs_are_those_of_the_definition(family: str, include: Path, prove: Prove) -> None:
+    prove(f"{family}, CRCs", crc_proofs(library()[family], header_of(library()[family], include)))
 
 
-def test_shared_functions_on_bits(checker: Checker, include: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    maker = library()[FAMILIES[0]].manufacturer.name
-    told(checker, shared_proofs(maker), include, tmp_path, capsys, "bits and positions")
+def test_shared_functions_on_bits(maker: str, prove: Prove) -> None:
+    prove("bits and positions", shared_proofs(maker))
 
 
-@pytest.mark.parametrize("family", ("", *FAMILIES))
-def test_no_function_does_anything_undefined(family: str, checker: Checker, include: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    maker = library()[FAMILIES[0]].manufacturer.name
-    stem = family or "encoder"
-    shared = (include / maker / "encoder.h").read_text(encoding="utf-8")
+@pytest.mark.parametrize("stem", ("encoder", *FAMILIES))
+def test_other_functions_keep_what_the_headers_promise(stem: str, maker: str, include: Path, prove: Prove) -> None:
+    device = library().get(stem)
     own = Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
-    header = Header.read(shared, (include / maker / f"{stem}.h").read_text(encoding="utf-8")) if family else own
+    header = header_of(device, include) if device is not None else own
     proved = {f"{maker}_{item}" for item in FUNCTIONS}
-    if family:
-        proved = {name for codec in codecs(library()[family], header) for name in codec.functions}
+    if device is not None:
+        proved = {name for codec in codecs(device, header) for name in functions(codec)}
     assert proved <= own.functions.keys()
-    functions = [item for item in own.functions.values() if item.name not in proved]
-    calls = CallProof(maker, header, f"{maker}/{stem}.h", functions, library().get(family))
-    told(checker, calls.proofs(), include, tmp_path, capsys, f"{stem}.h, {len(functions)} other functions")
+    rest = [item for item in own.functions.values() if item.name not in proved]
+    prove(f"{stem}.h, {len(rest)} other functions", CallProof(maker, header, f"{maker}/{stem}.h", rest, device).proofs())
 
 
 def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None:
@@ -136,40 +144,59 @@ def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None
 SEEDED = {
     "mask": ("amm5", "lika_amm5_single_cycle_data_crc", r"& 0xFFFU", "& 0xFFEU", "amm5_single_cycle_data decode_result"),
     "polynomial bit": ("amm5", "lika_amm5_single_cycle_data_crc", r"(?s)<< 1U\)(?=;\s+return)", "<< 2U)", "amm5_single_cycle_data encode_crc"),
+    "table entry": ("amm5", "lika_amm5_crc_biss_6_entry", r"0x30U", "0x31U", "amm5_single_cycle_data decode_result with LIKA_CRC_TABLE"),
     "shift": ("asc85", "lika_asc85_single_cycle_data_decode", r"word >> 9U", "word >> 8U", "asc85_single_cycle_data everything"),
     "byte order": ("asc85", "lika_asc85_reg_serial_number_decode", r"bytes\[3\]", "bytes[2]", "asc85_reg_serial_number everything"),
     "byte order of an encoder": ("asc85", "lika_asc85_reg_serial_number_encode", r"bytes\[0\]", "bytes[1]", "asc85_reg_serial_number everything"),
-    "limit": ("am36", "lika_am36_reg_information_per_revolution_encode", r"> \w+MAX\)", "> 0x200000U)", "am36_reg_information_per_revolution everything"),
+    "limit": (
+        "am36", "lika_am36_reg_information_per_revolution_encode", r"> \w+MAX\)", "> 0x200000U)", "am36_reg_information_per_revolution everything"
+    ),
     "level of a flag": ("asc85", "lika_asc85_single_cycle_data_encode", r"\? 0U : 1U", "? 1U : 0U", "asc85_single_cycle_data everything"),
     "choice left out": ("sma21", "lika_sma21_data_request_decode", r"return \w+RANGE", "return LIKA_OK", "sma21_data_request everything"),
     "undefined shift": ("encoder", "lika_to_gray", r"low < 64U", "low <= 64U", "call lika_to_gray"),
+    "result touched by a fault": (
+        "amm5", "lika_amm5_singleturn_reply_decode", r"if \(length", "out->singleturn = 0U; if (length", "amm5_singleturn_reply everything"
+    ),
     "failure not reported": ("encoder", "lika_write", r"error != 0", "error > 0", "call lika_write_byte"),
 }
 
 
-@pytest.mark.parametrize("fault", SEEDED)
-def test_a_seeded_fault_is_refuted(fault: str, checker: Checker, include: Path, tmp_path: Path) -> None:
-    """The proof that holds for the header as it is, does not for one with this fault in it."""
-    stem, function, pattern, instead, name = SEEDED[fault]
-    maker = library()[FAMILIES[0]].manufacturer.name
-    broken = tmp_path / "include" / maker
-    broken.mkdir(parents=True)
-    for file in (include / maker).glob("*.h"):
-        broken.joinpath(file.name).write_bytes(file.read_bytes())
-    text = (broken / f"{stem}.h").read_text(encoding="utf-8")
+def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
+    """Puts a fault into a function of a header."""
+    text = header.read_text(encoding="utf-8")
     start = re.search(rf"^static inline [^;{{}}]*\b{function}\([^{{}}]*\)\n\{{", text, re.MULTILINE)
     assert start, f"{function} is gone: choose another place for this fault"
     end = text.index("\n}\n", start.end())
     body, count = re.subn(pattern, instead, text[start.end() : end], count=1)
     assert count and body != text[start.end() : end], f"{pattern} is gone from {function}: choose another place for this fault"
-    (broken / f"{stem}.h").write_text(text[: start.end()] + body + text[end:], encoding="utf-8")
+    header.write_text(text[: start.end()] + body + text[end:], encoding="utf-8")
+
+
+def proof_called(name: str, stem: str, maker: str, include: Path) -> Proof:
+    """The proof of this name, of the header as it is."""
     if name.startswith("call "):
-        header = Header.read(text)
-        calls = CallProof(maker, header, f"{maker}/{stem}.h", [header.functions[name.removeprefix("call ")]])
-        proof = next(iter(calls.proofs()))
-    else:
-        device = library()[stem]
-        proof = next(item for codec in codecs(device, header_of(device, include)) if not codec.variants.count > AT_ONCE for item in codec.proofs() if item.name == f"{maker}_{name}")
-    assert checker.prove(proof, include, tmp_path).proved, "the header as it is"
-    refuted = checker.prove(proof, broken.parent, tmp_path)
-    assert not refuted.proved and "REFUTED" in refuted.words, refuted.words
+        header = Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
+        return next(iter(CallProof(maker, header, f"{maker}/{stem}.h", [header.functions[name.removeprefix("call ")]]).proofs()))
+    device = library()[stem]
+    header = header_of(device, include)
+    found = [*crc_proofs(device, header)]
+    found += [proof for codec in codecs(device, header) if f"{codec.name} " in f"{maker}_{name}" for proof in proofs(codec)]
+    return next(item for item in found if item.name == f"{maker}_{name}")
+
+
+@pytest.fixture(scope="module")
+def verdicts(checker: Checker, maker: str, include: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Result]:
+    """What becomes of the proofs when there is a fault in a header. That they hold for the header as it is, the tests above show."""
+    runs: list[tuple[Proof, Path]] = []
+    for stem, function, pattern, instead, name in SEEDED.values():
+        folder = tmp_path_factory.mktemp("seeded")
+        shutil.copytree(include / maker, folder / maker)
+        with_fault(folder / maker / f"{stem}.h", function, pattern, instead)
+        runs.append((proof_called(name, stem, maker, include), folder))
+    return dict(zip(SEEDED, checker.prove_all(runs, tmp_path_factory.mktemp("runs"))))
+
+
+@pytest.mark.parametrize("fault", SEEDED)
+def test_a_seeded_fault_is_refuted(fault: str, verdicts: Mapping[str, Result]) -> None:
+    """The proof that holds for the header as it is, does not for one with this fault in it."""
+    assert not verdicts[fault].proved and "REFUTED" in verdicts[fault].words, verdicts[fault].words

@@ -120,9 +120,13 @@ static lika_result show_configuration(lika_failure *failure)
     print_registers("Configuration 49h",
         LIKA_AM36_REG_CONFIGURATION_ADDRESS,
         LIKA_AM36_REG_CONFIGURATION_LENGTH);
-    printf("  counting_direction: %llu\n", (unsigned long long)held.counting_direction);
-    printf("  output_code: %llu\n", (unsigned long long)held.output_code);
-    printf("  enable_preset: %llu\n", (unsigned long long)held.enable_preset);
+    printf("  counting_direction: %llu (%s)\n",
+        (unsigned long long)held.counting_direction,
+        "0 CW, 1 CCW");
+    printf("  output_code: %llu (%s)\n", (unsigned long long)held.output_code, "0 Gray, 1 Binary");
+    printf("  enable_preset: %llu (%s)\n",
+        (unsigned long long)held.enable_preset,
+        "0 Enable, 1 Disable");
     return LIKA_OK;
 }
 

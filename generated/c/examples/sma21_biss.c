@@ -27,8 +27,8 @@ static uint64_t receive_word(void)
 /* The registers of the encoder. */
 static uint8_t registers[128] = {
     [0x42] = 0x28U, 0x14U, /* Profile ID */
-    [0x4D] = 0x32U, /* Absolute resolution */
     [0x49] = 0x20U, /* Configuration */
+    [0x4D] = 0x32U, /* Absolute resolution */
     [0x50] = 0x00U, 0x00U, 0x00U, 0x00U, /* Preset / Offset, as delivered */
     [0x7E] = 0x4CU, 0x69U /* Manufacturer ID */
 };
@@ -148,10 +148,16 @@ static lika_result show_configuration(lika_failure *failure)
     print_registers("Configuration 49h",
         LIKA_SMA21_REG_CONFIGURATION_ADDRESS,
         LIKA_SMA21_REG_CONFIGURATION_LENGTH);
-    printf("  counting_direction: %llu\n", (unsigned long long)held.counting_direction);
-    printf("  output_code: %llu\n", (unsigned long long)held.output_code);
-    printf("  enable_preset_offset: %llu\n", (unsigned long long)held.enable_preset_offset);
-    printf("  select_preset_offset: %llu\n", (unsigned long long)held.select_preset_offset);
+    printf("  counting_direction: %llu (%s)\n",
+        (unsigned long long)held.counting_direction,
+        "0 Standard, 1 Inverted");
+    printf("  output_code: %llu (%s)\n", (unsigned long long)held.output_code, "0 Gray, 1 Binary");
+    printf("  enable_preset_offset: %llu (%s)\n",
+        (unsigned long long)held.enable_preset_offset,
+        "0 Enable, 1 Disable");
+    printf("  select_preset_offset: %llu (%s)\n",
+        (unsigned long long)held.select_preset_offset,
+        "0 Preset, 1 Offset");
     return LIKA_OK;
 }
 

@@ -29,7 +29,7 @@
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
  * the functions _set_ make it so. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
- *                   entries in place of straight-line code, which is sooner on machines of 8 bits.
+ *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
 #ifndef LIKA_AM36_H
 #define LIKA_AM36_H
@@ -241,7 +241,7 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
         const size_t length = lika_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
-            found = (patterns[index].code < count) ? &codes[patterns[index].code] : NULL;
+            found = &codes[patterns[index].code];
             *unlisted = patterns[index].unlisted;
         }
     }
@@ -251,7 +251,7 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/* The table of CRC biss_6: what a byte leaves of it. */
+/* The table of CRC biss_6: the remainder that each byte leaves. */
 static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -355,8 +355,8 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
 #define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U /* Tp: Between two clock sequences [5.3] */
 
 /*
- * The clock that must not be reached with a cable of so many metres, in hertz; 0 where the cable is
- * too long for any [5.3].
+ * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
+ * the manual has none for so long a cable [5.3].
  */
 static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -431,7 +431,7 @@ static inline lika_result lika_am36_ssi_word_decode(
     const uint32_t singleturn = (uint32_t)lika_field(plain, 0U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->position = (uint32_t)(plain >> 0U);
+    out->position = (uint32_t)plain;
     return LIKA_OK;
 }
 
@@ -643,8 +643,8 @@ static inline uint64_t lika_am36_ssi_modulus(const lika_am36_variant *variant)
 }
 
 /*
- * How far the position has moved since it was before, the shorter way round. Added up, it counts on
- * where the position starts again.
+ * How far the position has moved from before to now, the shorter way round. Added up, the
+ * differences count on where the position starts again.
  */
 static inline int64_t lika_am36_ssi_position_difference(
     const lika_am36_variant *variant, uint64_t now, uint64_t before)
@@ -682,8 +682,8 @@ static inline uint64_t lika_am36_biss_modulus(const lika_am36_variant *variant)
 }
 
 /*
- * How far the position has moved since it was before, the shorter way round. Added up, it counts on
- * where the position starts again.
+ * How far the position has moved from before to now, the shorter way round. Added up, the
+ * differences count on where the position starts again.
  */
 static inline int64_t lika_am36_biss_position_difference(
     const lika_am36_variant *variant, uint64_t now, uint64_t before)
@@ -715,7 +715,7 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  */
 
 /*
- * Profile ID, read only, over BiSS C-mode [6.5 p.24].
+ * Profile ID, 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
  * Identification code of the profile.
  * The lowest address holds the high byte.
  * The manual refers to "Standard encoder profile", "data format", "Variant 0-24" beside it.
@@ -786,7 +786,7 @@ static inline lika_result lika_am36_read_profile_id(
 }
 
 /*
- * Serial number, read only, over BiSS C-mode [6.5 p.24].
+ * Serial number, 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
  * Year and week of production and a running number, "in hexadecimal notation".
  * The lowest address holds the high byte.
  * Erratum (open): printed: In hexadecimal notation; register 44: year, register 45: week, registers
@@ -859,7 +859,7 @@ static inline lika_result lika_am36_read_serial_number(
 }
 
 /*
- * Command, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
+ * Command, 48h, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
  * Saves the parameters, activates the preset, or restores the defaults.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself. If a new resolution and a new preset are
@@ -879,7 +879,8 @@ static inline lika_result lika_am36_read_serial_number(
 
 /* Values of Command. */
 typedef enum lika_am36_command {
-    LIKA_AM36_COMMAND_NORMAL_OPERATIONAL_STATE = 0x00, /* Nothing to be done [6.5 p.24] */
+    /* Normal operational state: Nothing to be done [6.5 p.24] */
+    LIKA_AM36_COMMAND_NORMAL_OPERATIONAL_STATE = 0x00,
     /*
      * Save parameters on EEPROM: Saves newly set register values; a preset is not activated by it
      * [6.5 p.24]
@@ -897,10 +898,7 @@ typedef enum lika_am36_command {
     LIKA_AM36_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_am36_command;
 
-/*
- * Writes Command, 48h.
- * Then waits 30 ms.
- */
+/* Writes Command, 48h, then waits 30 ms. */
 static inline lika_result lika_am36_write_command(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_command value, lika_failure *failure)
@@ -917,11 +915,11 @@ static inline lika_result lika_am36_write_command(
     if (result != LIKA_OK) {
         return result;
     }
-return lika_wait(transport, 30000U, failure);
+    return lika_wait(transport, 30000U, failure);
 }
 
 /*
- * Configuration, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
+ * Configuration, 49h, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
  * Preset function, output code and counting direction.
  * To be kept over power-off, a written value has to be saved.
  * A new value takes effect at once; Save parameters on EEPROM keeps it. Bits 0, 1, 3, 4 and 7 are
@@ -1067,7 +1065,7 @@ static inline lika_result lika_am36_write_configuration(
 }
 
 /*
- * Information per revolution, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
+ * Information per revolution, 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
  * Singleturn resolution.
  * The lowest address holds the high byte.
  * To be kept over power-off, a written value has to be saved.
@@ -1133,9 +1131,6 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
     if (in->steps > 0xFFFFFFU) {
         return LIKA_FAULT_RANGE;
     }
-    if (in->steps < LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MIN) {
-        return LIKA_FAULT_RANGE;
-    }
     if (in->steps > LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MAX) {
         return LIKA_FAULT_RANGE;
     }
@@ -1176,7 +1171,7 @@ static inline lika_result lika_am36_write_information_per_revolution(
 }
 
 /*
- * Number of revolutions, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
+ * Number of revolutions, 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
  * Multiturn resolution.
  * The lowest address holds the high byte.
  * To be kept over power-off, a written value has to be saved.
@@ -1243,9 +1238,6 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
     if ((in->revolutions == 0U) || ((in->revolutions > 0xFFFFU) && (in->revolutions != 65536U))) {
         return LIKA_FAULT_RANGE;
     }
-    if (in->revolutions < LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_MIN) {
-        return LIKA_FAULT_RANGE;
-    }
     bytes[0] = (uint8_t)(((in->revolutions == 65536U) ? 0U : in->revolutions) >> 8U);
     bytes[1] = (uint8_t)((in->revolutions == 65536U) ? 0U : in->revolutions);
     return LIKA_OK;
@@ -1285,7 +1277,7 @@ static inline lika_result lika_am36_write_number_of_revolutions(
 }
 
 /*
- * Preset, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
+ * Preset, 50h to 54h, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
  * Position that the encoder shows, from the activation on, at the place where its shaft stands at
  * that moment.
  * The lowest address holds the high byte.
@@ -1393,7 +1385,7 @@ static inline lika_result lika_am36_write_preset(
 }
 
 /*
- * Device type, read only, over BiSS C-mode [6.5 p.31].
+ * Device type, 55h, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
  * 02: multiturn rotary encoder with BiSS C interface.
  */
@@ -1415,12 +1407,12 @@ static inline lika_result lika_am36_read_device_type(
     if (result != LIKA_OK) {
         return result;
     }
-*out = value;
+    *out = value;
     return LIKA_OK;
 }
 
 /*
- * No. of bits used for singleturn resolution, read only, over BiSS C-mode [6.5 p.31].
+ * No. of bits used for singleturn resolution, 56h, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the singleturn resolution, as set by Information per revolution.
  * Width of the singleturn part of the position [bits].
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
@@ -1449,12 +1441,12 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
     if (result != LIKA_OK) {
         return result;
     }
-*out = value;
+    *out = value;
     return LIKA_OK;
 }
 
 /*
- * No. of bits used for multiturn resolution, read only, over BiSS C-mode [6.5 p.31].
+ * No. of bits used for multiturn resolution, 57h, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the multiturn resolution, as set by Number of revolutions.
  * Width of the multiturn part of the position [bits].
  * Erratum (open): printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and
@@ -1485,12 +1477,12 @@ static inline lika_result lika_am36_read_multiturn_bits_used(
     if (result != LIKA_OK) {
         return result;
     }
-*out = value;
+    *out = value;
     return LIKA_OK;
 }
 
 /*
- * Device ID, read only, over BiSS C-mode [6.5 p.31].
+ * Device ID, 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
  * Encoder model, interface, enclosure and software version; the manual refers to the order code
  * beside it.
  * The lowest address holds the high byte.
@@ -1583,7 +1575,7 @@ static inline lika_result lika_am36_read_device_id(
 }
 
 /*
- * Manufacturer ID, read only, over BiSS C-mode [6.5 p.32].
+ * Manufacturer ID, 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
  * Manufacturer.
  * The lowest address holds the high byte.
  *   bytes 0 to 1  name
@@ -1722,9 +1714,9 @@ static inline lika_result lika_am36_take_configuration(
 }
 
 /*
- * Reads these registers and takes over all that they hold: after power-on, and after a write or a
- * procedure that changes them. In a failure the steps are the registers, in the order of the
- * functions above.
+ * Reads these registers and takes over all that they hold: after power-on, after a write or a
+ * procedure that changes them or what they follow from, and after the defaults were restored. In a
+ * failure the steps are the registers, in the order of the functions above.
  */
 static inline lika_result lika_am36_read_state(
     const lika_transport *transport, lika_am36_variant *variant,
@@ -2212,7 +2204,7 @@ static inline lika_result lika_am36_set_resolution_steps(
     return LIKA_OK;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_am36_set_resolution_read {
     /* No. of bits used for singleturn resolution: singleturn bits of the frames from now on */
     uint8_t singleturn_bits_used[1];
@@ -2282,7 +2274,7 @@ static inline const lika_step *lika_am36_identify_steps(size_t *count)
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_am36_identify_read {
     uint8_t manufacturer_id[2]; /* Manufacturer ID: Li is Lika Electronic */
     /* Device ID: AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */

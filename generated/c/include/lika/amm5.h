@@ -28,7 +28,7 @@
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
  * the functions _set_ make it so. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
- *                   entries in place of straight-line code, which is sooner on machines of 8 bits.
+ *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
 #ifndef LIKA_AMM5_H
 #define LIKA_AMM5_H
@@ -218,7 +218,7 @@ static inline const lika_amm5_order_code *lika_amm5_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/* The table of CRC biss_6: what a byte leaves of it. */
+/* The table of CRC biss_6: the remainder that each byte leaves. */
 static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -341,8 +341,8 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
 #define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U /* Tp: Between two clock sequences [5.3] */
 
 /*
- * The clock that must not be reached with a cable of so many metres, in hertz; 0 where the cable is
- * too long for any [5.3].
+ * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
+ * the manual has none for so long a cable [5.3].
  */
 static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -416,7 +416,7 @@ static inline lika_result lika_amm5_ssi_word_decode(
     const uint32_t singleturn = (uint32_t)lika_field(word, 0U, variant->singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->position = word >> 0U;
+    out->position = word;
     return LIKA_OK;
 }
 
@@ -645,10 +645,10 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  *                 (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1 p.44;
  *                 it: 7.4.1 p.44]
  */
-#define LIKA_AMM5_RS485_BAUD 2500000U /* bits per second [7.1 p.41] */
-#define LIKA_AMM5_RS485_DATA_BITS 8U
-#define LIKA_AMM5_RS485_PARITY 'N' /* none; flow control: none */
-#define LIKA_AMM5_RS485_STOP_BITS 1U
+#define LIKA_AMM5_RS485_BAUD 2500000U /* baud rate in bits per second [7.1 p.41] */
+#define LIKA_AMM5_RS485_DATA_BITS 8U /* data bits of a byte */
+#define LIKA_AMM5_RS485_PARITY 'N' /* parity: none; flow control: none */
+#define LIKA_AMM5_RS485_STOP_BITS 1U /* stop bits */
 /* Between the ten requests of a reset [7.4.2 p.45] */
 #define LIKA_AMM5_RS485_RESET_INTERVAL_AT_LEAST_US 40U
 /* BUSY flag after the tenth request with data ID 7 or C [7.4.2] */
@@ -723,7 +723,7 @@ static inline lika_result lika_amm5_data_request_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
+    if (parity != lika_parity(data_id)) { /* even parity of data ID */
         return LIKA_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_SINGLETURN) &&
@@ -804,11 +804,11 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
     if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -875,11 +875,11 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
     if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -957,7 +957,7 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
+    if (parity != lika_parity(data_id)) { /* even parity of data ID */
         return LIKA_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_SINGLETURN) &&
@@ -1051,11 +1051,11 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
     if (bytes[4] != 0x00U) { /* above multiturn */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) || (parity != 1U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -1131,11 +1131,11 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     if (bytes[2] != 0x23U) { /* encoder id */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) || (parity != 1U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -1251,11 +1251,11 @@ static inline lika_result lika_amm5_complete_reply_decode(
     if ((bytes[9] & 0x19U) != 0x00U) { /* alarm zero 0, alarm zero 3 4 */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) || (parity != 0U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -1349,11 +1349,11 @@ static inline lika_result lika_amm5_eeprom_write_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -1423,11 +1423,11 @@ static inline lika_result lika_amm5_eeprom_read_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) && (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -1594,8 +1594,8 @@ static inline uint64_t lika_amm5_modulus(const lika_amm5_variant *variant)
 }
 
 /*
- * How far the position has moved since it was before, the shorter way round. Added up, it counts on
- * where the position starts again.
+ * How far the position has moved from before to now, the shorter way round. Added up, the
+ * differences count on where the position starts again.
  */
 static inline int64_t lika_amm5_position_difference(
     const lika_amm5_variant *variant, uint64_t now, uint64_t before)
@@ -1627,7 +1627,7 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  */
 
 /*
- * Preset, read and write, over BiSS C-mode [6.4 p.35].
+ * Preset, 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
  * Position that the encoder shows, from the activation on, at the place where its shaft stands at
  * that moment.
  * The lowest address holds the low byte.
@@ -1804,8 +1804,8 @@ static inline lika_result lika_amm5_write_preset(
 }
 
 /*
- * Preset setting enable (it: Abilitazione impostazione preset), write only, over BiSS C-mode [6.4
- * p.38; it: 6.4 p.38; 10 p.52].
+ * Preset setting enable (it: Abilitazione impostazione preset), 40h, write only, over BiSS C-mode
+ * [6.4 p.38; it: 6.4 p.38; 10 p.52].
  * Opens and closes the Preset registers for writing.
  * The list of defaults (section 10) gives 00, although the register cannot be read.
  * Erratum (open): printed: Register 40h is Preset setting enable; the preset is at 11h to 17h.
@@ -1838,7 +1838,8 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
 }
 
 /*
- * Serial number (it: Numero di serie), read only, over BiSS C-mode [6.4 p.38; it: 6.4 p.39].
+ * Serial number (it: Numero di serie), 44h to 47h, read only, over BiSS C-mode [6.4 p.38; it: 6.4
+ * p.39].
  * Year and week of production and a running number, as decimal digits of one binary number.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  serial  decimal digits: year, week, number
@@ -1864,7 +1865,7 @@ static inline lika_result lika_amm5_reg_serial_number_set_serial(
     }
     out->serial = serial;
     out->year = (uint8_t)(serial / 10000000U);
-    out->week = (uint8_t)(serial / 100000U % 100U);
+    out->week = (uint8_t)((serial / 100000U) % 100U);
     out->number = (uint32_t)(serial % 100000U);
     return LIKA_OK;
 }
@@ -1885,7 +1886,7 @@ static inline lika_result lika_amm5_reg_serial_number_decode(
     }
     out->serial = serial;
     out->year = (uint8_t)(serial / 10000000U);
-    out->week = (uint8_t)(serial / 100000U % 100U);
+    out->week = (uint8_t)((serial / 100000U) % 100U);
     out->number = (uint32_t)(serial % 100000U);
     return LIKA_OK;
 }
@@ -1936,7 +1937,7 @@ static inline lika_result lika_amm5_read_serial_number(
 }
 
 /*
- * Command (it: Comando), write only, over BiSS C-mode [6.4 p.39].
+ * Command (it: Comando), 77h, write only, over BiSS C-mode [6.4 p.39].
  * Saves the parameters or activates the preset.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
@@ -1949,15 +1950,13 @@ static inline lika_result lika_amm5_read_serial_number(
 
 /* Values of Command. */
 typedef enum lika_amm5_command {
-    /* Saves newly set register values; a preset is not activated by it */
+    /* Save parameters: Saves newly set register values; a preset is not activated by it */
     LIKA_AMM5_COMMAND_SAVE_PARAMETERS = 0x01,
-    LIKA_AMM5_COMMAND_ACTIVATE_PRESET = 0x02 /* Gives the present position the saved preset value */
+    /* Activate Preset: Gives the present position the saved preset value */
+    LIKA_AMM5_COMMAND_ACTIVATE_PRESET = 0x02
 } lika_amm5_command;
 
-/*
- * Writes Command, 77h.
- * Then waits 30 ms.
- */
+/* Writes Command, 77h, then waits 30 ms. */
 static inline lika_result lika_amm5_write_command(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_command value, lika_failure *failure)
@@ -1972,11 +1971,11 @@ static inline lika_result lika_amm5_write_command(
     if (result != LIKA_OK) {
         return result;
     }
-return lika_wait(transport, 30000U, failure);
+    return lika_wait(transport, 30000U, failure);
 }
 
 /*
- * Device ID (it: ID dispositivo), read only, over BiSS C-mode [6.4 p.39].
+ * Device ID (it: ID dispositivo), 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
  * Name of the device and its hardware-software release.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  name
@@ -2060,7 +2059,8 @@ static inline lika_result lika_amm5_read_device_id(
 }
 
 /*
- * Manufacturer ID (it: ID costruttore), read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
+ * Manufacturer ID (it: ID costruttore), 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39; it: 6.4
+ * p.40].
  * Manufacturer.
  * The lowest address holds the high byte.
  *   bytes 0 to 1  name
@@ -2217,11 +2217,10 @@ static inline lika_result lika_amm5_set_preset_steps(
         return LIKA_FAULT_LENGTH;
     }
     result = lika_amm5_reg_preset_set_position(variant, position, &position_register);
-    if (result != LIKA_OK) {
-        return result;
+    if (result == LIKA_OK) {
+        result = lika_amm5_reg_preset_encode(variant, &position_register, position_bytes,
+            sizeof(position_bytes));
     }
-    result = lika_amm5_reg_preset_encode(variant, &position_register, position_bytes,
-        sizeof(position_bytes));
     if (result != LIKA_OK) {
         return result;
     }
@@ -2278,11 +2277,10 @@ static inline lika_result lika_amm5_store_preset_steps(
         return LIKA_FAULT_LENGTH;
     }
     result = lika_amm5_reg_preset_set_position(variant, position, &position_register);
-    if (result != LIKA_OK) {
-        return result;
+    if (result == LIKA_OK) {
+        result = lika_amm5_reg_preset_encode(variant, &position_register, position_bytes,
+            sizeof(position_bytes));
     }
-    result = lika_amm5_reg_preset_encode(variant, &position_register, position_bytes,
-        sizeof(position_bytes));
     if (result != LIKA_OK) {
         return result;
     }
@@ -2483,34 +2481,35 @@ static inline lika_result lika_amm5_reset_errors(
 /*
  * BUSY flag: The encoder is not ready to process data, after power-on or while it carries out a
  * reset; all position data are 0 meanwhile [7.4.1 p.44]
- * Detected: In normal operation, when the main power is turned on. Goes when its cause goes.
+ * Detected: In normal operation, when the main power is turned on. Goes when its cause goes (no
+ * latch).
  * Remedy: Clears itself (speed of rotation down to 300 rpm or less).
  * Erratum (open): printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself
  *                 (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1 p.44;
  *                 it: 7.4.1 p.44]
  */
-#define LIKA_AMM5_ALARM_BUSY_MASK 0x02U /* in the byte of the alarm field */
+#define LIKA_AMM5_ALARM_BUSY_MASK 0x02U /* in the alarm field, ALMC */
 
 /*
  * PS error: Singleturn and multiturn counting are out of step; also a counting error [7.4.1 p.44]
- * Detected: In normal operation. Stays until it is reset.
+ * Detected: In normal operation. Stays until it is reset (latch).
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
  */
-#define LIKA_AMM5_ALARM_PS_ERROR_MASK 0x20U /* in the byte of the alarm field */
+#define LIKA_AMM5_ALARM_PS_ERROR_MASK 0x20U /* in the alarm field, ALMC */
 
 /*
  * ST error: The period counter is inconsistent; counted and calculated data disagreed in a check
  * [7.4.1 p.44]
- * Detected: In normal operation. Stays until it is reset.
+ * Detected: In normal operation. Stays until it is reset (latch).
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
  */
-#define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U /* in the byte of the alarm field */
+#define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U /* in the alarm field, ALMC */
 
 /*
  * Battery alarm: The external battery is low [7.4.1 p.44; it: 7.4.1 p.45]
- * Detected: In normal operation. Stays until it is reset.
+ * Detected: In normal operation. Stays until it is reset (latch).
  * Remedy: Reset the error with data ID 7 or C.
  * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
  * Erratum (open): printed: Battery voltage between 3 V and 5.5 V; alarms below 3.15 V (Battery
@@ -2519,18 +2518,18 @@ static inline lika_result lika_amm5_reset_errors(
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
  */
-#define LIKA_AMM5_ALARM_BATTERY_ALARM_MASK 0x80U /* in the byte of the alarm field */
+#define LIKA_AMM5_ALARM_BATTERY_ALARM_MASK 0x80U /* in the alarm field, ALMC */
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U /* threshold in millivolts */
 
 /*
  * MT error: The external battery is spent [7.4.1 p.44; it: 7.4.1 p.45]
- * Detected: In normal operation. Stays until it is reset.
+ * Detected: In normal operation. Stays until it is reset (latch).
  * Remedy: Reset the error with data ID 7 or C.
  * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
  * Erratum (open): printed: Battery voltage between 3 V and 5.5 V; alarms below 3.15 V (Battery
  *                 alarm) and below 3.05 V (MT error). Used: Both as printed. [4.3 p.23; 7.4.1 p.44]
  */
-#define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U /* in the byte of the alarm field */
+#define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U /* in the alarm field, ALMC */
 #define LIKA_AMM5_ALARM_MT_ERROR_BELOW_MV 3050U /* threshold in millivolts */
 
 /* -- times of the device ----------------------------------------------------------------------- */

@@ -28,7 +28,7 @@
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
  * the functions _set_ make it so. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
- *                   entries in place of straight-line code, which is sooner on machines of 8 bits.
+ *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
 #ifndef LIKA_ASC85_H
 #define LIKA_ASC85_H
@@ -223,7 +223,7 @@ static inline const lika_asc85_order_code *lika_asc85_find_order_code(
         const size_t length = lika_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
-            found = (patterns[index].code < count) ? &codes[patterns[index].code] : NULL;
+            found = &codes[patterns[index].code];
             *unlisted = patterns[index].unlisted;
         }
     }
@@ -233,7 +233,7 @@ static inline const lika_asc85_order_code *lika_asc85_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/* The table of CRC biss_6: what a byte leaves of it. */
+/* The table of CRC biss_6: the remainder that each byte leaves. */
 static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -338,8 +338,8 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 #define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U /* Tp: Between two clock sequences [5.3 p.17] */
 
 /*
- * The clock that must not be reached with a cable of so many metres, in hertz; 0 where the cable is
- * too long for any [5.3 p.17].
+ * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
+ * the manual has none for so long a cable [5.3 p.17].
  */
 static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -393,7 +393,7 @@ static inline lika_result lika_asc85_ssi_word_decode(
     }
     const uint64_t plain = (variant->ssi_gray != 0U) ?
         lika_from_gray(word, 0U, variant->position_bits) : word;
-    const uint32_t position = (uint32_t)(plain >> 0U);
+    const uint32_t position = (uint32_t)plain;
     out->position = position;
     return LIKA_OK;
 }
@@ -557,8 +557,8 @@ static inline uint64_t lika_asc85_modulus(const lika_asc85_variant *variant)
 }
 
 /*
- * How far the position has moved since it was before, the shorter way round. Added up, it counts on
- * where the position starts again.
+ * How far the position has moved from before to now, the shorter way round. Added up, the
+ * differences count on where the position starts again.
  */
 static inline int64_t lika_asc85_position_difference(
     const lika_asc85_variant *variant, uint64_t now, uint64_t before)
@@ -590,7 +590,7 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  */
 
 /*
- * Profile ID, read only, over BiSS C-mode [6.4 p.23].
+ * Profile ID, 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
  * Identification code of the encoder profile, BP1 (Standard Encoder Profile).
  * The lowest address holds the high byte.
  * Printed once for all models, although the data length fits only the one of 25 bits; so the length
@@ -670,7 +670,7 @@ static inline lika_result lika_asc85_read_profile_id(
 }
 
 /*
- * Serial number, read only, over BiSS C-mode [6.4 p.23].
+ * Serial number, 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
  * Serial number of the device, in ascending order.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  serial
@@ -732,7 +732,7 @@ static inline lika_result lika_asc85_read_serial_number(
 }
 
 /*
- * Diagnostic data, read only, over BiSS C-mode [6.4 p.24].
+ * Diagnostic data, 5Ah, read only, over BiSS C-mode [6.4 p.24].
  * Which problem it is that Control error or Signal error in the error register reports.
  */
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_ADDRESS 0x5AU
@@ -851,7 +851,7 @@ static inline lika_result lika_asc85_read_diagnostic_data(
 }
 
 /*
- * Command & status, Command mode, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
+ * Command & status, Command mode, 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
  * Command register, the side of Command & status that is written.
  * The same address is another register when read: Command & status, Status mode.
  */
@@ -924,7 +924,7 @@ static inline lika_result lika_asc85_write_command(
 }
 
 /*
- * Command & status, Status mode, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
+ * Command & status, Status mode, 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
  * Present status of the system, the side of Command & status that is read.
  * The same address is another register when written: Command & status, Command mode.
  * Erratum (settled): printed: Command 02: the status bit 2 Absolute data valid. List of status
@@ -1040,7 +1040,7 @@ static inline lika_result lika_asc85_read_status(
 }
 
 /*
- * Position, read only, over BiSS C-mode [6.4 p.29].
+ * Position, 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
  * Absolute position.
  * The lowest address holds the low byte.
  * The table uses bits 31:6, 26 bits, and calls bits 5:0 "not used"; what they hold is not said. At
@@ -1116,7 +1116,7 @@ static inline lika_result lika_asc85_read_position(
 }
 
 /*
- * Error register, read only, over BiSS C-mode [6.4 p.29].
+ * Error register, 69h, read only, over BiSS C-mode [6.4 p.29].
  * Error and warning messages that are active at present.
  * Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both,
  * too. Reading out position data resets a message; while its cause lasts it appears again.
@@ -1215,7 +1215,7 @@ static inline lika_result lika_asc85_read_error_register(
 }
 
 /*
- * Device ID, read only, over BiSS C-mode [6.4 p.31].
+ * Device ID, 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
  * Name of the device and its hardware-software release.
  * The lowest address holds the high byte.
  * The revision table of the manual has hardware 0 and software 1, which are the two characters of
@@ -1303,7 +1303,7 @@ static inline lika_result lika_asc85_read_device_id(
 }
 
 /*
- * Manufacturer ID, read only, over BiSS C-mode [6.4 p.32].
+ * Manufacturer ID, 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
  * Manufacturer.
  * The lowest address holds the high byte.
  *   bytes 0 to 1  name
@@ -1462,7 +1462,7 @@ static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
     static const lika_step steps[LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT] = {
         /* Command & status, Command mode: request position */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x00U, 1U, 0U },
-        /* 0 as long as the new data are not available */
+        /* Position data valid: 0 as long as the new data are not available */
         { LIKA_STEP_POLL, 0x60U, 0x01U, 0x01U, 1U, 0U },
         { LIKA_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U }, /* Position */
         { LIKA_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
@@ -1473,7 +1473,7 @@ static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_request_position_read {
     uint8_t position[4]; /* Position */
 } lika_asc85_request_position_read;
@@ -1516,17 +1516,19 @@ static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count
     static const lika_step steps[LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT] = {
         /* Command & status, Command mode: save configuration */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x01U, 1U, 0U },
-        /* 1 for the whole duration of the writing */
+        /* Internal data bus busy: 1 for the whole duration of the writing */
         { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U } /* 0 again unless the writing failed */
+        /* Configuration error: 0 again unless the writing failed */
+        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT;
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_save_configuration_read {
-    uint8_t error_register[1]; /* Error register: 0 again unless the writing failed */
+    /* Error register, Configuration error: 0 again unless the writing failed */
+    uint8_t error_register[1];
 } lika_asc85_save_configuration_read;
 
 /*
@@ -1565,16 +1567,18 @@ static inline const lika_step *lika_asc85_read_absolute_data_steps(size_t *count
     static const lika_step steps[LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT] = {
         /* Command & status, Command mode: read absolute data */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x02U, 1U, 0U },
-        { LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U, 1U, 0U }, /* set when the data were loaded */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U } /* 1 if the data were refused */
+        /* Absolute data valid: set when the data were loaded */
+        { LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U, 1U, 0U },
+        /* Absolute data error: 1 if the data were refused */
+        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT;
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_read_absolute_data_read {
-    uint8_t error_register[1]; /* Error register: 1 if the data were refused */
+    uint8_t error_register[1]; /* Error register, Absolute data error: 1 if the data were refused */
 } lika_asc85_read_absolute_data_read;
 
 /*
@@ -1611,19 +1615,23 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
     static const lika_step steps[LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT] = {
         /* Command & status, Command mode: software reset */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x03U, 1U, 0U },
-        /* configuration verified, absolute data read */
+        /* Configuration completed: configuration verified, absolute data read */
         { LIKA_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
-        /* 0; to be read as well when the poll is given up, if the encoder still answers */
+        /*
+         * Configuration error: 0; to be read as well when the poll is given up, if the encoder
+         * still answers
+         */
         { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT;
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_software_reset_read {
     /*
-     * Error register: 0; to be read as well when the poll is given up, if the encoder still answers
+     * Error register, Configuration error: 0; to be read as well when the poll is given up, if the
+     * encoder still answers
      */
     uint8_t error_register[1];
 } lika_asc85_software_reset_read;
@@ -1661,16 +1669,19 @@ static inline const lika_step *lika_asc85_verify_configuration_steps(size_t *cou
     static const lika_step steps[LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT] = {
         /* Command & status, Command mode: verify configuration */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x04U, 1U, 0U },
-        { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U }, /* 1 during the verification */
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U } /* 0 again unless the verification failed */
+        /* Internal data bus busy: 1 during the verification */
+        { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
+        /* Configuration error: 0 again unless the verification failed */
+        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT;
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_verify_configuration_read {
-    uint8_t error_register[1]; /* Error register: 0 again unless the verification failed */
+    /* Error register, Configuration error: 0 again unless the verification failed */
+    uint8_t error_register[1];
 } lika_asc85_verify_configuration_read;
 
 /*
@@ -1704,15 +1715,17 @@ static inline const lika_step *lika_asc85_simulate_error_steps(size_t *count)
     static const lika_step steps[LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT] = {
         /* Command & status, Command mode: simulate error */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x05U, 1U, 0U },
-        { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U } /* 1 while the error is simulated */
+        /* Error message: 1 while the error is simulated */
+        { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT;
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_simulate_error_read {
-    uint8_t status[1]; /* Command & status, Status mode: 1 while the error is simulated */
+    /* Command & status, Status mode, Error message: 1 while the error is simulated */
+    uint8_t status[1];
 } lika_asc85_simulate_error_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
@@ -1744,15 +1757,15 @@ static inline const lika_step *lika_asc85_clear_simulated_error_steps(size_t *co
     static const lika_step steps[LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT] = {
         /* Command & status, Command mode: clear simulated error */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x06U, 1U, 0U },
-        { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U } /* 0 after the simulation */
+        { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U } /* Error message: 0 after the simulation */
     };
     *count = LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT;
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_clear_simulated_error_read {
-    uint8_t status[1]; /* Command & status, Status mode: 0 after the simulation */
+    uint8_t status[1]; /* Command & status, Status mode, Error message: 0 after the simulation */
 } lika_asc85_clear_simulated_error_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
@@ -1799,7 +1812,7 @@ static inline const lika_step *lika_asc85_reset_errors_steps(size_t *count)
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_reset_errors_read {
     uint8_t error_register[1]; /* Error register: which messages are active */
     uint8_t diagnostic_data[1]; /* Diagnostic data: what is behind Control error and Signal error */
@@ -1862,7 +1875,7 @@ static inline const lika_step *lika_asc85_identify_steps(size_t *count)
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_identify_read {
     uint8_t manufacturer_id[2]; /* Manufacturer ID: Li: an encoder of Lika Electronic */
     uint8_t device_id[6]; /* Device ID: AS85 and the release */
@@ -1909,7 +1922,7 @@ static inline lika_result lika_asc85_identify(
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_ASC85_ALARM_CONTROL_ERROR_MASK 0x01U /* in the register Error register */
+#define LIKA_ASC85_ALARM_CONTROL_ERROR_MASK 0x01U /* in Error register, 69h */
 
 /*
  * Signal error: The AC amplitude of a differential signal or the DC voltage of an analogue signal
@@ -1917,7 +1930,7 @@ static inline lika_result lika_asc85_identify(
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_ASC85_ALARM_SIGNAL_ERROR_MASK 0x02U /* in the register Error register */
+#define LIKA_ASC85_ALARM_SIGNAL_ERROR_MASK 0x02U /* in Error register, 69h */
 
 /*
  * Synchronization error: The internal synchronisation between the cycle counter and the
@@ -1925,7 +1938,7 @@ static inline lika_result lika_asc85_identify(
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_ASC85_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U /* in the register Error register */
+#define LIKA_ASC85_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U /* in Error register, 69h */
 
 /*
  * Configuration error: One of: power-on without EEPROM; CRC error at power-on with EEPROM; error
@@ -1939,7 +1952,7 @@ static inline lika_result lika_asc85_identify(
  * lasts.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_ASC85_ALARM_CONFIGURATION_ERROR_MASK 0x10U /* in the register Error register */
+#define LIKA_ASC85_ALARM_CONFIGURATION_ERROR_MASK 0x10U /* in Error register, 69h */
 
 /*
  * Interpolation error: The conversion had not been carried out at the time of the read access. [6.4
@@ -1947,7 +1960,7 @@ static inline lika_result lika_asc85_identify(
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_ASC85_ALARM_INTERPOLATION_ERROR_MASK 0x20U /* in the register Error register */
+#define LIKA_ASC85_ALARM_INTERPOLATION_ERROR_MASK 0x20U /* in Error register, 69h */
 
 /*
  * Absolute data error: The absolute data interface received BiSS data with a CRC error, or with the
@@ -1956,7 +1969,7 @@ static inline lika_result lika_asc85_identify(
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_ASC85_ALARM_ABSOLUTE_DATA_ERROR_MASK 0x40U /* in the register Error register */
+#define LIKA_ASC85_ALARM_ABSOLUTE_DATA_ERROR_MASK 0x40U /* in Error register, 69h */
 
 #ifdef __cplusplus
 }

@@ -52,7 +52,7 @@ typedef enum lika_access {
 
 /* -- procedures -------------------------------------------------------------------------------- */
 
-/* Kinds of step of a procedure. */
+/* The kinds of steps of a procedure. */
 typedef enum lika_step_kind {
     LIKA_STEP_WRITE = 1, /* write the byte value to the register address */
     LIKA_STEP_WAIT = 2,  /* wait microseconds at least */
@@ -123,7 +123,7 @@ static inline lika_step lika_step_poll(uint16_t address, uint8_t mask, uint8_t v
  *   send_request     sends this byte, which is a whole request over RS-485 (its control field), and
  *                    receives the reply or lets it pass; what it says is not needed
  * A poll reads again and again until the encoder is done. No manual says how long that may take, so
- * that the bound is yours as well: so many readings at most, so many microseconds of pause between
+ * the bound is yours too: so many readings at most, with a pause of so many microseconds between
  * two. With 0 readings the bound is LIKA_POLL_AT_MOST and the pause LIKA_POLL_PAUSE_US.
  */
 typedef struct lika_transport {
@@ -337,7 +337,7 @@ static inline size_t lika_run_together(const lika_step *steps, size_t count)
     return together;
 }
 
-/* Carries out one step that is no reading. */
+/* Carries out one step that does not read. */
 static inline lika_result lika_run_step(
     const lika_transport *transport, const lika_step *step,
     lika_failure *failure)
@@ -402,7 +402,7 @@ static inline uint64_t lika_mask(uint32_t bits)
     return (bits < 64U) ? (((uint64_t)1U << bits) - 1U) : UINT64_MAX;
 }
 
-/* What a word holds from bit low up; small machines shift the upper half alone sooner. */
+/* What a word holds from bit low up; small machines shift the upper half alone faster. */
 static inline uint64_t lika_above(uint64_t word, uint32_t low)
 {
     if (low > 63U) {
@@ -504,12 +504,13 @@ static inline char lika_capital(char letter)
     return ((letter >= 'a') && (letter <= 'z')) ? capitals[place - first] : letter;
 }
 
-/* Whether a character is a digit, or a letter or digit. */
+/* Whether a character is a digit. */
 static inline bool lika_is_digit(char letter)
 {
     return (letter >= '0') && (letter <= '9');
 }
 
+/* Whether a character is a letter or a digit. */
 static inline bool lika_is_letter_or_digit(char letter)
 {
     const char capital = lika_capital(letter);

@@ -33,7 +33,7 @@
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
  * the functions _set_ make it so. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
- *                   entries in place of straight-line code, which is sooner on machines of 8 bits.
+ *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
 #ifndef LIKA_SMA21_H
 #define LIKA_SMA21_H
@@ -278,7 +278,7 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
         const size_t length = lika_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
-            found = (patterns[index].code < count) ? &codes[patterns[index].code] : NULL;
+            found = &codes[patterns[index].code];
             *unlisted = patterns[index].unlisted;
         }
     }
@@ -288,7 +288,7 @@ static inline const lika_sma21_order_code *lika_sma21_find_order_code(
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/* The table of CRC biss_6: what a byte leaves of it. */
+/* The table of CRC biss_6: the remainder that each byte leaves. */
 static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
 {
     static const uint8_t entries[256] = {
@@ -409,8 +409,8 @@ static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length
 #define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U /* Tp: Between two clock sequences [5.3 p.22] */
 
 /*
- * The clock that must not be reached with a cable of so many metres, in hertz; 0 where the cable is
- * too long for any [5.3 p.22].
+ * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
+ * the manual has none for so long a cable [5.3 p.22].
  */
 static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 {
@@ -664,10 +664,10 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
  *                    is high while there is an error, and stays so until it is reset. [9 p.47; 9.1;
  *                    7.3.2 p.38]
  */
-#define LIKA_SMA21_RS485_BAUD 2500000U /* bits per second [7.1 p.37] */
-#define LIKA_SMA21_RS485_DATA_BITS 8U
-#define LIKA_SMA21_RS485_PARITY 'N' /* none; flow control: none */
-#define LIKA_SMA21_RS485_STOP_BITS 1U
+#define LIKA_SMA21_RS485_BAUD 2500000U /* baud rate in bits per second [7.1 p.37] */
+#define LIKA_SMA21_RS485_DATA_BITS 8U /* data bits of a byte */
+#define LIKA_SMA21_RS485_PARITY 'N' /* parity: none; flow control: none */
+#define LIKA_SMA21_RS485_STOP_BITS 1U /* stop bits */
 /* Between the ten requests of a reset [7.3.3.2 p.41] */
 #define LIKA_SMA21_RS485_RESET_INTERVAL_AT_LEAST_US 40U
 
@@ -730,7 +730,7 @@ static inline lika_result lika_sma21_data_request_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
+    if (parity != lika_parity(data_id)) { /* even parity of data ID */
         return LIKA_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_POSITION) &&
@@ -848,7 +848,7 @@ static inline lika_result lika_sma21_position_reply_decode(
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
-    if (parity != lika_parity(data_id)) { /* even parity of data_id */
+    if (parity != lika_parity(data_id)) { /* even parity of data ID */
         return LIKA_FAULT_CONSTANT;
     }
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_POSITION) &&
@@ -970,12 +970,12 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) &&
         (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) || (parity != 0U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -1094,12 +1094,12 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if (bytes[6] != 0x00U) { /* encoder id 2 */
         return LIKA_FAULT_CONSTANT;
     }
-    /* another frame */
+    /* data ID of another frame */
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) &&
         (parity == lika_parity(data_id))) {
         return LIKA_FAULT_RANGE;
     }
-    /* even parity of data_id */
+    /* even parity of data ID */
     if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) || (parity != 0U)) {
         return LIKA_FAULT_CONSTANT;
     }
@@ -1252,8 +1252,8 @@ static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_variant *variant)
 }
 
 /*
- * How far the position has moved since it was before, the shorter way round. Added up, it counts on
- * where the position starts again.
+ * How far the position has moved from before to now, the shorter way round. Added up, the
+ * differences count on where the position starts again.
  */
 static inline int64_t lika_sma21_ssi_position_difference(
     const lika_sma21_variant *variant, uint64_t now, uint64_t before)
@@ -1283,8 +1283,8 @@ static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_variant *variant
 }
 
 /*
- * How far the position has moved since it was before, the shorter way round. Added up, it counts on
- * where the position starts again.
+ * How far the position has moved from before to now, the shorter way round. Added up, the
+ * differences count on where the position starts again.
  */
 static inline int64_t lika_sma21_biss_position_difference(
     const lika_sma21_variant *variant, uint64_t now, uint64_t before)
@@ -1318,8 +1318,8 @@ static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_variant *varian
 }
 
 /*
- * How far the position has moved since it was before, the shorter way round. Added up, it counts on
- * where the position starts again.
+ * How far the position has moved from before to now, the shorter way round. Added up, the
+ * differences count on where the position starts again.
  */
 static inline int64_t lika_sma21_rs485_position_difference(
     const lika_sma21_variant *variant, uint64_t now, uint64_t before)
@@ -1352,7 +1352,7 @@ static inline double lika_sma21_rs485_millimetres(
  */
 
 /*
- * Profile ID (it: ID Profilo), read only, over BiSS C-mode [6.4 p.28].
+ * Profile ID (it: ID Profilo), 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
  * Code of the profile used.
  * The lowest address holds the high byte.
  * Standard encoder profile, data format, Variant 0-24 from 50 um to 2 um, Variant 0-24+++ at 1 um.
@@ -1419,7 +1419,7 @@ static inline lika_result lika_sma21_read_profile_id(
 }
 
 /*
- * Serial number (it: Numero di serie), read only, over BiSS C-mode [6.4 p.29].
+ * Serial number (it: Numero di serie), 44h to 47h, read only, over BiSS C-mode [6.4 p.29].
  * Year and week of production and a running number, in hexadecimal.
  * The lowest address holds the high byte.
  * Erratum (open): printed: Year, week and number in hexadecimal (in esadecimale), without an
@@ -1492,7 +1492,7 @@ static inline lika_result lika_sma21_read_serial_number(
 }
 
 /*
- * Command (it: Comando), write only, over BiSS C-mode [6.4 p.29; 12 p.51].
+ * Command (it: Comando), 48h, write only, over BiSS C-mode [6.4 p.29; 12 p.51].
  * Saves the parameters, activates preset or offset, or restores the defaults.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
@@ -1520,10 +1520,7 @@ typedef enum lika_sma21_command {
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
 
-/*
- * Writes Command, 48h.
- * Then waits 30 ms.
- */
+/* Writes Command, 48h, then waits 30 ms. */
 static inline lika_result lika_sma21_write_command(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_command value, lika_failure *failure)
@@ -1539,11 +1536,11 @@ static inline lika_result lika_sma21_write_command(
     if (result != LIKA_OK) {
         return result;
     }
-return lika_wait(transport, 30000U, failure);
+    return lika_wait(transport, 30000U, failure);
 }
 
 /*
- * Configuration (it: Configurazione), read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
+ * Configuration (it: Configurazione), 49h, read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
  * Preset or offset, output code and counting direction.
  * To be kept over power-off, a written value has to be saved.
  * A new setting is active at once after its transmission; save it with the Command register.
@@ -1693,7 +1690,7 @@ static inline lika_result lika_sma21_write_configuration(
 }
 
 /*
- * Absolute resolution (it: Risoluzione assoluta), read only, over BiSS C-mode [6.4 p.31].
+ * Absolute resolution (it: Risoluzione assoluta), 4Dh, read only, over BiSS C-mode [6.4 p.31].
  * Resolution of the absolute position.
  * 32h is 50 um, 0Ah 10 um, 05h 5 um, 02h 2 um and 01h 1 um; the highest positions are 00 0F FF FFh
  * (20 bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF
@@ -1716,12 +1713,12 @@ static inline lika_result lika_sma21_read_absolute_resolution(
     if (result != LIKA_OK) {
         return result;
     }
-*out = value;
+    *out = value;
     return LIKA_OK;
 }
 
 /*
- * Preset / Offset, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
+ * Preset / Offset, 50h to 53h, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
  * Preset or offset, as the bit Select preset / offset of the Configuration register says.
  * The lowest address holds the high byte.
  * Can be written only while Enable preset offset of Configuration is 0 (enable).
@@ -1842,7 +1839,7 @@ static inline lika_result lika_sma21_write_preset_offset(
 }
 
 /*
- * Device type (it: Tipo di dispositivo), read only, over BiSS C-mode [6.4 p.33].
+ * Device type (it: Tipo di dispositivo), 55h, read only, over BiSS C-mode [6.4 p.33].
  * Type of the device.
  * 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB.
  */
@@ -1864,12 +1861,13 @@ static inline lika_result lika_sma21_read_device_type(
     if (result != LIKA_OK) {
         return result;
     }
-*out = value;
+    *out = value;
     return LIKA_OK;
 }
 
 /*
- * Sine cosine resolution (it: Risoluzione SENO-COSENSO), read only, over BiSS C-mode [6.4 p.33].
+ * Sine cosine resolution (it: Risoluzione SENO-COSENSO), 58h, read only, over BiSS C-mode [6.4
+ * p.33].
  * Period of the sine and cosine signals.
  * 00h: no sine and cosine signals.
  */
@@ -1892,12 +1890,12 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
     if (result != LIKA_OK) {
         return result;
     }
-*out = value;
+    *out = value;
     return LIKA_OK;
 }
 
 /*
- * Position check (it: Controllo posizione), read and write, over BiSS C-mode [6.4 p.33].
+ * Position check (it: Controllo posizione), 59h, read and write, over BiSS C-mode [6.4 p.33].
  * Used with the warning bit for an automatic check of the position.
  * Reserved to the manufacturer.
  * Do not change the value; only for Lika's technicians.
@@ -1921,12 +1919,12 @@ static inline lika_result lika_sma21_read_position_check(
     if (result != LIKA_OK) {
         return result;
     }
-*out = value;
+    *out = value;
     return LIKA_OK;
 }
 
 /*
- * Device ID (it: ID dispositivo), read only, over BiSS C-mode [6.4 p.34].
+ * Device ID (it: ID dispositivo), 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
  * Name of the device and its hardware-software release.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  name
@@ -2010,7 +2008,7 @@ static inline lika_result lika_sma21_read_device_id(
 }
 
 /*
- * Manufacturer ID (it: ID costruttore), read only, over BiSS C-mode [6.4 p.34].
+ * Manufacturer ID (it: ID costruttore), 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
  * Manufacturer.
  * The lowest address holds the high byte.
  *   bytes 0 to 1  name
@@ -2098,9 +2096,9 @@ static inline lika_result lika_sma21_take_configuration(
 }
 
 /*
- * Reads these registers and takes over all that they hold: after power-on, and after a write or a
- * procedure that changes them. In a failure the steps are the registers, in the order of the
- * functions above.
+ * Reads these registers and takes over all that they hold: after power-on, after a write or a
+ * procedure that changes them or what they follow from, and after the defaults were restored. In a
+ * failure the steps are the registers, in the order of the functions above.
  */
 static inline lika_result lika_sma21_read_state(
     const lika_transport *transport, lika_sma21_variant *variant,
@@ -2341,8 +2339,10 @@ static inline lika_result lika_sma21_set_preset(
 static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_SELECT_PRESET_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U }, /* Configuration: enable */
-        { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U }, /* Configuration: preset */
+        /* Configuration, Enable preset offset: enable */
+        { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
+        /* Configuration, Select preset offset: preset */
+        { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
         { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* keep it over power-off */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
@@ -2515,7 +2515,7 @@ static inline const lika_step *lika_sma21_identify_steps(size_t *count)
     return steps;
 }
 
-/* What it reads, as bytes in ascending order of address. */
+/* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_sma21_identify_read {
     uint8_t manufacturer_id[2]; /* Manufacturer ID: Lika's are 4C 69 */
     uint8_t device_id[6]; /* Device ID: name SM21, and the release */
@@ -2623,51 +2623,51 @@ static inline lika_result lika_sma21_reset_position(
 /* -- alarms ------------------------------------------------------------------------------------ */
 
 /* Temperature alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_TEMPERATURE_ALARM_MASK 0x80U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_TEMPERATURE_ALARM_MASK 0x80U /* in the alarm field, ALMC */
 
 /* Signal on the strength alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_SIGNAL_STRENGTH_ALARM_MASK 0x40U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_SIGNAL_STRENGTH_ALARM_MASK 0x40U /* in the alarm field, ALMC */
 
 /*
  * Low amplitude error: The amplitude of the signal is too low [7.3.3.1 p.40; 7.3.2 p.38]
- * Detected: In operation. Stays until it is reset.
+ * Detected: In operation. Stays until it is reset (latch).
  * Remedy: Reset the errors with data ID B.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_SMA21_ALARM_LOW_AMPLITUDE_ERROR_MASK 0x20U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_LOW_AMPLITUDE_ERROR_MASK 0x20U /* in the alarm field, ALMC */
 
 /* Higher track error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_HIGHER_TRACK_ERROR_MASK 0x10U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_HIGHER_TRACK_ERROR_MASK 0x10U /* in the alarm field, ALMC */
 
 /* Encoder inharmonious error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U /* in the alarm field, ALMC */
 
 /*
  * Hardware error: An error in the EEPROM [7.3.3.1 p.40; 7.3.2 p.38]
- * Detected: At power-on. Stays until it is reset.
+ * Detected: At power-on. Stays until it is reset (latch).
  * Remedy: Reset the errors with data ID B.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_SMA21_ALARM_HARDWARE_ERROR_MASK 0x04U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_HARDWARE_ERROR_MASK 0x04U /* in the alarm field, ALMC */
 
 /*
  * Initialization error: One of the alarms named above came up during the initialization, or the
  * absolute position cannot be found [7.3.3.1 p.40; 7.3.3.2 p.41]
  * Detected: During the initialization right after power-on or after a reset ID. Stays until it is
- * reset.
+ * reset (latch).
  * Remedy: Reset the errors with data ID B once the initialization is over and normal operation has
  * started again.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_SMA21_ALARM_INITIALIZATION_ERROR_MASK 0x02U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_INITIALIZATION_ERROR_MASK 0x02U /* in the alarm field, ALMC */
 
 /*
  * Overspeed: The speed is too high [7.3.3.1 p.40; 7.3.2 p.38]
- * Detected: In operation. Stays until it is reset.
+ * Detected: In operation. Stays until it is reset (latch).
  * Remedy: Reset the errors with data ID B.
  * Procedures that clear it: reset_errors.
  */
-#define LIKA_SMA21_ALARM_OVERSPEED_MASK 0x01U /* in the byte of the alarm field */
+#define LIKA_SMA21_ALARM_OVERSPEED_MASK 0x01U /* in the alarm field, ALMC */
 
 #ifdef __cplusplus
 }

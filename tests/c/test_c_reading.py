@@ -1,0 +1,106 @@
+"""The headers as their reader has them: laid out as code is, with everything of the manual where its own name leads to it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from c_harness import FAMILIES, write
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.c import generate
+
+#: How far from the manual's name its value may stand, in lines: on the same screen.
+_NEAR = 20
+
+#: Names as the manuals print them, and what their tables say: address, bit, value, limit or time. AM36 4.4, 6.5, 6.6; AMM5 5.3, 6.4, 6.5, 7.1 to 7.5;
+#: ASC85 6.4, 6.5; SMA21 6.3 to 6.5, 7.3. Where a bit has no constant of its own, it stands in the table of its frame.
+PRINTED = {
+    "am36": {
+        "Command": "_ADDRESS 0x48U", "Normal operational state": "= 0x00,", "Save parameters on EEPROM": "= 0x01,", "Save parameters and activate Preset": "= 0x02,",
+        "Load and save default parameters": "= 0x04", "Configuration": "_DEFAULT 0x20U", "Information per revolution": "4Bh to 4Dh, read and write", "Number of revolutions": "4Eh to 4Fh, read and write",
+        "bits used for singleturn resolution": "_DEFAULT 0x14U", "bits used for multiturn resolution": "_DEFAULT 0x10U", "Device type": "_DEFAULT 0x02U",
+        "Zero setting/Preset": "pulse: 100 us at least", "time-out after a frame": "_AT_MOST_NS 10000U", "highest clock": "BISS_CLOCK_MAX_HZ 10000000U",
+    },
+    "amm5": {
+        "Preset setting enable": "_ADDRESS 0x40U", "Save parameters": "= 0x01,", "Activate Preset": "= 0x02", "EEPROM": "_AT_LEAST_US 30000U", "Data ID 8": "0xC2U", "Data ID D": "0xEAU",
+        "Data ID 3": "0x1AU", "ENID": "always 0x23", "PS error": "_MASK 0x20U /* in the alarm field, ALMC", "ST error": "_MASK 0x04U", "BUSY flag": "_BUSY_MASK 0x02U",
+        "Battery alarm": "_BELOW_MV 3150U", "MT error": "_BELOW_MV 3050U", "Tp": "_AT_LEAST_US 20U", "Baud rate": "2500000U", "Data bits": "8U", "Parity": "'N'", "Stop bits": "1U",
+        "MEM BUSY": "byte 1 bit 0", "Serial number": "_ADDRESS 0x44U", "Manufacturer ID": "_ADDRESS 0x7EU",
+    },
+    "asc85": {
+        "Diagnostic data": "_ADDRESS 0x5AU", "Request of new position data": "= 0x00,", "Write current configuration to EEPROM": "= 0x01,", "Trigger software reset": "= 0x03,",
+        "Error simulation: delete Error message status": "= 0x06", "Internal data bus busy": "_POLL, 0x60U, 0x04U", "Absolute data error": "_ERROR_MASK 0x40U",
+        "Synchronization error": "_ERROR_MASK 0x08U /* in Error register, 69h", "time-out after a frame at that clock": "350U", "Device ID": "_ADDRESS 0x78U", "Profile ID": "_DEFAULT 0x281AU",
+    },
+    "sma21": {
+        "Comando": "_ADDRESS 0x48U", "Salva e attiva Preset / Offset": "= 0x02,", "Carica e salva tutti i parametri di default": "= 0x04", "Configurazione": "_DEFAULT 0x20U",
+        "Risoluzione assoluta": "_ADDRESS 0x4DU", "Tipo di dispositivo": "_DEFAULT 0x08U", "Risoluzione SENO-COSENSO": "_ADDRESS 0x58U", "Controllo posizione": "_ADDRESS 0x59U",
+        "ENID1": "always 0x51", "Low amplitude error": "_MASK 0x20U", "Overspeed": "_MASK 0x01U", "Data ID B": "0xDAU", "Data ID F": "0x7AU", "ID Profilo": "_ADDRESS 0x42U",
+    },
+}  # fmt: skip
+
+
+def near(text: str, name: str) -> list[str]:
+    """Each place of a name with the lines around it."""
+    lines = text.splitlines()
+    return ["\n".join(lines[max(index - _NEAR, 0) : index + _NEAR]) for index, line in enumerate(lines) if name.lower() in line.lower()]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_manuals_own_name_leads_to_the_value(family: str, include: Path) -> None:
+    text = (include / "lika" / f"{family}.h").read_text(encoding="ascii")
+    missing = {name: value for name, value in PRINTED[family].items() if not any(value in place for place in near(text, name))}
+    assert missing == {}
+
+
+@pytest.mark.parametrize("name", [*FAMILIES, "words", "bits22", "tv62"])
+def test_bodies_are_indented(name: str, every_device: Mapping[str, Device], tmp_path: Path) -> None:
+    for path in write(tmp_path, (every_device[name],)).rglob("*.h"):
+        inside = False
+        for line in path.read_text(encoding="ascii").splitlines():
+            if line in ("{", "}"):
+                inside = line == "{"
+            elif inside and line and not line.startswith("#"):
+                assert line.startswith("    "), (path.name, line)
+
+
+@pytest.mark.parametrize("name", [*FAMILIES, "words", "bits22", "tv62"])
+def test_nothing_is_shifted_by_nothing_octal_or_left_to_precedence(name: str, every_device: Mapping[str, Device], tmp_path: Path) -> None:
+    for path in write(tmp_path, (every_device[name],)).rglob("*.h"):
+        code = re.sub(r"/\*.*?\*/|\"[^\"]*\"", " ", path.read_text(encoding="ascii"), flags=re.DOTALL)
+        assert re.findall(r"(?:<<|>>) 0U?\b.*", code) == []
+        assert re.findall(r"(?<![\w.])0\d+U?\b", code) == []
+        assert re.findall(r"[/%*] \w+ [/%].*", code) == []
+
+
+def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
+    """ASC85 6.4: command 02 sets the status bit 1 and the error bit 6, command 01 the status bit 2; SMA21 6.4: bits 2 and 1 of the configuration."""
+    text = (include / "lika" / "asc85.h").read_text()
+    assert re.search(r"/\* Absolute data valid: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U,", text)
+    assert re.search(r"/\* Absolute data error: [^/]+\*/\n +\{ LIKA_STEP_READ, 0x69U,", text)
+    assert re.search(r"/\* Internal data bus busy: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U,", text)
+    assert "/* Error register, Absolute data error: " in text
+    text = (include / "lika" / "sma21.h").read_text()
+    assert re.search(r"/\* Configuration, Enable preset offset: enable \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text)
+    assert re.search(r"/\* Configuration, Select preset offset: preset \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U,", text)
+
+
+@pytest.mark.parametrize("names, there, absent", [
+    (["amm5"], ["`LIKA_CRC_TABLE`"], ["_CRC_BITWISE"]),
+    (["words"], ["`TEST_CRC_TABLE`", "`TEST_CRC_BITWISE`"], ["LIKA_"]),
+    (["amm5", "words"], ["`LIKA_CRC_TABLE` or `TEST_CRC_TABLE`", "`TEST_CRC_BITWISE`"], ["LIKA_CRC_BITWISE"]),
+])  # fmt: skip
+def test_the_readme_names_the_macros_that_there_are(names: list[str], there: list[str], absent: list[str], every_device: Mapping[str, Device]) -> None:
+    files = generate(Library(tuple(every_device[name] for name in names)))
+    readme = files["c/README.md"]
+    assert [name for name in there if name not in readme] == [] and [name for name in absent if name in readme] == []
+    headers = "".join(text for path, text in files.items() if path.endswith(".h"))
+    assert all(macro in headers for macro in re.findall(r"`(\w+_CRC_\w+)`", readme))
+
+
+def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[Device, ...]) -> None:
+    # AM36 set_resolution: 3 + 2 register bytes, save, wait, open, 5 preset bytes, activate, wait, 2 readings.
+    assert "17 at most (`lika_am36_set_resolution`)" in generate(Library(c_devices))["c/README.md"]

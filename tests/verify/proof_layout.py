@@ -1,0 +1,137 @@
+"""What the proofs need to know of a layout: its parameters, its members as the header declares them, and what each is said to be.
+
+Nothing here or in the reference looks at how the C target reads or writes a field; from the header come only the names and types of struct members.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field as attribute
+from functools import cached_property
+
+from codewheel.expressions import Expression
+from codewheel.model import Crc, Device, Field, Join, Layout, Register
+
+from proof import Header, Member, Variants, in_c
+
+#: The documented order of faults.
+LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
+
+
+@dataclass(frozen=True)
+class Item:
+    """A member that users see: a field of the layout, a run of digits, or a join. ``value`` is what the reference says that it is."""
+
+    name: str
+    member: Member
+    type: str
+    value: str
+    characters: int = 0
+
+    def same(self, struct: str, expected: str) -> str:
+        if self.type == "digits":
+            return "1"  # division is beyond the checker: proof_digits.py goes through all numbers
+        if self.characters:
+            parts = (
+                f"(unsigned char){struct}.{self.member.name}[{at}] == (unsigned char)({expected} >> {8 * (self.characters - 1 - at)})"
+                for at in range(self.characters)
+            )
+            return "(" + " && ".join(parts) + ")"
+        return f"(({self.type}){struct}.{self.member.name} == {expected})"
+
+
+@dataclass(frozen=True)
+class Codec:
+    """One layout with the decoder and the encoder of it. ``name`` is the struct's name in C; ``held`` fixes what registers hold at run time."""
+
+    device: Device
+    interface: str
+    layout: Layout
+    header: Header
+    prefix: str
+    name: str
+    register: Register | None = None
+    held: Mapping[str, int] = attribute(default_factory=dict)
+
+    @cached_property
+    def fields(self) -> tuple[Field, ...]:
+        fixed = self.layout.selector if len(self.layout.selects) == 1 else ""
+        return tuple(item for item in self.layout.data_fields if item.name != fixed)
+
+    @cached_property
+    def variants(self) -> Variants:
+        limits = [item for item in (self.register.min, self.register.max) if item is not None] if self.register is not None else []
+        equals = [item.equals for item in self.layout.fields if isinstance(item.equals, Expression)]
+        expressions = [self.layout.bits, *(part for item in self.layout.fields for part in (item.low, item.width)), *limits, *equals]
+        used = dict.fromkeys(name for item in expressions for name in item.parameters)
+        return Variants.of(self.device, self.interface, [*used, *([self.layout.gray_when] if self.layout.gray_when else [])]).fixed(self.held)
+
+    @property
+    def by_word(self) -> bool:
+        return self.layout.carried_as == "bits"
+
+    @property
+    def size(self) -> int:
+        """Bytes of a layout that is carried as bytes."""
+        assert self.layout.bits.is_constant and self.layout.bits.constant % 8 == 0
+        return self.layout.bits.constant // 8
+
+    @property
+    def bytes_upwards(self) -> range:
+        """Where the bytes stand, the lowest first; none of a word."""
+        if self.by_word:
+            return range(0)
+        return range(self.size) if self.layout.byte_order == "low_byte_first" else range(self.size - 1, -1, -1)
+
+    @property
+    def has_digits(self) -> bool:
+        return any(field.digits for field in self.fields)
+
+    @property
+    def crc(self) -> Crc | None:
+        return self.device.crc(self.layout.crc_field.crc) if self.layout.crc_field is not None else None
+
+    def allowed(self, field: Field) -> tuple[int, ...]:
+        """The only values that a field may have; nothing where it may have any."""
+        if field.name == self.layout.selector:
+            return tuple(self.layout.selects)
+        return tuple(item.value for item in field.values) if field.kind == "choice" else ()
+
+    def member(self, name: str) -> Member:
+        return self.header.member(self.name, name)
+
+    def join_width(self, join: Join) -> Expression:
+        return sum((self.layout.field(name).width for name in join.fields), Expression(0))
+
+    def joined(self, join: Join, *parts: str) -> str:
+        """The number of which these are the parts, the highest first."""
+        value = "0"
+        for name, part in zip(join.fields, parts):
+            value = part if value == "0" else f"(({value}) << {in_c(self.layout.field(name).width)} | {part})"
+        return value
+
+    @cached_property
+    def items(self) -> tuple[Item, ...]:
+        items: list[Item] = []
+        for field in self.fields:
+            raw, member = f"r_{field.name}", self.member(field.name)
+            if field.kind == "text":
+                items.append(Item(field.name, member, "number", raw, field.widest // 8))
+            elif field.kind == "flag":
+                items.append(Item(field.name, member, "unsigned", f"({raw} {'==' if field.active_low else '!='} 0)"))
+            elif field.signed:
+                items.append(Item(field.name, member, "long long", f"signed_number({raw}, {in_c(field.width)})"))
+            else:
+                value = f"({raw} == 0 ? (number){field.zero_means} : {raw})" if field.zero_means else raw
+                items.append(Item(field.name, member, "number", value))
+            items += [Item(run.name, self.member(run.name), "digits", field.name) for run in field.digits]
+        items += [Item(join.name, self.member(join.name), "number", f"r_{join.name}") for join in self.layout.joins]
+        return tuple(items)
+
+    def check_members(self) -> None:
+        """The struct has the members that the layout tells and no others."""
+        found = {item.name for item in self.header.structs[self.name]} - {"no_data"}
+        expected = {item.member.name for item in self.items}
+        assert found == expected, f"{self.name}: members {sorted(found ^ expected)}"
+        counts = {item.member.name: item.member.count for item in self.items}
+        assert all(counts[item.member.name] == item.characters for item in self.items), f"{self.name}: characters"

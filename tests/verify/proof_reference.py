@@ -1,0 +1,112 @@
+"""The plain reference that a decoder and an encoder are compared with, in C: written from the layout, bit by bit, in integers that hold any frame.
+
+``check`` reads every field into ``r_…`` and gives the fault in the values, ``crc_of`` is the shift register of the CRC's definition,
+``reference`` gives the first fault in the documented order, and ``uncovered`` the bits that no field is in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from codewheel.model import Crc, Join
+
+from proof import in_c
+from proof_layout import CONSTANT, CRC, LENGTH, RANGE, Codec
+
+
+def shift_in(crc: Crc, bit: str) -> tuple[str, ...]:
+    """C that shifts one more bit into ``shift_register``, as a CRC is defined."""
+    return (
+        f"unsigned long long feedback = ((shift_register >> {crc.width - 1}) ^ (unsigned long long)({bit})) & 1;",
+        f"shift_register = (shift_register << 1) & {crc.mask}ULL;",
+        f"for (int k = 0; k < {crc.width}; k++) shift_register ^= (({crc.poly}ULL >> k) & feedback) << k;",
+    )
+
+
+def shifted_out(crc: Crc) -> tuple[str, ...]:
+    """C that turns ``shift_register`` round where the CRC is so defined."""
+    if not crc.refout:
+        return ()
+    turn = f"for (int k = 0; k < {crc.width}; k++) turned |= ((shift_register >> k) & 1) << ({crc.width - 1} - k);"
+    return ("unsigned long long turned = 0;", turn, "shift_register = turned;")
+
+
+def reference(codec: Codec) -> str:
+    layout, crc, check = codec.layout, codec.crc, layout_crc(codec)
+    lines = [f"static number r_{name};" for name in (*(item.name for item in layout.fields), *(join.name for join in layout.joins))]
+    lines += ["static number received(number word, long long low, long long width)", "{", "    number value = 0;"]
+    lines += [f"    for (int i = 0; i < {layout.widest}; i++) if (i < width) value |= ((word >> low) & ((number)1 << i));", "    return value;", "}"]
+    if any(item.signed for item in layout.fields):
+        lines += ["static long long signed_number(number raw, long long width)", "{"]
+        lines += ["    return (raw >> (width - 1)) & 1 ? (long long)raw - (1LL << width) : (long long)raw;", "}"]
+    lines += _out_of_gray(codec)
+    if crc is not None:
+        lines += _crc_of(codec, crc)
+    lines += ["static int check(number word)", "{", "    number plain = out_of_gray(word);"]
+    for field in layout.fields:
+        lines.append(f"    r_{field.name} = received({'word' if field.kind == 'parity' else 'plain'}, {in_c(field.low)}, {in_c(field.width)});")
+    lines += [f"    r_{join.name} = {codec.joined(join, *(f'r_{name}' for name in join.fields))};" for join in layout.joins]
+    for fault, conditions in ((CONSTANT, _constants(codec)), (RANGE, _ranges(codec))):
+        lines += [f"    if ({condition}) return {fault};" for condition in conditions]
+    lines += ["    return 0;", "}", "static number uncovered(number word)", "{"]
+    lines += [f"    word &= ~(received(~(number)0, 0, {in_c(field.width)}) << {in_c(field.low)});" for field in layout.fields]
+    lines += [f"    return received(word, 0, {in_c(layout.bits)});", "}"]
+    lines += ["static int reference(number word)", "{"]
+    lines += [f"    if (word >> {in_c(layout.bits)}) return {LENGTH};"] if codec.by_word else []
+    lines += [f"    if (crc_of(word) != {check}) return {CRC};"] if check else []
+    return "\n".join([*lines, "    return check(word);", "}", ""])
+
+
+def layout_crc(codec: Codec, word: str = "word") -> str:
+    """The CRC that a word carries; nothing where it carries none."""
+    field = codec.layout.crc_field
+    return f"received({word}, {in_c(field.low)}, {in_c(field.width)})" if field is not None else ""
+
+
+def _out_of_gray(codec: Codec) -> Iterator[str]:
+    """The word with the part that is in Gray code, if any, in binary: every bit is the sum of the bits from the top of the number down to it."""
+    layout = codec.layout
+    yield from ("static number out_of_gray(number word)", "{")
+    if layout.gray_of:
+        join = next((item for item in layout.joins if item.name == layout.gray_of), Join("", (layout.gray_of,)))
+        lowest = layout.field(join.fields[-1]).low
+        yield from (f"    if (p_{layout.gray_when} != 0) {{", "        number sum = 0;", f"        for (int i = {layout.widest - 1}; i >= 0; i--)")
+        yield f"            if (i >= {in_c(lowest)} && i < {in_c(lowest + codec.join_width(join))}) {{"
+        yield "                sum ^= (word >> i) & 1;"
+        yield from ("                word = (word & ~((number)1 << i)) | (sum << i);", "            }", "    }")
+    yield from ("    return word;", "}")
+
+
+def _crc_of(codec: Codec, crc: Crc) -> Iterator[str]:
+    """The CRC of everything that was sent before it, in the order of sending."""
+    layout = codec.layout
+    yield from ("static number crc_of(number word)", "{", f"    unsigned long long shift_register = {crc.init}ULL;")
+    if codec.by_word:
+        yield f"    for (int i = {layout.widest - 1}; i >= {crc.width}; i--) {{"
+        # Zeros before the word leave a register of zeros as it is.
+        yield f"        if (i >= {in_c(layout.bits)}) continue;" if crc.init else ""
+        bit = "(word >> i) & 1"
+    else:
+        yield f"    for (int i = 0; i < {8 * codec.size - crc.width}; i++) {{"
+        byte = "i / 8" if layout.byte_order == "low_byte_first" else f"{codec.size - 1} - i / 8"
+        bit = f"(word >> (8 * ({byte}) + ({'i % 8' if crc.refin else '7 - i % 8'}))) & 1"
+    yield from (f"        {line}" for line in shift_in(crc, bit))
+    yield from ("    }", *(f"    {line}" for line in shifted_out(crc)), f"    return shift_register ^ {crc.xorout}ULL;", "}")
+
+
+def _constants(codec: Codec) -> Iterator[str]:
+    for field in codec.layout.fields:
+        if field.kind == "constant":
+            yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.constant}ULL"
+        if field.kind == "parity":
+            of = codec.layout.field(field.parity_of)
+            yield f"r_{field.name} != ({' ^ '.join(f'((r_{of.name} >> {bit}) & 1)' for bit in range(of.widest))})"
+
+
+def _ranges(codec: Codec) -> Iterator[str]:
+    for field in codec.layout.fields:
+        allowed = codec.allowed(field)
+        if allowed:
+            yield " && ".join(f"r_{field.name} != {value}" for value in allowed)
+        if field.digits:
+            yield f"r_{field.name} >= {10 ** sum(run.digits for run in field.digits)}ULL"

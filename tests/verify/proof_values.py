@@ -1,0 +1,60 @@
+"""Which values an encoder has to take, as conditions in C on the struct ``in``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from codewheel.limits import bounded
+from codewheel.model import Field
+
+from proof import in_c
+from proof_layout import Codec
+
+
+def valid(codec: Codec) -> Iterator[str]:
+    for field in codec.fields:
+        yield from _valid_field(codec, field)
+    for join in codec.layout.joins:
+        yield f"{_given(codec, join.name)} == {codec.joined(join, *(_given(codec, name) for name in join.fields))}"
+    yield from limits(codec, lambda name: _given(codec, name))
+
+
+def _given(codec: Codec, name: str) -> str:
+    return f"((number)in.{codec.member(name).name})"
+
+
+def _valid_field(codec: Codec, field: Field) -> Iterator[str]:
+    given, width = _given(codec, field.name), in_c(field.width)
+    if field.kind in ("flag", "text"):
+        return
+    if field.signed:
+        member = f"(long long)in.{codec.member(field.name).name}"
+        yield f"{member} >= -(1LL << ({width} - 1)) && {member} <= (1LL << ({width} - 1)) - 1"
+        return
+    fits = f"({given} >> {width}) == 0"
+    yield f"(({given} != 0 && {fits}) || {given} == {field.zero_means})" if field.zero_means else fits
+    allowed = codec.allowed(field)
+    if allowed:
+        yield " || ".join(f"{given} == {value}" for value in allowed)
+    if field.power_of_two:
+        yield one_bit(field, given)
+    for run in field.digits:
+        yield f"{_given(codec, run.name)} < {run.modulus}"
+    if field.digits:
+        yield f"{given} == {' + '.join(f'{_given(codec, run.name)} * {run.divisor}' for run in field.digits)}"
+
+
+def one_bit(field: Field, given: str) -> str:
+    return " || ".join(f"{given} == {1 << bit}ULL" for bit in range(field.widest))
+
+
+def limits(codec: Codec, given: Callable[[str], str]) -> Iterator[str]:
+    """The limits of a register, which bound what is written and not what is read."""
+    register = codec.register
+    name = bounded(register) if register is not None else ""
+    if register is None or not name:
+        return
+    if register.min is not None and not (register.min.is_constant and register.min.constant <= 0):
+        yield f"{given(name)} >= {in_c(register.min)}"
+    if register.max is not None:
+        yield f"{given(name)} <= {in_c(register.max)}"
