@@ -15,10 +15,10 @@ test: .venv/.installed tools
 
 # The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
 verify: .venv/.installed tools
-	@$(PY) -m pytest -rs -o addopts=-q tests/verify
+	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
 
 verify-%: .venv/.installed tools
-	@$(PY) -m pytest -rs -o addopts=-q tests/verify/test_$*.py
+	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_$*.py
 
 # Size and speed of the C headers beside hand-written decoders and other generators; BENCH=--write writes docs/footprint.md too.
 bench: .venv/.installed tools
