@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import random
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from c_harness import Run, codecs, compile_c, members, short, write
+from c_harness import FAMILIES, Run, codecs, compile_c, members, runner, short, source, write
 from codewheel import codec
 from codewheel.crc import compute_bits, compute_bytes
 from codewheel.model import Device, Field, Layout, PlacedLayout, Register, Variant
@@ -185,6 +185,15 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
     pairs = round_trips(Table(device))
     assert len({line.split()[0].partition(";")[0] for line, _ in pairs}) == len(device.variants) == {"am36": 12, "amm5": 36, "asc85": 36, "bits22": 1, "sma21": 45, "tv62": 10, "words": 6}[device.name]
     check(run, pairs)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_table_form_of_a_crc_gives_the_same(family: str, every_device: Mapping[str, Device], tmp_path: Path) -> None:
+    """Every frame of every order code again, with the macro that puts a table in the place of the folding."""
+    device = every_device[family]
+    maker = device.manufacturer.name
+    program = compile_c(["gcc", "-std=c99", "-O1", f"-D{maker.upper()}_CRC_TABLE"], source(device), tmp_path, write(tmp_path, (device,)))
+    check(runner(program), round_trips(Table(device)))
 
 
 def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Device, Run]) -> None:

@@ -167,7 +167,8 @@ class Variants:
 
 @dataclass(frozen=True)
 class Proof:
-    """A function of a harness whose claims are to hold, for how many sets of parameters of what."""
+    """A function of a harness whose claims are to hold, for how many sets of parameters of what; ``reached`` asks that a claim fails instead,
+    which shows that the others are not about nothing."""
 
     name: str
     harness: str
@@ -176,6 +177,7 @@ class Proof:
     options: tuple[str, ...] = ()
     covers: int = 0
     of: str = ""
+    reached: bool = False
 
 
 @dataclass(frozen=True)
@@ -183,6 +185,11 @@ class Result:
     proof: Proof
     proved: bool
     words: str
+
+
+def limited(command: Sequence[str]) -> list[str]:
+    """The command with the limit, which counts for it and for each program that it starts."""
+    return ["sh", "-c", f'ulimit -c 0; ulimit -t {LIMIT_S}; exec "$@"', "sh", *command]
 
 
 class Told(NamedTuple):
@@ -207,14 +214,13 @@ class Checker:
         command = [self.cbmc, "harness.c", "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind)]
         command += [] if PARTLY in proof.options else ["--unwinding-assertions"]
         command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
-        # The limit counts for the checker and for the solver that it starts.
-        limited = ["sh", "-c", f'ulimit -c 0; ulimit -t {LIMIT_S}; exec "$@"', "sh", *command]
         with tempfile.TemporaryDirectory(dir=folder) as own:
             Path(own, "harness.c").write_text(proof.harness, encoding="utf-8")
-            done = subprocess.run(limited, capture_output=True, text=True, cwd=own, env={**os.environ, "TMPDIR": own})
-        proved = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
-        refuted = done.returncode == 10 and "VERIFICATION FAILED" in done.stdout
-        why = "REFUTED" if refuted else f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
+            done = subprocess.run(limited(command), capture_output=True, text=True, cwd=own, env={**os.environ, "TMPDIR": own})
+        holds = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
+        refuted = done.returncode == 10 and "VERIFICATION FAILED" in done.stdout and "unwinding assertion" not in done.stdout
+        proved = refuted if proof.reached else holds
+        why = "REFUTED" if refuted else "never reached" if holds else f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
         told = (done.stdout + done.stderr).splitlines()
         told = told[next((at for at, line in enumerate(told) if line.startswith("Violated")), 0) :]
         return Result(proof, proved, proof.name if proved else f"{proof.name}: {why}\n" + "\n".join(told[-12:]))

@@ -96,6 +96,10 @@ def _codec(codec: Codec) -> str:
         _claim("found == 0", "what was encoded can be decoded"), *equal_in,
     )
     text += _function(
+        "reached", *encoded, "if (found != 0) return;", out, f"found = {name}_decode(&variant, {passed}, &out);",
+        f"if (found == 0) {_claim('0', 'something comes through')}",
+    )
+    text += _function(
         "encode_of_decode", *decoded, "if (found != 0) return;", again, f"found = {name}_encode(&variant, &out, {again_sent});",
         _claim("1" if codec.has_digits else f"(found == 0) == ({_all(_writable(codec))})", "what was decoded can be encoded"),
         _claim(f"found != 0 || {number.replace('wire', 'again')} == (({number}) & ~uncovered({number}))", "encode(decode(f)) = f"),
@@ -194,6 +198,7 @@ def proofs(codec: Codec) -> Iterable[Proof]:
     of = codec.name + state
     unwind = max(66, codec.layout.widest + 2)
     yield Proof(f"{codec.name} everything{state}", text, "everything", unwind, tuple(UNDEFINED), covers, of)
+    yield Proof(f"{codec.name} reached{state}", text, "reached", unwind, ("--no-standard-checks",), covers, of, reached=True)
     if codec.crc is not None:
         for entry in _WITH_CRC:
             yield Proof(f"{codec.name} {entry}{state}", text, entry, unwind, ("--no-standard-checks",), covers, of)
