@@ -62,8 +62,3 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def joined(parts: Iterable[str], between: str = "<br>") -> str:
     return between.join(part for part in parts if part)
-
-
-def sentence(value: str) -> str:
-    """The text with a full stop, unless it ends in a mark of its own."""
-    return value if not value or value.endswith((".", "!", "?", ":")) else value + "."

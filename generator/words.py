@@ -47,3 +47,8 @@ def timeout_words(timeout: Timeout) -> str:
 def language(key: str) -> str:
     """The name of a language, or its code where that is not known here."""
     return _LANGUAGES.get(key, key)
+
+
+def sentence(text: str) -> str:
+    """The text with a full stop, unless it ends in a mark of its own."""
+    return text if not text or text.endswith((".", "!", "?", ":")) else f"{text}."

@@ -22,7 +22,7 @@ from ..model import Crc, Device, Interface, Layout, Manufacturer
 from ..output import device_dump
 from ..relevant import needed_parameters, run_time_widths
 from ..render import plain, render
-from ..words import hertz, timeout_words
+from ..words import hertz, sentence, timeout_words
 from ..xsd import schema_text
 from . import Library
 
@@ -195,7 +195,7 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     lines += _one_profile(device, lengths)
     paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{item.register}" for item in ids)]
     errata = dict.fromkeys(item for path in paths for item in device.errata_for(path) if item.severity != "wording")
-    lines += [f"  erratum of the manual, {item.name} ({item.status}). Printed: {_sentence(item.printed)} Used: {_sentence(item.used)}" for item in errata]
+    lines += [f"  erratum of the manual, {item.name} ({item.status}). Printed: {sentence(item.printed)} Used: {sentence(item.used)}" for item in errata]
     lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
 
@@ -259,9 +259,6 @@ def _place(device: Device, path: str) -> str:
     """A register field with its address: ``register 49h (configuration.output_code)``."""
     return f"register {device.register(path.partition('.')[0]).address:02X}h ({path})"
 
-
-def _sentence(text: str) -> str:
-    return text if text.endswith((".", "!", "?")) else text + "."
 
 
 def _clock(interface: Interface) -> list[str]:

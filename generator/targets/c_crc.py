@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from ..crc import fold_plan, reflect, table, word_table
 from ..model import Crc, Device, FoldStep, cite
-from .c_source import Paragraph, errata_at, errata_text, mask, number, sentence, unsigned
+from ..words import sentence
+from .c_source import Paragraph, errata_at, errata_text, mask, number, unsigned
 from .c_views import CrcView
 
 

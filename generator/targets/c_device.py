@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TypeVar
 
 from ..model import Alarm, Crc, Device, Field, Input, Interface, Manufacturer, Parameter, Register, Timing, Value, Variant, cite
+from ..words import sentence
 from .c_access import state_registers
 from .c_crc import crc_view
 from .c_identity import identities
@@ -17,7 +18,7 @@ from .c_order_codes import OpenCode, open_codes, unknown_parts
 from .c_procedure import ProcedureSource
 from .c_register import RegisterSource
 from .c_run_time import held_in, takers
-from .c_source import Paragraph, Scope, bracketed, c_name, described, errata_at, errata_text, needs_variant, number, printed, sentence, string, title, unbracketed, unsigned, words
+from .c_source import Paragraph, Scope, bracketed, c_name, described, errata_at, errata_text, needs_variant, number, printed, string, title, unbracketed, unsigned, words
 from .c_views import AlarmView, Choice, CrcView, Function, Line, RegisterView
 
 

@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..model import Erratum, Interface, Layout, Port, cite
+from ..words import sentence
 from . import TargetError
 from .c_codec import codec
 from .c_layout import LayoutSource
-from .c_source import Paragraph, c_name, described, errata_at, errata_text, number, plain_expression, printed, sentence, words
+from .c_source import Paragraph, c_name, described, errata_at, errata_text, number, plain_expression, printed, words
 from .c_views import CodecView, InterfaceView, Line, Selector
 
 if TYPE_CHECKING:

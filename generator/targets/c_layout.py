@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from ..expressions import Expression
 from ..model import Field, Join, Layout, Piece, Register
+from ..words import sentence
 from . import TargetError
 from .c_crc import divides_words
-from .c_source import Paragraph, bracketed, c_name, described, mask, number, plain_expression, printed, sentence, size_of, span_text, title, unbracketed, unsigned
+from .c_source import Paragraph, bracketed, c_name, described, mask, number, plain_expression, printed, size_of, span_text, title, unbracketed, unsigned
 from .c_views import Choice, Line
 
 if TYPE_CHECKING:

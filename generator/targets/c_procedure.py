@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from .. import codec
 from ..model import Field, Procedure, Register, Step, cite
+from ..words import sentence
 from . import TargetError
-from .c_source import Paragraph, c_name, described, errata_at, errata_text, mask, needs_variant, number, sentence, size_of, title, unsigned, words
+from .c_source import Paragraph, c_name, described, errata_at, errata_text, mask, needs_variant, number, size_of, title, unsigned, words
 from .c_views import ArgumentView, Check, CodecView, Line, ProcedureView, StepGroup
 
 if TYPE_CHECKING:

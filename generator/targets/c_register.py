@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 from ..expressions import Expression
 from ..model import Field, Register, RegisterMeaning, cite
+from ..words import sentence
 from . import TargetError
 from .c_access import access
 from .c_codec import codec
 from .c_layout import LayoutSource
-from .c_source import Paragraph, addresses, bracketed, errata_at, errata_text, needs_variant, number, sentence, signed_number, span_text, title, unbracketed, unsigned, words
+from .c_source import Paragraph, addresses, bracketed, errata_at, errata_text, needs_variant, number, signed_number, span_text, title, unbracketed, unsigned, words
 from .c_views import Function, Limits, Line, Mask, MeaningView, RegisterView
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ from typing import Protocol
 from ..expressions import Expression
 from ..model import Device, Erratum, Register, cite
 from ..render import plain
+from ..words import sentence
 from . import TargetError
 
 COLUMNS = 100
@@ -190,10 +191,6 @@ def unsigned(bits: int) -> str:
     """The smallest unsigned type for ``bits`` bits."""
     return f"uint{size_of(bits)}_t"
 
-
-def sentence(text: str) -> str:
-    """``text`` with a full stop."""
-    return text if not text or text.endswith((".", "!", "?", ":")) else text + "."
 
 
 def described(printed_name: str, meaning: str) -> str:

@@ -11,12 +11,12 @@ from ..markdown import cited, code, link, text
 from ..model import Device, FieldGroup, Interface, Layout, Register, Timing
 from ..relevant import follows_registers
 from ..render import render
-from ..words import hertz, language
+from ..words import hertz, language, sentence
 from ..masters import shipped_masters
 from . import Library, TargetError, docs_masters
 
 FILTERS: Mapping[str, Callable[..., Any]] = {
-    "md": markdown.text, "paragraph": markdown.paragraph, "code": markdown.code, "cited": markdown.cited, "anchor": markdown.anchor, "sentence": markdown.sentence,
+    "md": markdown.text, "paragraph": markdown.paragraph, "code": markdown.code, "cited": markdown.cited, "anchor": markdown.anchor, "sentence": sentence,
 }
 
 

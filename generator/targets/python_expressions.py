@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from ..expressions import Expression
 from ..model import Digits, Field, Layout, Piece, Register
-from .python_source import Block, Code, attribute, expression, grouped, operand, sentence
+from ..words import sentence
+from .python_source import Block, Code, attribute, expression, grouped, operand
 
 if TYPE_CHECKING:
     from .python_module import Module

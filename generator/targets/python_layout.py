@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from ..expressions import Expression
 from ..model import Field, Join, Layout, Register
+from ..words import sentence
 from .python_encode import EncodeText
 from .python_expressions import LOCAL_NAMES, compared, digits_of, meaning_of, moved_left, number_text, times
-from .python_source import WIDTH, Block, Call, attribute, bare, chain, docstring, grouped, literal, operand, quoted, receiver, sentence, used_names
+from .python_source import WIDTH, Block, Call, attribute, bare, chain, docstring, grouped, literal, operand, quoted, receiver, used_names
 from .python_views import Attribute, Check, Codec, Joined, JoinPart
 
 if TYPE_CHECKING:

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 
 from ..model import Crc, Device, Erratum, Field, Interface, Layout, Register, Value, cite
 from ..render import plain
+from ..words import sentence
 from .python_expressions import LOCAL_NAMES, among, from_pieces, number_text
 from .python_facts import constant, crc_record, family, frame_rows, interface_facts, manual, register_rows, table, tables
 from .python_layout import CodecBuilder
 from .python_procedures import ProcedureBuilder
 from .python_readme import Readme
-from .python_source import WIDTH, Block, Names, attribute, camel, docstring, quoted, sentence, used_names
+from .python_source import WIDTH, Block, Names, attribute, camel, docstring, quoted, used_names
 from .python_variants import Variants
 from .python_views import Branch, Codec, CrcFunction, Dispatch, Enumeration, Fold, Section
 

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 from ..expressions import Expression
 from ..model import Argument, Procedure, Register, RegisterMeaning, Step, cite
+from ..words import sentence
 from .python_encode import depends_on_variant, meaning_limits
 from .python_expressions import CLASS_NAMES, moved_left
-from .python_source import Call, Code, attribute, call, docstring, expression, grouped, literal, operand, quoted, sentence, used_names
+from .python_source import Call, Code, attribute, call, docstring, expression, grouped, literal, operand, quoted, used_names
 from .python_views import Codec, Enumeration, Function
 
 if TYPE_CHECKING:

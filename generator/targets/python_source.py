@@ -181,11 +181,6 @@ def _in_docstring(text: str) -> str:
     return plain(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
 
 
-def sentence(text: str) -> str:
-    """``text`` with a full stop at its end, where it has none."""
-    text = plain(text)
-    return text if not text or text.endswith((".", "!", "?")) else f"{text}."
-
 
 def expression(value: Expression, names: Mapping[str, str], owner: str) -> str:
     """The expression with each parameter as an attribute of ``owner``."""

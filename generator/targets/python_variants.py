@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from ..expressions import Expression
 from ..model import Interface, Measurement, Parameter, Sources, Variant, cite
+from ..words import sentence
 from .python_facts import constant
-from .python_source import Block, Call, Code, Literal, attribute, bare, call, docstring, expression, grouped, literal, operand, quoted, record, sentence
+from .python_source import Block, Call, Code, Literal, attribute, bare, call, docstring, expression, grouped, literal, operand, quoted, record
 from .python_views import Codec, Measure
 
 if TYPE_CHECKING:

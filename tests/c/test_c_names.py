@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 import yaml
-from c_harness import FAMILIES, devices_of, write
+from c_harness import FAMILIES, write
 from codewheel.cli import main
 from codewheel.load import load_library
 from codewheel.model import Device
