@@ -43,7 +43,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
         report=report,
         groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in enumerate(raw.get("field_groups", ()))}),
         definitions=definitions,
-        parameter_sets=_parameter_sets(raw, order_code, definitions, variants),
+        parameter_sets=_parameter_sets(raw, definitions, variants),
         crcs=MappingProxyType({item.name: item for item in crcs}),
         data_ids=MappingProxyType({kind: _data_ids(item) for kind, item in raw["interfaces"].items()}),
         sources=sources,
@@ -150,7 +150,7 @@ def _variants(order_code: OrderCode, definitions: Mapping[str, Expression], held
 
 
 def _parameter_sets(
-    raw: Raw, order_code: OrderCode, definitions: Mapping[str, Expression], variants: Sequence[Variant]
+    raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Mapping[str, Sequence[Mapping[str, int]]]:
     """By interface, every set of parameters that a layout has to suit: the order codes', and the bounds of those held in registers."""
     found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in raw["interfaces"]}

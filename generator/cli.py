@@ -379,7 +379,7 @@ def _decode(chosen: argparse.Namespace) -> int:
             code = max(code, 1)
         if chosen.json:
             # One object a line for a stream of frames, so that a reader need not wait for the end.
-            data = decoded_data(device, match.variant, chosen.sender, decoded, why)
+            data = decoded_data(match.variant, chosen.sender, decoded, why)
             print(json.dumps(data, ensure_ascii=False) if chosen.frame == ["-"] else json.dumps(data, indent=2, ensure_ascii=False))
         else:
             print(("" if first else "\n") + explain(device, match, chosen.sender, decoded, why))

@@ -130,7 +130,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     plain = from_gray(placed, number)
     for item in placed.fields:
         raw = number >> item.low & item.mask
-        fields += _decode_field(placed, item, raw, plain >> item.low & item.mask, problems)
+        fields += _decode_field(item, raw, plain >> item.low & item.mask, problems)
         if item.field.kind == "parity":
             of = placed.field(item.field.parity_of)
             expected = (number >> of.low & of.mask).bit_count() & 1 if of is not None else 0
@@ -191,7 +191,7 @@ def _with_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) 
     return number & ~(mask << low) | change(number >> low & mask) << low
 
 
-def _decode_field(placed: PlacedLayout, item: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
+def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
     """The field as a user reads it; ``wire`` is what was sent, ``raw`` the same out of Gray code."""
     field = item.field
     value: int | str | bool = raw

@@ -104,7 +104,7 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     return explain_bytes(device, variant, sender, placed, _bytes(text.strip()))
 
 
-def decoded_data(device: Device, variant: Variant, sender: str, decoded: codec.Decoded, why: Why | None = None) -> dict[str, Any]:
+def decoded_data(variant: Variant, sender: str, decoded: codec.Decoded, why: Why | None = None) -> dict[str, Any]:
     """The result as plain data, in the shape of ``decode.schema.json``."""
     return {
         "version": VERSION,

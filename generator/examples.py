@@ -55,7 +55,7 @@ def _check_register(device: Device, example: Example, variant: Variant) -> str:
     decoded = codec.decode(device, placed, codec.number_from_bytes(register.layout, example.bytes))
     if decoded.problems:
         return decoded.problems[0].message
-    return _compare(decoded, example) or _back(device, decoded, example)
+    return _compare(decoded, example) or _back(device, decoded)
 
 
 def _check_frame(device: Device, example: Example, variant: Variant) -> str:
@@ -67,7 +67,7 @@ def _check_frame(device: Device, example: Example, variant: Variant) -> str:
         return decoded.problems[0].message
     if example.layout and decoded.layout is not None and decoded.layout.name != example.layout:
         return f"it is a {decoded.layout.name}, not a {example.layout}"
-    return _compare(decoded, example) or _back(device, decoded, example)
+    return _compare(decoded, example) or _back(device, decoded)
 
 
 def decode_example(device: Device, example: Example, variant: Variant) -> codec.Decoded:
@@ -91,7 +91,7 @@ def _compare(decoded: codec.Decoded, example: Example) -> str:
     return ""
 
 
-def _back(device: Device, decoded: codec.Decoded, example: Example) -> str:
+def _back(device: Device, decoded: codec.Decoded) -> str:
     """Encoding what was decoded gives the example again."""
     if decoded.layout is None:
         return ""

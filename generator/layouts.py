@@ -53,12 +53,12 @@ def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, tota
         bits = Expression(total if total is not None else _highest(items, context, interface) + 1)
     else:
         items, bits = _in_sequence(items, low_first)
-        if total is not None and not _sums_up(items, bits, total, path, context, interface):
+        if total is not None and not _sums_up(bits, total, path, context, interface):
             return None
-    if not _fits(items, bits, path, context, interface):
+    if not _fits(items, bits, context, interface):
         return None
     fields = [field for item in items for field in _fields(item, context, interface)]
-    fields = _with_places(fields, bits, context, interface)
+    fields = _with_places(fields, context, interface)
     # In a frame only a group can leave bits without a field; what it says of them holds.
     gaps = raw.get("other_bits") or next((group["other_bits"] for group in _used_groups(raw, context) if "other_bits" in group), "")
     if not _covers(fields, bits, gaps, path, context, interface):
@@ -78,7 +78,7 @@ def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, tota
         byte_order=byte_order,
         bits=bits,
         widest=widest,
-        fields=tuple(_in_order(fields, context, interface, low_first and total is None)),
+        fields=tuple(_in_order(fields, low_first and total is None)),
         joins=tuple(Join(name, tuple(parts)) for name, parts in raw.get("join", {}).items()),
         selector=next(iter(when), ""),
         selects=tuple(next(iter(when.values()), ())),
@@ -188,7 +188,7 @@ def _highest(items: Sequence[Item], context: Context, interface: str) -> int:
     return max(_widest(item.low + item.span, context, interface) for item in _flat(items)) - 1
 
 
-def _sums_up(items: Sequence[Item], bits: Expression, total: int, path: Path, context: Context, interface: str) -> bool:
+def _sums_up(bits: Expression, total: int, path: Path, context: Context, interface: str) -> bool:
     for parameters in _sets(context, interface):
         if (sum_ := bits.value(parameters)) != total:
             context.report.add("width-mismatch", path, f"the fields take {sum_} bits{_with(parameters, bits)}; the register has {total}")
@@ -206,7 +206,7 @@ def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
     return " with " + ", ".join(f"{name} = {parameters[name]}" for name in names) if names else ""
 
 
-def _fits(items: Sequence[Item], bits: Expression, path: Path, context: Context, interface: str) -> bool:
+def _fits(items: Sequence[Item], bits: Expression, context: Context, interface: str) -> bool:
     """Whether every field has a possible width, lies inside the layout and on no other field."""
     sound = True
     flat = list(_flat(items))
@@ -278,14 +278,14 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
             yield zero_field(f"{raw['name']}_padding", part.low + width, rest, _widest(rest, context, interface), context.sources(raw), padding_of=raw["name"])
 
 
-def _with_places(fields: Sequence[Field], bits: Expression, context: Context, interface: str) -> list[Field]:
+def _with_places(fields: Sequence[Field], context: Context, interface: str) -> list[Field]:
     """The fields from the lowest up; by the order code with the most bits, which shows every field."""
     sets = _sets(context, interface)
     widest = max(sets, key=lambda parameters: sum(field.width.value(parameters) for field in fields), default={})
     return sorted(fields, key=lambda field: field.low.value(widest))
 
 
-def _in_order(fields: Sequence[Field], context: Context, interface: str, low_first: bool) -> Sequence[Field]:
+def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
     """Sending order for frames, from the top bit down for registers."""
     return fields if low_first else list(reversed(fields))
 
@@ -323,7 +323,7 @@ def _with_zeros(fields: Sequence[Field], bits: Expression, context: Context, int
     for below, above, low, width in _gaps(fields, bits):
         name = f"zero_below_{above.name}" if above is not None else f"zero_above_{below.name}" if below is not None else "zero"
         zeros.append(zero_field(name, low, width, _widest(width, context, interface), (above or below or fields[0]).source))
-    return _with_places([*fields, *zeros], bits, context, interface)
+    return _with_places([*fields, *zeros], context, interface)
 
 
 def _is_sound(layout: Layout, path: Path, context: Context, interface: str) -> bool:

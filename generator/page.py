@@ -165,7 +165,7 @@ def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
         yield hexadecimal(item.value, (field.widest + 3) // 4), joined([code(item.name), names]), text(item.meaning), cited(item.source)
 
 
-def field_rows(device: Device, layout: Layout, kind: str) -> Iterator[tuple[str, ...]]:
+def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
     """Field, place, width, meaning, source; a group of fields is one row that leads to its own table."""
     done: set[str] = set()
     groups = {group.name: group for group in device.field_groups}
@@ -205,7 +205,7 @@ def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
         yield named(field.name, field.printed_name, field.names), f"{high}" if high == low else f"{high}:{low}", field_meaning(field), cited(field.source)
 
 
-def used_groups(device: Device, interface: Interface) -> list[str]:
+def used_groups(interface: Interface) -> list[str]:
     return list(dict.fromkeys(field.group for layout in interface.layouts for field in layout.fields if field.group))
 
 

@@ -65,7 +65,7 @@ def _index(library: Library) -> str:
 
 def _pictures(device: Device) -> dict[str, str]:
     made = {layout.name: page.layout_picture(device, interface, layout) for interface, layout in device.layouts()}
-    made |= {name: page.group_picture(device, name) for interface in device.interfaces for name in page.used_groups(device, interface)}
+    made |= {name: page.group_picture(device, name) for interface in device.interfaces for name in page.used_groups(interface)}
     return made | {f"register-{item.name}": page.register_picture(device, item) for item in device.registers if page.has_picture(item)}
 
 
@@ -145,7 +145,7 @@ def _interface(device: Device, interface: Interface) -> dict[str, Any]:
         "layouts": [_layout(device, interface, item) for item in interface.layouts],
         "groups": [
             {"group": groups[name], "title": _group_title(groups[name]), "rows": page.group_rows(device, name)}
-            for name in page.used_groups(device, interface)
+            for name in page.used_groups(interface)
         ],
         "memory_rows": [
             (text(item.access), f"{item.busy}", text(item.address), text(item.data), text(item.meaning), cited(item.source)) for item in interface.memory_access
@@ -175,7 +175,7 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> dict[str, A
         "layout": layout,
         "summary": summary,
         "place_head": "Place" if is_bytes else "Bits, high to low",
-        "rows": list(page.field_rows(device, layout, interface.kind)),
+        "rows": list(page.field_rows(device, layout)),
         "joins": page.join_lines(layout),
         "placements": page.placement_table(device, layout, interface.kind),
         "delivered": follows_registers(device, layout),
@@ -191,7 +191,7 @@ def _gray(layout: Layout) -> str:
 
 def _register(device: Device, register: Register) -> dict[str, Any]:
     fields = register.layout.fields
-    rows = list(page.field_rows(device, register.layout, register.interface))
+    rows = list(page.field_rows(device, register.layout))
     is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
     return {
         "register": register,

@@ -63,7 +63,7 @@ def test_decode_has_the_shape(device: Device) -> None:
         if example.kind == "frame" and example.bytes:
             variant = find(device, example.order_code).variant
             decoded = decode_bytes(device, variant, example.sender, example.bytes)
-            assert faults(checker, decoded_data(device, variant, example.sender, decoded)) == []
+            assert faults(checker, decoded_data(variant, example.sender, decoded)) == []
 
 
 def items(value: Any) -> Iterator[dict[str, Any]]:

@@ -30,8 +30,7 @@ for item; do
     case "$item" in -fsanitize* | -fno-sanitize* | -W* | -O*) ;; *) set -- "$@" "$item" ;; esac
 done
 echo "$made" >> "$COVERED_PROGRAMS"
-# shellcheck disable=SC2086
-exec @clang@ $COVERED_OPTIONS -w -O0 "-fprofile-instr-generate=$made.%1m.profraw" -fcoverage-mapping "$@"
+exec @clang@ -w -O0 "-fprofile-instr-generate=$made.%1m.profraw" -fcoverage-mapping "$@"
 """
 
 Place = tuple[str, int, int, int, int]
@@ -57,13 +56,13 @@ class Coverage:
                     yield place, self.functions[place], f"is never {word}"
 
 
-def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Path, options: Sequence[str] = ()) -> tuple[int, str]:
+def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Path) -> tuple[int, str]:
     """Runs tests with counters; their programs are listed in ``folder``. Gives pytest's status and what it said."""
     shims = folder / "shims"
     shims.mkdir(parents=True)
     (shims / "gcc").write_text(_SHIM.replace("@gcc@", gcc).replace("@clang@", clang), encoding="utf-8")
     (shims / "gcc").chmod(0o755)
-    environment = {**os.environ, "PATH": f"{shims}{os.pathsep}{os.environ['PATH']}", "COVERED_PROGRAMS": str(folder / "programs"), "COVERED_OPTIONS": " ".join(options)}
+    environment = {**os.environ, "PATH": f"{shims}{os.pathsep}{os.environ['PATH']}", "COVERED_PROGRAMS": str(folder / "programs")}
     environment.pop("LLVM_PROFILE_FILE", None)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--basetemp={folder / 'tests'}", *tests]
     done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)

@@ -60,7 +60,7 @@ static @maker@_transport any_transport(void)
 """
 
 #: What stands for running steps where a device's procedures are proved: it reads and writes all that it is given and may end in any way that is
-#: open to it. That running steps is so, whatever they are, is proved with the shared header.
+#: open to it. That running steps is so, is proved with the shared header.
 _RUN = """\
 static @maker@_result any_run(
     const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length, @maker@_failure *failure)
@@ -71,7 +71,7 @@ static @maker@_result any_run(
         __CPROVER_assert(steps[at].kind >= @MAKER@_STEP_WRITE && steps[at].kind <= @MAKER@_STEP_POLL, "a kind of step");
         reads += steps[at].kind == @MAKER@_STEP_READ;
     }
-    if (reads != length) return @MAKER@_FAULT_LENGTH;
+    __CPROVER_assert(reads == length, "a place for each byte that is read");
     for (size_t at = 0; at < length; at++) bytes[at] = nondet_byte();
     if (nondet_bool()) return @MAKER@_OK;
     if (nondet_bool()) return nondet_bool() ? @MAKER@_FAULT_UNSUPPORTED : @MAKER@_FAULT_TIMEOUT;

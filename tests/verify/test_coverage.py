@@ -7,20 +7,18 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from coverage import Coverage, measured, run_tests
-from machines import crc_tables
 from tools import tool
 from tree import generated_tree
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Those that run programs over the headers; the others only compile them, or are about headers of made-up devices.
-TESTS = [*(f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "codec", "families", "transport")), "-k", "not no_warning"]
-#: Those that are run once more with the other form of the CRCs.
-CODECS = ["tests/c/test_c_codec.py", "-k", "inverse or disturbed"]
+#: Those that run programs over the headers, in both forms of the CRCs; the others only compile them, or are about headers of made-up devices.
+TESTS = {"functions": [f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "families", "transport")], "codecs": ["tests/c/test_c_codec.py"]}
 
 
 @dataclass(frozen=True)
@@ -52,19 +50,16 @@ def headers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture(scope="module")
 def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Coverage:
     folder = tmp_path_factory.mktemp("coverage")
-    include = headers["encoder.h"].parents[1]
-    for name, tests, options in (("folded", TESTS, []), ("table", CODECS, crc_tables(include))):
-        status, said = run_tests(folder / name, tests, tool("gcc"), tool("clang"), ROOT, options)
-        assert status == 0, said
-    return measured([folder / "folded", folder / "table"], headers.values(), tool("llvm-profdata"), tool("llvm-cov"))
-
-
-def test_every_header_was_run(coverage: Coverage, headers: dict[str, Path]) -> None:
-    assert {place[0] for place in coverage.regions} == set(headers)
-    assert len(coverage.regions) > 2_000 and len(coverage.true) > 500
+    gcc, clang = tool("gcc"), tool("clang")
+    with ThreadPoolExecutor(2) as pool:
+        for status, said in pool.map(lambda name: run_tests(folder / name, [*TESTS[name], "-k", "not no_warning"], gcc, clang, ROOT), TESTS):
+            assert status == 0, said
+    return measured([folder / name for name in TESTS], headers.values(), tool("llvm-profdata"), tool("llvm-cov"))
 
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
+    assert {place[0] for place in coverage.regions} == set(headers)
+    assert len(coverage.regions) > 2_000 and len(coverage.true) > 500
     lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
     missing, known = [], Counter[Unreached]()
     for (name, line, column, end, last), function, what in coverage.unreached():

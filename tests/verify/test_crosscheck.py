@@ -7,19 +7,19 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import multiprocessing
 import struct
 import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 from batch import Batch, Codec, stdio_entry
-from c_harness import FAMILIES, compile_c
+from c_harness import compile_c
 from codewheel.model import Device, Variant
 from codewheel.targets.c_source import c_name
 from codewheel.targets.python_module import Module
@@ -31,8 +31,6 @@ FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
 #: Frames held at once; a piece has one run of the C program.
 PIECE = 100_000
 LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
-
-Job = tuple[str, str, Path, Path]
 
 
 class Peer:
@@ -100,10 +98,10 @@ class Peer:
         return 0, again.to_bytes(8, "big") if codec.view.carried_as == "bits" else again
 
 
-def compare(job: Job) -> tuple[int, Counter[int], list[object]]:
+def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, Counter[int], list[object]]:
     """All frames of a layout; the number of them, how often each result came, and where C and Python differ."""
-    family, name, program, package = job
-    sys.path.insert(0, str(package))
+    if str(package) not in sys.path:
+        sys.path.insert(0, str(package))
     device = library()[family]
     module = importlib.import_module(f"{device.manufacturer.python_package}.{family}")
     batch = Batch(device)
@@ -134,27 +132,22 @@ def compare_piece(batch: Batch, codec: Codec, peer: Peer, pieces: list[tuple[Var
 
 
 @pytest.fixture(scope="module")
-def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], tuple[int, Counter[int], list[object]]]:
-    """Every layout of every family, two processes at a time."""
-    folder = tmp_path_factory.mktemp("crosscheck")
-    tree = generated_tree(folder)
-    compiler = [tool("gcc"), "-std=c99", "-O2"]
-    jobs: list[Job] = []
-    for device in library().values():
-        batch = Batch(device)
-        program = compile_c(compiler, batch.source(stdio_entry()), folder, tree / "c" / "include", f"{device.name}_batch")
-        jobs += [(device.name, codec.name, program, tree / "python") for codec in batch.codecs]
-    with multiprocessing.get_context("fork").Pool(2) as pool:
-        results = pool.map(compare, jobs, chunksize=1)
-    return {job[:2]: result for job, result in zip(jobs, results)}
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return generated_tree(tmp_path_factory.mktemp("crosscheck"))
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-def test_c_and_python_agree(outcomes: dict[tuple[str, str], tuple[int, Counter[int], list[object]]], family: str) -> None:
-    ours = {name: result for (device, name), result in outcomes.items() if device == family}
-    wrong = {name: found for name, (_, _, found) in ours.items() if found}
-    assert not wrong, wrong
-    for name, (done, kinds, _) in ours.items():
-        assert done == FRAMES == sum(kinds.values()), name
-        # A fifth at least is sound, and lengths are wrong now and then: the comparison is not of one kind.
-        assert kinds[0] > FRAMES / 6 and kinds[LENGTH] > FRAMES / 25, (name, kinds)
+@pytest.fixture(scope="module")
+def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The C program of a family."""
+    folder = tmp_path_factory.mktemp("programs")
+    command = [tool("gcc"), "-std=c99", "-O2"]
+    return cache(lambda family: compile_c(command, Batch(library()[family]).source(stdio_entry()), folder, tree / "c" / "include", f"{family}_batch"))
+
+
+@pytest.mark.parametrize(("family", "name"), [(device.name, codec.name) for device in library().values() for codec in Batch(device).codecs])
+def test_c_and_python_agree(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
+    done, kinds, wrong = compare(family, name, programs(family), tree / "python")
+    assert not wrong
+    assert done == FRAMES == sum(kinds.values())
+    # A sixth at least is sound, and lengths are wrong now and then: the comparison is not of one kind.
+    assert kinds[0] > FRAMES / 6 and kinds[LENGTH] > FRAMES / 25, kinds

@@ -159,6 +159,7 @@ SEEDED = {
     "result touched by a fault": (
         "amm5", "lika_amm5_singleturn_reply_decode", r"if \(length", "out->singleturn = 0U; if (length", "amm5_singleturn_reply everything"
     ),
+    "place too few": ("sma21", "lika_sma21_identify", r"sizeof\(bytes\)", "sizeof(bytes) - 1U", "call lika_sma21_identify"),
     "failure not reported": ("encoder", "lika_write", r"error != 0", "error > 0", "call lika_write_byte"),
 }
 
@@ -176,11 +177,10 @@ def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
 
 def proof_called(name: str, stem: str, maker: str, include: Path) -> Proof:
     """The proof of this name, of the header as it is."""
-    if name.startswith("call "):
-        header = Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
-        return next(iter(CallProof(maker, header, f"{maker}/{stem}.h", [header.functions[name.removeprefix("call ")]]).proofs()))
-    device = library()[stem]
-    header = header_of(device, include)
+    device = library().get(stem)
+    header = header_of(device, include) if device is not None else Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
+    if device is None or name.startswith("call "):
+        return next(iter(CallProof(maker, header, f"{maker}/{stem}.h", [header.functions[name.removeprefix("call ")]], device).proofs()))
     found = [*crc_proofs(device, header)]
     found += [proof for codec in codecs(device, header) if f"{codec.name} " in f"{maker}_{name}" for proof in proofs(codec)]
     return next(item for item in found if item.name == f"{maker}_{name}")
