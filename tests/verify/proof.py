@@ -220,7 +220,8 @@ class Checker:
         holds = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
         refuted = done.returncode == 10 and "VERIFICATION FAILED" in done.stdout and "unwinding assertion" not in done.stdout
         proved = refuted if proof.reached else holds
-        why = "REFUTED" if refuted else "never reached" if holds else f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
+        silent = f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
+        why = "REFUTED" if refuted else "never reached" if holds else silent
         told = (done.stdout + done.stderr).splitlines()
         told = told[next((at for at, line in enumerate(told) if line.startswith("Violated")), 0) :]
         return Result(proof, proved, proof.name if proved else f"{proof.name}: {why}\n" + "\n".join(told[-12:]))

@@ -200,7 +200,7 @@ class CallProof:
 
     def proofs(self, together: int = 10) -> Iterable[Proof]:
         """Several functions in one run; those that go through the list of order codes one by one, because they take longest."""
-        text, covers = self.harness, self.variants.count if self.variants is not None else 0
+        text = self.harness
         anywhere = [item for item in self.functions if ("size_t *", "next") in item.arguments]
         codes = [item for item in self.functions if "order_codes(" in item.body or "label" in item.name if item not in anywhere]
         steps = [item for item in self.functions if _any_steps(self.maker, item)]
@@ -212,7 +212,7 @@ class CallProof:
             more = f" and {len(group) - 1} more" if len(group) > 1 else ""
             options = (*UNDEFINED, *([PARTLY] if rounds == ANY_ROUNDS else []))
             whole = f"{text}void everything(void)\n{{\n{body}}}\n"
-            yield Proof(f"{group[0].name}{more}, called", whole, "everything", rounds, options, covers, self.prefix)
+            yield Proof(f"{group[0].name}{more}, called", whole, "everything", rounds, options)
 
 
 def _any_steps(maker: str, function: Function) -> bool:
