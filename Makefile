@@ -14,15 +14,16 @@ test: .venv/.installed tools
 	@$(PY) -m pytest
 
 # The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
-verify: .venv/.installed tools
+verify: .venv/.installed tools bench-packages
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
 
 verify-%: .venv/.installed tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_$*.py
 
+verify-footprint: bench-packages
+
 # Size and speed of the C headers beside hand-written decoders and other generators; BENCH=--write writes docs/footprint.md too.
-bench: .venv/.installed tools
-	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+bench: .venv/.installed tools bench-packages
 	@$(PY) benchmarks/footprint.py $(BENCH)
 
 check: .venv/.installed
@@ -30,6 +31,10 @@ check: .venv/.installed
 
 spec-page: .venv/.installed
 	@$(PY) -m codewheel.spec_page docs/spec-language.md
+
+.PHONY: bench-packages
+bench-packages: .venv/.installed
+	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]' || echo "make: the packages of the extra 'bench' cannot be had; the footprint is not shown"
 
 .PHONY: tools
 tools:
