@@ -3,6 +3,8 @@ import re
 import sys
 from lxml import etree
 
+if len(sys.argv) != 5:
+    sys.exit(__doc__)
 path, code, name, frame = sys.argv[1:]
 ns = {"d": "urn:codewheel:device-description:1"}
 root = etree.parse(path, etree.XMLParser(resolve_entities=False, no_network=True))
