@@ -1,6 +1,6 @@
-"""Whole numbers that depend on parameters: ``24``, ``singleturn_bits + 8``, ``2^position_bits - 1``.
+"""Whole numbers that depend on parameters: ``24``, ``singleturn_bits + 8``, ``2^position_bits - 1``, ``spare_bits * offset``.
 
-The spec language allows a sum of terms; a term is a number, a parameter, or two to the power of either.
+The spec language allows a sum of terms; a term is a number, or a product of parameters and of powers of two of parameters.
 """
 
 from __future__ import annotations
@@ -10,23 +10,37 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 _TERM = re.compile(r"\s*(?:(?P<power>2\s*\^)\s*)?(?:(?P<hex>0x[0-9A-Fa-f]+)|(?P<number>[0-9]+)|(?P<name>[a-z][a-z0-9_]*))\s*")
-_SIGN = re.compile(r"[+-]")
+_OPERATOR = re.compile(r"[-+*]")
 
 #: No width, position or limit of any encoder comes near; it keeps a hostile spec from asking for a huge number.
 LARGEST_EXPONENT = 128
+#: A product of sums multiplies out; this bounds it.
+LARGEST_SUM = 64
 
 
 class ExpressionError(ValueError):
     """The text is no expression, or it has no value; the message says why."""
 
 
-@dataclass(frozen=True, slots=True)
-class Term:
-    """``sign * parameter``, or ``sign * 2**parameter`` when ``power`` is set."""
+@dataclass(frozen=True, slots=True, order=True)
+class Factor:
+    """A parameter, or two to the power of it when ``power`` is set."""
 
-    sign: int
     parameter: str
     power: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """``sign`` times the product of the factors; there is at least one."""
+
+    sign: int
+    factors: tuple[Factor, ...]
+
+    @property
+    def is_power(self) -> bool:
+        """Whether a power of two is among the factors."""
+        return any(factor.power for factor in self.factors)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,34 +59,30 @@ class Expression:
         """
         if isinstance(text, int):
             return cls(text)
-        constant, terms, position, sign = 0, [], 0, 1
+        result, product, position, sign = cls(), cls(1), 0, 1
         if text.startswith("-"):
             sign, position = -1, 1
         while True:
             match = _TERM.match(text, position)
             if match is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
-            power = match["power"] is not None
-            if match["name"] is not None:
-                terms.append(Term(sign, match["name"], power))
-            else:
-                number = int(match["hex"], 16) if match["hex"] else int(match["number"])
-                if power and number > LARGEST_EXPONENT:
-                    raise ExpressionError(f"2^{number} is more than any field can hold")
-                constant += sign * (2**number if power else number)
+            product = product * _atom(match)
             position = match.end()
-            if position == len(text):
-                return cls(constant, tuple(terms))
-            operator = _SIGN.match(text, position)
-            if operator is None:
+            operator = _OPERATOR.match(text, position)
+            if position < len(text) and operator is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
-            sign = 1 if operator[0] == "+" else -1
+            if operator is None or operator[0] != "*":
+                result = result + product if sign > 0 else result - product
+                product = cls(1)
+            if operator is None:
+                return result
+            sign = {"+": 1, "-": -1, "*": sign}[operator[0]]
             position += 1
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters, each once, in order."""
-        return tuple(dict.fromkeys(term.parameter for term in self.terms))
+        return tuple(dict.fromkeys(factor.parameter for term in self.terms for factor in term.factors))
 
     @property
     def is_constant(self) -> bool:
@@ -86,14 +96,10 @@ class Expression:
         """
         total = self.constant
         for term in self.terms:
-            if term.parameter not in parameters:
-                raise ExpressionError(f"there is no parameter '{term.parameter}'")
-            number = parameters[term.parameter]
-            if term.power:
-                if not 0 <= number <= LARGEST_EXPONENT:
-                    raise ExpressionError(f"2^{term.parameter} is out of reach with {term.parameter} = {number}")
-                number = 2**number
-            total += term.sign * number
+            number = term.sign
+            for factor in term.factors:
+                number *= _value(factor, parameters)
+            total += number
         return total
 
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
@@ -103,20 +109,42 @@ class Expression:
         """
         result = Expression(self.constant)
         for term in self.terms:
-            inner = definitions.get(term.parameter)
-            if term.power or inner is None:
-                result += Expression(0, (term,))
-            else:
-                inner = inner.substitute(definitions)
-                result = result + inner if term.sign > 0 else result - inner
+            product = Expression(1)
+            for factor in term.factors:
+                inner = definitions.get(factor.parameter)
+                known = inner is not None and not factor.power
+                product *= inner.substitute(definitions) if inner is not None and known else Expression(0, (Term(1, (factor,)),))
+            result = result + product if term.sign > 0 else result - product
         return result
 
     def __add__(self, other: Expression) -> Expression:
         return _simplified(self.constant + other.constant, self.terms + other.terms)
 
     def __sub__(self, other: Expression) -> Expression:
-        negated = tuple(Term(-term.sign, term.parameter, term.power) for term in other.terms)
+        negated = tuple(Term(-term.sign, term.factors) for term in other.terms)
         return _simplified(self.constant - other.constant, self.terms + negated)
+
+    def __mul__(self, other: Expression) -> Expression:
+        """The product, multiplied out.
+
+        Raises:
+            ExpressionError: A number other than 1 would stand before a parameter.
+        """
+        if self.is_constant and other.is_constant:
+            return Expression(self.constant * other.constant)
+        if any(one.terms and abs(another.constant) > 1 for one, another in ((self, other), (other, self))):
+            raise ExpressionError("a product is made of parameters and powers of two of parameters, not of numbers")
+        terms = [Term(mine.sign * its.sign, tuple(sorted((*mine.factors, *its.factors)))) for mine in self.terms for its in other.terms]
+        for one, another in ((self, other), (other, self)):
+            terms += [Term(term.sign * another.constant, term.factors) for term in one.terms if another.constant]
+        if len(terms) > LARGEST_SUM:
+            raise ExpressionError(f"the product has more than {LARGEST_SUM} terms")
+        return _simplified(self.constant * other.constant, tuple(terms))
+
+    def renamed(self, names: Mapping[str, str]) -> Expression:
+        """The same over other names; a parameter that is not among ``names`` keeps its own."""
+        terms = (Term(term.sign, tuple(Factor(names.get(item.parameter, item.parameter), item.power) for item in term.factors)) for term in self.terms)
+        return Expression(self.constant, tuple(terms))
 
     def render(self, prefix: str = "", power: str = "2^{}", suffix: str = "") -> str:
         """The expression as text, terms first: ``variant.singleturn_bits + 8``.
@@ -128,8 +156,7 @@ class Expression:
         """
         text = ""
         for term in self.terms:
-            atom = prefix + term.parameter
-            atom = power.format(atom) if term.power else atom
+            atom = " * ".join(power.format(prefix + item.parameter) if item.power else prefix + item.parameter for item in term.factors)
             if text:
                 text += (" + " if term.sign > 0 else " - ") + atom
             else:
@@ -147,9 +174,35 @@ def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
     """The sum with opposite terms cancelled and positive terms first."""
     kept: list[Term] = []
     for term in terms:
-        opposite = Term(-term.sign, term.parameter, term.power)
+        opposite = Term(-term.sign, term.factors)
         if opposite in kept:
             kept.remove(opposite)
         else:
             kept.append(term)
     return Expression(constant, tuple(sorted(kept, key=lambda term: -term.sign)))
+
+
+def _atom(match: re.Match[str]) -> Expression:
+    """A number, a parameter, or two to the power of either.
+
+    Raises:
+        ExpressionError: The power is out of reach.
+    """
+    power = match["power"] is not None
+    if match["name"] is not None:
+        return Expression(0, (Term(1, (Factor(match["name"], power),)),))
+    number = int(match["hex"], 16) if match["hex"] else int(match["number"])
+    if power and number > LARGEST_EXPONENT:
+        raise ExpressionError(f"2^{number} is more than any field can hold")
+    return Expression(2**number if power else number)
+
+
+def _value(factor: Factor, parameters: Mapping[str, int]) -> int:
+    if factor.parameter not in parameters:
+        raise ExpressionError(f"there is no parameter '{factor.parameter}'")
+    number = parameters[factor.parameter]
+    if not factor.power:
+        return number
+    if not 0 <= number <= LARGEST_EXPONENT:
+        raise ExpressionError(f"2^{factor.parameter} is out of reach with {factor.parameter} = {number}")
+    return 1 << number

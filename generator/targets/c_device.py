@@ -136,7 +136,7 @@ class DeviceView:
         assert item.equals is not None
         kind = unsigned(max(item.largest.bit_length(), 32))
         text = self.scope.text(item.equals)
-        if kind == "uint32_t" and any(term.power for term in item.equals.terms):
+        if kind == "uint32_t" and any(term.is_power for term in item.equals.terms):
             text = f"({kind}){bracketed(text)}"
         return Function(self.unique(f"{self.prefix}_{item.name}"), kind, "", (f"return {unbracketed(text)};",), self._meaning(item), needs_variant(text))
 

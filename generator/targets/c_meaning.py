@@ -40,7 +40,7 @@ def _functions(view: DeviceView, prefix: str, measurement: Measurement, over: st
 def _wide(view: DeviceView, expression: Expression) -> str:
     """The expression as a number of 64 bits."""
     text = view.scope.text(expression)
-    return unbracketed(text) if expression.terms and expression.terms[0].power else f"(uint64_t){bracketed(text)}"
+    return unbracketed(text) if expression.terms and expression.terms[0].is_power else f"(uint64_t){bracketed(text)}"
 
 
 def _of_angle(view: DeviceView, prefix: str, steps: Expression, turns: Expression | None, over: str, where: str) -> Iterable[Function]:

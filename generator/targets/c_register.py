@@ -202,7 +202,7 @@ class RegisterSource:
         largest = max((expression.value(parameters) for parameters in self._parameters), default=0)
         kind = unsigned(max(largest.bit_length(), 32))
         text = self.scope.text(expression)
-        body = text if kind == "uint64_t" or not any(term.power for term in expression.terms) else f"({kind}){bracketed(text)}"
+        body = text if kind == "uint64_t" or not any(term.is_power for term in expression.terms) else f"({kind}){bracketed(text)}"
         return Function(name, kind, "", (f"return {unbracketed(body)};",), f"{bounded}: {expression.render()}.", needs_variant(body))
 
 

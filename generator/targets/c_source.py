@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from ..expressions import Expression
+from ..expressions import Expression, Term
 from ..model import Device, Erratum, Register, cite
 from ..render import plain
 from ..words import sentence
@@ -270,10 +270,11 @@ class Scope:
 
     def text(self, expression: Expression) -> str:
         """The expression in C, unsigned throughout and never below zero on the way where the result is not."""
-        if len(expression.terms) == 1 and expression.terms[0].power and expression.terms[0].sign > 0 and expression.constant == -1:
-            return f"{self.maker}_mask({self.atom(expression.terms[0].parameter)})"
-        plus = [self._term(term.parameter, term.power) for term in expression.terms if term.sign > 0]
-        minus = [self._term(term.parameter, term.power) for term in expression.terms if term.sign < 0]
+        alone = expression.terms[0].factors if len(expression.terms) == 1 and expression.terms[0].sign > 0 else ()
+        if len(alone) == 1 and alone[0].power and expression.constant == -1:
+            return f"{self.maker}_mask({self.atom(alone[0].parameter)})"
+        plus = [self._term(term) for term in expression.terms if term.sign > 0]
+        minus = [self._term(term) for term in expression.terms if term.sign < 0]
         if expression.constant > 0 or not plus:
             plus.insert(0, number(max(expression.constant, 0)))
         elif len(expression.terms) > 1 or expression.constant < 0:
@@ -282,9 +283,14 @@ class Scope:
             minus.append(number(-expression.constant))
         return " + ".join(plus) + "".join(f" - {item}" for item in minus)
 
-    def _term(self, parameter: str, power: bool) -> str:
-        atom = self.atom(parameter)
-        return f"((uint64_t)1U << {atom})" if power else atom
+    def _term(self, term: Term) -> str:
+        """A product in C, of 64 bits where a power of two is in it, else of 32; a parameter alone keeps its own type."""
+        parts = [f"((uint64_t)1U << {self.atom(item.parameter)})" if item.power else self.atom(item.parameter) for item in term.factors]
+        if len(parts) == 1:
+            return parts[0]
+        if not term.factors[0].power:
+            parts[0] = f"({'uint64_t' if term.is_power else 'uint32_t'}){parts[0]}"
+        return f"({' * '.join(parts)})"
 
 
 def needs_variant(*code_of: object) -> bool:

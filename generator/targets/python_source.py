@@ -184,7 +184,7 @@ def _in_docstring(text: str) -> str:
 
 def expression(value: Expression, names: Mapping[str, str], owner: str) -> str:
     """The expression with each parameter as an attribute of ``owner``."""
-    renamed = Expression(value.constant, tuple(replace(term, parameter=names.get(term.parameter, term.parameter)) for term in value.terms))
+    renamed = value.renamed(names)
     if value.constant > 0 and all(term.sign < 0 for term in value.terms):
         parts = Expression(0, tuple(replace(term, sign=1) for term in renamed.terms)).render(prefix=f"{owner}.", power="(1 << {})")
         return f"{value.constant} - {parts.replace(' + ', ' - ')}"

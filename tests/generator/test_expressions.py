@@ -17,6 +17,10 @@ from codewheel.expressions import Expression, ExpressionError
         ("2^4 + multiturn_bits", 32, "multiturn_bits + 16"),
         ("singleturn_bits + multiturn_bits", 37, "singleturn_bits + multiturn_bits"),
         ("-1 + singleturn_bits", 20, "singleturn_bits - 1"),
+        ("singleturn_bits * multiturn_bits", 336, "multiturn_bits * singleturn_bits"),
+        ("2^multiturn_bits * singleturn_bits - 1", 1376255, "2^multiturn_bits * singleturn_bits - 1"),
+        ("singleturn_bits - singleturn_bits * multiturn_bits", -315, "singleturn_bits - multiturn_bits * singleturn_bits"),
+        ("8 - multiturn_bits * singleturn_bits", -328, "8 - multiturn_bits * singleturn_bits"),
     ],
 )
 def test_values(text: int | str, value: int, shown: str) -> None:
@@ -25,7 +29,7 @@ def test_values(text: int | str, value: int, shown: str) -> None:
     assert (expression + Expression(0)).render() == shown
 
 
-@pytest.mark.parametrize("text", ["", "+", "a +", "a b", "a * 2", "3^a", "a^2", "__import__('os')", "1 +", "A", "a\n; b", "2^", "(a)"])
+@pytest.mark.parametrize("text", ["", "+", "a +", "a b", "3^a", "a^2", "__import__('os')", "1 +", "A", "a\n; b", "2^", "(a)"])
 def test_what_is_no_expression(text: str) -> None:
     with pytest.raises(ExpressionError, match="is not a sum of numbers, parameters and powers of two"):
         Expression.parse(text)
@@ -45,6 +49,26 @@ def test_huge_exponents_by_parameter_are_refused() -> None:
 def test_unknown_parameters_are_named() -> None:
     with pytest.raises(ExpressionError, match="there is no parameter 'b'"):
         Expression.parse("a + b").value({"a": 1})
+
+
+@pytest.mark.parametrize("text", ["a * 2", "2 * a", "2^3 * a"])
+def test_a_product_has_no_numbers(text: str) -> None:
+    with pytest.raises(ExpressionError, match="a product is made of parameters and powers of two of parameters, not of numbers"):
+        Expression.parse(text)
+
+
+def test_products_multiply_out() -> None:
+    given = {"shown": Expression.parse("1 - hidden"), "width": Expression.parse("a + b")}
+    product = Expression.parse("width * shown").substitute(given)
+    assert product == Expression.parse("a + b - a * hidden - b * hidden")
+    assert product.value({"a": 20, "b": 4, "hidden": 1}) == 0
+    assert product.parameters == ("a", "b", "hidden")
+
+
+def test_a_product_of_long_sums_is_refused() -> None:
+    many = Expression.parse(" + ".join(f"a{number}" for number in range(9)))
+    with pytest.raises(ExpressionError, match="more than 64 terms"):
+        many * many
 
 
 def test_sums_cancel() -> None:
