@@ -321,7 +321,7 @@ def _measurement(raw: Raw, context: Context) -> Measurement | None:
     if "measurement" not in raw:
         return None
     found = raw["measurement"]
-    parts = {key: context.expression(found[key]) if key in found else None for key in ("steps_per_turn", "turns", "step_um", "steps")}
+    parts = {key: context.expression(found[key]) if key in found else None for key in ("steps_per_turn", "turns", "step_um", "steps", "highest")}
     return Measurement(of=found["of"], source=sources(found), **parts)
 
 

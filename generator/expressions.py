@@ -14,15 +14,13 @@ _OPERATOR = re.compile(r"[-+*]")
 
 #: No width, position or limit of any encoder comes near; it keeps a hostile spec from asking for a huge number.
 LARGEST_EXPONENT = 128
-#: A product of sums multiplies out; this bounds it.
-LARGEST_SUM = 64
 
 
 class ExpressionError(ValueError):
     """The text is no expression, or it has no value; the message says why."""
 
 
-@dataclass(frozen=True, slots=True, order=True)
+@dataclass(frozen=True, slots=True)
 class Factor:
     """A parameter, or two to the power of it when ``power`` is set."""
 
@@ -42,6 +40,10 @@ class Term:
         """Whether a power of two is among the factors."""
         return any(factor.power for factor in self.factors)
 
+    @property
+    def is_product(self) -> bool:
+        return len(self.factors) > 1
+
 
 @dataclass(frozen=True, slots=True)
 class Expression:
@@ -59,21 +61,21 @@ class Expression:
         """
         if isinstance(text, int):
             return cls(text)
-        result, product, position, sign = cls(), cls(1), 0, 1
+        result, factors, position, sign = cls(), cls(1), 0, 1
         if text.startswith("-"):
             sign, position = -1, 1
         while True:
             match = _TERM.match(text, position)
             if match is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
-            product = product * _atom(match)
+            factors = _times(factors, _atom(match))
             position = match.end()
             operator = _OPERATOR.match(text, position)
             if position < len(text) and operator is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
             if operator is None or operator[0] != "*":
-                result = result + product if sign > 0 else result - product
-                product = cls(1)
+                result = result + factors if sign > 0 else result - factors
+                factors = cls(1)
             if operator is None:
                 return result
             sign = {"+": 1, "-": -1, "*": sign}[operator[0]]
@@ -105,16 +107,16 @@ class Expression:
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
         """The same with parameters that follow from others replaced by what they equal.
 
-        A power keeps its parameter: two to a sum is no sum.
+        Powers and products keep theirs, since two to a sum is no sum, and so does a parameter that follows from a product: its name reads better.
         """
         result = Expression(self.constant)
         for term in self.terms:
-            product = Expression(1)
-            for factor in term.factors:
-                inner = definitions.get(factor.parameter)
-                known = inner is not None and not factor.power
-                product *= inner.substitute(definitions) if inner is not None and known else Expression(0, (Term(1, (factor,)),))
-            result = result + product if term.sign > 0 else result - product
+            inner = definitions.get(term.factors[0].parameter)
+            if inner is None or term.is_product or term.is_power or any(item.is_product for item in inner.terms):
+                result += Expression(0, (term,))
+            else:
+                inner = inner.substitute(definitions)
+                result = result + inner if term.sign > 0 else result - inner
         return result
 
     def __add__(self, other: Expression) -> Expression:
@@ -123,23 +125,6 @@ class Expression:
     def __sub__(self, other: Expression) -> Expression:
         negated = tuple(Term(-term.sign, term.factors) for term in other.terms)
         return _simplified(self.constant - other.constant, self.terms + negated)
-
-    def __mul__(self, other: Expression) -> Expression:
-        """The product, multiplied out.
-
-        Raises:
-            ExpressionError: A number other than 1 would stand before a parameter.
-        """
-        if self.is_constant and other.is_constant:
-            return Expression(self.constant * other.constant)
-        if any(one.terms and abs(another.constant) > 1 for one, another in ((self, other), (other, self))):
-            raise ExpressionError("a product is made of parameters and powers of two of parameters, not of numbers")
-        terms = [Term(mine.sign * its.sign, tuple(sorted((*mine.factors, *its.factors)))) for mine in self.terms for its in other.terms]
-        for one, another in ((self, other), (other, self)):
-            terms += [Term(term.sign * another.constant, term.factors) for term in one.terms if another.constant]
-        if len(terms) > LARGEST_SUM:
-            raise ExpressionError(f"the product has more than {LARGEST_SUM} terms")
-        return _simplified(self.constant * other.constant, tuple(terms))
 
     def renamed(self, names: Mapping[str, str]) -> Expression:
         """The same over other names; a parameter that is not among ``names`` keeps its own."""
@@ -195,6 +180,19 @@ def _atom(match: re.Match[str]) -> Expression:
     if power and number > LARGEST_EXPONENT:
         raise ExpressionError(f"2^{number} is more than any field can hold")
     return Expression(2**number if power else number)
+
+
+def _times(one: Expression, other: Expression) -> Expression:
+    """The product of two atoms or products of atoms.
+
+    Raises:
+        ExpressionError: A number stands in a product.
+    """
+    if one == Expression(1):
+        return other
+    if one.is_constant or other.is_constant:
+        raise ExpressionError("a product is made of parameters and powers of two of parameters, not of numbers")
+    return Expression(0, (Term(1, (*one.terms[0].factors, *other.terms[0].factors)),))
 
 
 def _value(factor: Factor, parameters: Mapping[str, int]) -> int:

@@ -86,4 +86,5 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         if item is not None:
             members = (("counts in a revolution", item.steps_per_turn), ("revolutions", item.turns), ("µm to a count", item.step_um), ("counts in all", item.steps))
             words = [f"{expression(value)} {name}" for name, value in members if value is not None]
+            words += [f"{expression(item.highest)} the highest"] if item.highest is not None else []
             yield code(item.of) + (f" over {over}" if over else ""), "<br>".join(words), cited(item.source)

@@ -85,5 +85,5 @@ def _of_layout(layout: Layout) -> Iterator[Expression]:
 
 
 def _of_measurement(measurement: Measurement) -> Iterator[Expression]:
-    found = (measurement.steps_per_turn, measurement.turns, measurement.step_um, measurement.steps)
+    found = (measurement.steps_per_turn, measurement.turns, measurement.step_um, measurement.steps, measurement.highest)
     yield from (item for item in found if item is not None)

@@ -17,11 +17,11 @@ from .description import NAMESPACE, XSD_NAME, Member, Shape, members, show_schem
 _XS = "http://www.w3.org/2001/XMLSchema"
 _ABOUT = """Full description of an absolute encoder, version 1, by the project codewheel. It is no format of iC-Haus or of any maker.
 The root is device_description. Elements and attributes have the names of what codewheel show --json prints.
-Numbers are decimal and bit 0 is the least significant. Where a position or a limit depends on the order code it is a sum of numbers, parameters and powers of two,
+Numbers are decimal and bit 0 is the least significant. Where a position or a limit depends on the order code it is a sum of numbers, parameters, powers of two and products of these,
 such as 48 - singleturn_bits; each order_code gives the value of every parameter.
 What is left out has the default of this schema, or else is not said by the manual or does not apply. A source element cites the manual; what has none has those of the element around it.
 This file is made from show.schema.json by: python -m codewheel.xsd generator/spec/device-description.xsd"""
-_EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-] (2\^)?[a-z0-9_]+)*"
+_EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 
 def schema_text() -> str:

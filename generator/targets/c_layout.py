@@ -265,7 +265,8 @@ class LayoutSource:
             rows.append((self._where(field), "-" if field.name.startswith("zero_") else field.name, self._holds(field)))
         if not rows:
             return
-        places, names = max(len(row[0]) for row in rows), max(len(row[1]) for row in rows)
+        # A place too long for the column has its text below, and does not widen the column for the others.
+        places, names = max((len(row[0]) for row in rows if len(row[0]) <= _PLACE), default=0), max(len(row[1]) for row in rows)
         for place, name, holds in rows:
             yield (f"  {place:{places}}  {name:{names}}  ", holds) if holds else (f"  {place:{places}}  ", name)
 
@@ -299,6 +300,10 @@ class LayoutSource:
             return f"byte {pieces[0].byte} {bits}" if self.length > 1 else bits
         numbers = [piece.byte for piece in pieces]
         return f"byte {numbers[0]}" if len(numbers) == 1 else f"bytes {min(numbers)} to {max(numbers)}"
+
+
+#: The widest column of places in a comment.
+_PLACE = 50
 
 
 def _only_piece(piece: Piece) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..expressions import Expression
 from ..model import Interface, Measurement, cite
-from .c_source import bracketed, needs_variant, unbracketed
+from .c_source import bracketed, needs_variant, plain_expression, unbracketed
 from .c_views import Function
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def _functions(view: DeviceView, prefix: str, measurement: Measurement, over: st
     if measurement.steps_per_turn is not None:
         yield from _of_angle(view, prefix, measurement.steps_per_turn, measurement.turns, over, where)
     elif measurement.step_um is not None:
-        yield from _of_length(view, prefix, measurement.step_um, measurement.steps, over, where)
+        yield from _of_length(view, prefix, measurement, over, where)
 
 
 def _wide(view: DeviceView, expression: Expression) -> str:
@@ -58,9 +58,13 @@ def _of_angle(view: DeviceView, prefix: str, steps: Expression, turns: Expressio
     yield Function(view.unique(f"{prefix}_degrees"), "double", "uint64_t position", lines, f"A position{over} in degrees within its revolution, from 0 to below 360.", True)
 
 
-def _of_length(view: DeviceView, prefix: str, step: Expression, steps: Expression | None, over: str, where: str) -> Iterable[Function]:
-    if steps is not None:
-        yield from _rolling(view, prefix, _wide(view, steps), f"The position{over} starts again at 0 after so many counts {where}.")
+def _of_length(view: DeviceView, prefix: str, measurement: Measurement, over: str, where: str) -> Iterable[Function]:
+    step = measurement.step_um
+    assert step is not None
+    if measurement.steps is not None:
+        shifted = f" An offset moves all positions up, to {plain_expression(measurement.highest)} at most." if measurement.highest is not None else ""
+        about = f"The position{over} starts again at 0 after so many counts {where}.{shifted}"
+        yield from _rolling(view, prefix, _wide(view, measurement.steps), about)
     width = str(step.constant) if step.is_constant else f"(int64_t){bracketed(view.scope.text(step))}"
     lines: tuple[str, ...] = (f"const int64_t step = {width};", "return position * step;")
     yield Function(view.unique(f"{prefix}_micrometres"), "int64_t", "int64_t position", lines, f"A position{over} in micrometres {where}; the product has to fit into 64 bits.", needs_variant(lines))

@@ -133,6 +133,20 @@ class Variants:
         doc = f"Counts after which ``{counts}`` starts again: the highest one is 1 less."
         return self._measure("modulus", "int", doc, branches) if branches else None
 
+    @property
+    def highest(self) -> Measure | None:
+        """The highest number sent, where an offset can move the positions above ``modulus``."""
+        known = [(interface.kind, self._measurement(interface)) for interface in self.device.interfaces]
+        if not any(measurement is not None and measurement.highest is not None for _, measurement in known):
+            return None
+        branches = []
+        for interface, measurement in known:
+            if measurement is not None:
+                own = self._of_self(measurement.highest) if measurement.highest is not None else "self.modulus - 1"
+                branches.append((interface, own))
+        doc = f"The highest ``{self.measured}``: where an offset moves all of them up, it is not below ``modulus``."
+        return self._measure("highest", "int", doc, branches)
+
     def _measure(self, name: str, kind: str, doc: str, branches: list[tuple[str, str]], arguments: str = "") -> Measure:
         """A method; where not every interface has a value, or not all the same one, it tells them apart."""
         everywhere = len(branches) == len(self.device.interfaces)

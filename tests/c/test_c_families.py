@@ -75,6 +75,17 @@ def frame_line(table: Table, variant: Variant, example: Example) -> tuple[str, s
     return f"{variant.code} decode {name} {wire}", f"0 {table.row(name, decoded.layout, decoded.number)}"
 
 
+def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
+    """F0 00 00h is the highest offset at 50 µm (6.4 p.32); the position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
+    device, run = family
+    if device.name != "sma21":
+        return
+    frame = "F0007BE4"
+    given = [f"SMA21-SC1-0050{state} decode single_cycle_data {frame}" for state in ("", ";configuration=20", ";configuration=22")]
+    assert run(given)[:2] == [str(FAULTS["constant"])] * 2
+    assert run(given)[2] == f"0 {0xF0007B} 0 0"
+
+
 # -- procedures
 
 

@@ -195,6 +195,26 @@ def test_frames_follow_registers(lika: Any) -> None:
     assert encoder.with_registers({0x4F: 0}).used_revolutions == 65536
 
 
+def test_an_offset_takes_the_whole_position_field(lika: Any) -> None:
+    """F0 00 00h is the highest offset at 50 µm (6.4 p.32); the position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
+    encoder = lika.lookup("SMA21-SC1-0050")
+    word = 0xF0007BE4
+    with pytest.raises(lika.ConstantError, match="padding"):
+        encoder.decode(word)
+    shifted = encoder.with_registers({0x49: 0x22})
+    frame = shifted.decode(word)
+    assert (frame.position, frame.error, frame.warning, frame.encode()) == (0xF0007B, False, False, word)
+    assert (encoder.highest, shifted.highest, shifted.modulus) == (0xFFFFF, 0xFFFFFF, 0x100000)
+    # As many positions as before, from the offset on: past the highest of them the count goes on.
+    assert shifted.unwrap(0xFFFFFF, 0xF00000) == 0x1000000
+    assert shifted.unwrap(0xF0007B, 0xF0007A) == 0xF0007A
+    with pytest.raises(lika.RangeError):
+        encoder.unwrap(0, 0xF00000)
+    assert lika.lookup("SMA21-SC1-0001").with_registers({0x49: 0x22}).scd_value_bits == 25
+    gray = encoder.with_registers({0x49: 0x02})
+    assert gray.decode(lika.sma21.SingleCycleData(gray, 0xF0007B).encode()).position == 0xF0007B
+
+
 def test_registers_that_cannot_be(lika: Any) -> None:
     encoder = lika.lookup("AM3616/4096-I7")
     with pytest.raises(lika.RangeError, match="0 to 20"):

@@ -253,9 +253,12 @@ def to_gray(number: int, low: int, width: int) -> int:
     return number & ~(mask << low) | (binary ^ binary >> 1) << low
 
 
-def unwrap(previous: int, position: int, modulus: int) -> int:
-    """The count nearest to ``previous`` that shows as ``position`` where the count starts again after ``modulus``."""
-    check_limits("position", position, (0, modulus - 1))
+def unwrap(previous: int, position: int, modulus: int, highest: int | None = None) -> int:
+    """The count nearest to ``previous`` that shows as ``position`` where the count starts again after ``modulus``.
+
+    ``highest`` is the highest ``position`` where that is not ``modulus - 1``.
+    """
+    check_limits("position", position, (0, modulus - 1 if highest is None else highest))
     return previous + (position - previous + modulus // 2) % modulus - modulus // 2
 
 

@@ -173,7 +173,11 @@ class Variant:
         resolution_um: Resolution; the length of one count (µm, 4.10 p.18; 5.2 p.20).
         position_bits: Bits of the position over SSI and BiSS, padding not counted (bits, 5.2 p.20; 6.2 p.25).
         ssi_gray: Whether the SSI word carries the position in Gray code, 1, or in binary, 0 (4.1 p.15; 5.2 p.20).
-        scd_padding_bits: Zeros above the position in the position field of the BiSS single cycle data (bits, 6.2 p.25).
+        scd_padding_bits: Bits above the position in the position field of the BiSS single cycle data; zeros unless an
+            offset is selected (bits, 6.2 p.25; 6.4 p.32).
+        offset_selected: Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset holds an offset,
+            0 while a preset (6.4 p.30; 6.4 p.32). Over BiSS C-mode only. The default of
+            configuration.select_preset_offset, unless with_registers() gives another.
         profile_id: Profile ID in the BiSS registers 42h and 43h (6.4 p.28).
         output_code: Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary (6.4 p.31). Over BiSS C-mode
             only. The default of configuration.output_code, unless with_registers() gives another.
@@ -193,6 +197,7 @@ class Variant:
     position_bits: int
     ssi_gray: int
     scd_padding_bits: int
+    offset_selected: int
     profile_id: int
     output_code: int
     rs485_position_bits: int
@@ -209,6 +214,13 @@ class Variant:
     def scd_position_bits(self) -> int:
         """Bits of the position field of the BiSS single cycle data, 24 or 25 (bits, 6.2 p.25)."""
         return self.position_bits + self.scd_padding_bits
+
+    @property
+    def scd_value_bits(self) -> int:
+        """Bits of the position in the BiSS single cycle data, the whole field while an offset is selected (bits, 6.2
+        p.25; 6.4 p.32).
+        """
+        return self.position_bits + self.scd_padding_bits * self.offset_selected
 
     @property
     def biss_gray(self) -> int:
@@ -228,6 +240,7 @@ class Variant:
         found = held_parameters(_HELD, held, self.interface)
         return dataclasses.replace(
             self,
+            offset_selected=found.get("offset_selected", self.offset_selected),
             output_code=found.get("output_code", self.output_code),
         )
 
@@ -246,6 +259,13 @@ class Variant:
             return 1 << self.rs485_position_bits
         return 1 << self.position_bits
 
+    @property
+    def highest(self) -> int:
+        """The highest ``position``: where an offset moves all of them up, it is not below ``modulus``."""
+        if self.interface is Interface.BISS:
+            return (1 << self.scd_value_bits) - 1
+        return self.modulus - 1
+
     def unwrap(self, previous: int, position: int) -> int:
         """The count nearest to ``previous`` that shows as ``position``: it goes on where that starts again.
 
@@ -253,9 +273,9 @@ class Variant:
         move by less than half of ``modulus``.
 
         Raises:
-            RangeError: ``position`` is not below ``modulus``.
+            RangeError: ``position`` is above ``highest``.
         """
-        return unwrap(previous, position, self.modulus)
+        return unwrap(previous, position, self.modulus, self.highest)
 
     def decode(self, frame: int | bytes) -> Frame:
         """What the encoder sent: bytes, or where the line carries bits one number, the first bit most significant.
@@ -556,6 +576,11 @@ class SsiWord(NamedTuple):
 
 # BiSS C-mode
 #
+# Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
+# offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
+# register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the position,
+# and a frame with another bit there is refused.
+#
 # Erratum profile_variants, open (6.4 p.28; asc85: 6.4 p.23). Printed: Variant 0-24+++ and 2819h for a field of 25 bits,
 # Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed.
 #
@@ -622,9 +647,10 @@ class SingleCycleData(NamedTuple):
 
     In the manual: Single Cycle Data SCD.
 
-    32 bits from 50 µm to 2 µm, 33 bits at 1 µm. The position is right-aligned in a field of 24 or 25 bits, zeros above
-    it, most significant bit first. Output code Gray: zeros above a number stay zeros in Gray code, so that it does not
-    matter whether they are taken in; that error and warning bit are not taken in is assumed.
+    32 bits from 50 µm to 2 µm, 33 bits at 1 µm. The position is right-aligned in a field of 24 or 25 bits, most
+    significant bit first, with zeros above it. While an offset is selected (bit 1 of the register Configuration) it
+    takes the whole field. Output code Gray: zeros above a number stay zeros in Gray code, so that it does not matter
+    whether they are taken in; that error and warning bit are not taken in is assumed.
 
     Erratum gray_scope, open (5.2 p.20; 6.4 p.31). Printed: The output code can be binary or Gray, without saying which
     bits of the frame it covers. Used: The position alone; error and warning bit and the CRC are sent as they are.
@@ -633,8 +659,9 @@ class SingleCycleData(NamedTuple):
     50 µm to 2 µm, 33 bits at 1 µm.
 
     Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
-    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.2; a frame with a bit set above the
-    position is refused.
+    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
+    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
+    position, and a frame with another bit there is refused.
 
     Erratum position_below_zero, open (6.4 p.32; 7.3.3.2 p.41). Printed: Positions before the preset get a value
     according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position
@@ -673,12 +700,12 @@ class SingleCycleData(NamedTuple):
         if remainder := _remainder_biss_6_33(word ^ 0x3F):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
         if variant.biss_gray:
-            word = from_gray(word, 8, variant.position_bits)
-        if word >> (variant.position_bits + 8):
-            raise ConstantError("padding", word >> (variant.position_bits + 8), 0)
+            word = from_gray(word, 8, variant.scd_value_bits)
+        if word >> (variant.scd_value_bits + 8):
+            raise ConstantError("padding", word >> (variant.scd_value_bits + 8), 0)
         return cls(
             variant,
-            word >> 8 & ((1 << variant.position_bits) - 1),
+            word >> 8 & ((1 << variant.scd_value_bits) - 1),
             not word & 0x80,
             not word & 0x40,
         )
@@ -690,18 +717,22 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("position", self.position, variant.position_bits)
+        check_width("position", self.position, variant.scd_value_bits)
         number = self.position << 8 | (not self.error) << 7 | (not self.warning) << 6
         if variant.biss_gray:
-            number = to_gray(number, 8, variant.position_bits)
+            number = to_gray(number, 8, variant.scd_value_bits)
         return number | _remainder_biss_6_33(number) ^ 0x3F
 
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         return (
-            BitField("padding", variant.position_bits + 8, variant.scd_padding_bits),
-            BitField("position", 8, variant.position_bits),
+            BitField(
+                "padding",
+                variant.scd_value_bits + 8,
+                variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
+            ),
+            BitField("position", 8, variant.scd_value_bits),
             BitField("error", 7, 1),
             BitField("warning", 6, 1),
             BitField("crc", 0, 6),
@@ -1314,7 +1345,11 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             ),
         ),
         "single_cycle_data": (
-            FieldFacts(name="padding", meaning="Zeros above the position, part of the manual's Posizione", constant=0),
+            FieldFacts(
+                name="padding",
+                meaning="Zeros above the position, part of the manual's Posizione; none while an offset is selected",
+                constant=0,
+            ),
             FieldFacts(
                 name="position",
                 meaning="Position in counts; times the resolution it is a length",
@@ -2133,6 +2168,11 @@ class Configuration(NamedTuple):
 
     A new setting is active at once after its transmission; save it with the Command register.
 
+    Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
+    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
+    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
+    position, and a frame with another bit there is refused.
+
     Erratum configuration_bit_8, settled (6.6.1 p.35; 6.4 p.30). Printed: Bit 8 Direzione di conteggio. Used: Bit 6.
 
     Attributes:
@@ -2270,8 +2310,9 @@ class PresetOffset(NamedTuple):
     at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
     Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
-    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.2; a frame with a bit set above the
-    position is refused.
+    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
+    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
+    position, and a frame with another bit there is refused.
 
     Erratum offset_meaning, open (6.4 p.32). Printed: An offset gives a position a wanted value, is applied to the
     position at its activation, and shifts all values by its amount. Used: All transmitted values are shifted by the
@@ -2561,6 +2602,17 @@ class ManufacturerId(NamedTuple):
 #: Parameters that registers hold at run time.
 _HELD: Final = (
     Held(
+        parameter="offset_selected",
+        interface=Interface.BISS,
+        address=Address.CONFIGURATION,
+        default=b"\x20",
+        order="big",
+        low=1,
+        width=1,
+        min=0,
+        max=1,
+    ),
+    Held(
         parameter="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
@@ -2693,7 +2745,13 @@ def set_offset(variant: Variant, offset: int) -> tuple[Step, ...]:
 
     Before: Sensor at rest at the wanted position. At 2 µm and 1 µm only 0 is within the limits.
 
-    After: The transmitted positions are shifted by the offset.
+    After: The transmitted positions are shifted by the offset. From the selection on the position takes the whole field
+    of the single cycle data, so a decoder has to know what the register Configuration holds.
+
+    Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
+    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
+    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
+    position, and a frame with another bit there is refused.
 
     Erratum offset_meaning, open (6.4 p.32). Printed: An offset gives a position a wanted value, is applied to the
     position at its activation, and shifts all values by its amount. Used: All transmitted values are shifted by the
@@ -3625,14 +3683,28 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions "
             "of 20 bits"
         ),
-        used="6.2; a frame with a bit set above the position is refused.",
+        used=(
+            "6.4 while an offset is selected in the register Configuration: the position takes the whole field of 24 "
+            "or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused."
+        ),
         why=(
-            "The offset is limited so that the sum fits the 24-bit field, not the bits of the position. With an "
-            "offset the bits above them would carry data from 50 µm to 5 µm."
+            "The limit of the offset is the whole field less the positions of the resolution, with a reference to "
+            "that field: the sum is meant to fill it, so that from 50 µm to 5 µm the bits above the position carry "
+            "data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame of one with "
+            "an offset could show."
         ),
         status="open",
         severity="wrong_data",
-        affects=("interfaces.biss.single_cycle_data", "registers.preset_offset", "parameters.scd_padding_bits"),
+        affects=(
+            "interfaces.biss.single_cycle_data",
+            "interfaces.biss.measurement",
+            "registers.preset_offset",
+            "registers.configuration",
+            "procedures.set_offset",
+            "parameters.scd_padding_bits",
+            "parameters.offset_selected",
+            "parameters.scd_value_bits",
+        ),
         source="6.2 p.25; 6.4 p.32",
     ),
     Erratum(
@@ -4059,6 +4131,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=0,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4071,6 +4144,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=0,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4083,6 +4157,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=0,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4095,6 +4170,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4107,6 +4183,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4119,6 +4196,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=0,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4131,6 +4209,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=0,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4143,6 +4222,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=0,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4155,6 +4235,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4167,6 +4248,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4179,6 +4261,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=1,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4191,6 +4274,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=1,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4203,6 +4287,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=1,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4215,6 +4300,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4227,6 +4313,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4239,6 +4326,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=1,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4251,6 +4339,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=1,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4263,6 +4352,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=1,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4275,6 +4365,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4287,6 +4378,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4299,6 +4391,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=1,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4311,6 +4404,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=1,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4323,6 +4417,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=1,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4335,6 +4430,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4347,6 +4443,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4359,6 +4456,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=1,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4371,6 +4469,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=1,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4383,6 +4482,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=1,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4395,6 +4495,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4407,6 +4508,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=1,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4419,6 +4521,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=0,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4431,6 +4534,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=0,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4443,6 +4547,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=0,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4455,6 +4560,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4467,6 +4573,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4479,6 +4586,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=0,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4491,6 +4599,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=0,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4503,6 +4612,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=0,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4515,6 +4625,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4527,6 +4638,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4539,6 +4651,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=20,
                 ssi_gray=0,
                 scd_padding_bits=4,
+                offset_selected=0,
                 profile_id=10_260,
                 output_code=1,
                 rs485_position_bits=20,
@@ -4551,6 +4664,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=22,
                 ssi_gray=0,
                 scd_padding_bits=2,
+                offset_selected=0,
                 profile_id=10_262,
                 output_code=1,
                 rs485_position_bits=22,
@@ -4563,6 +4677,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=23,
                 ssi_gray=0,
                 scd_padding_bits=1,
+                offset_selected=0,
                 profile_id=10_263,
                 output_code=1,
                 rs485_position_bits=23,
@@ -4575,6 +4690,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=24,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_264,
                 output_code=1,
                 rs485_position_bits=24,
@@ -4587,6 +4703,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 position_bits=25,
                 ssi_gray=0,
                 scd_padding_bits=0,
+                offset_selected=0,
                 profile_id=10_265,
                 output_code=1,
                 rs485_position_bits=24,

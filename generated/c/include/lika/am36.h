@@ -502,13 +502,10 @@ static inline lika_result lika_am36_ssi_word_encode(
  * multiturn and singleturn are coded as one word; where the number of revolutions is no power of
  * two, the step from the last position to the first then changes several bits at a time.
  *   used_multiturn_bits from bit used_singleturn_bits + 8 up  multiturn
- *   used_singleturn_bits from bit 8 up                        singleturn
- *   bit 7                                                     error
- *         Error, nE; always 0x1
- *   bit 6                                                     warning
- *         Warning, nW; always 0x1
- *   bits 5:0                                                  crc
- *         CRC; CRC biss_6 over everything before it
+ *   used_singleturn_bits from bit 8 up  singleturn
+ *   bit 7                               error       Error, nE; always 0x1
+ *   bit 6                               warning     Warning, nW; always 0x1
+ *   bits 5:0                            crc         CRC; CRC biss_6 over everything before it
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
  *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;

@@ -68,8 +68,10 @@ extern "C" {
  *                 code, the supply and the incremental signals. Used: BG is binary and GG is Gray;
  *                 supply 1 is +5 V, 4 is +5 V to +30 V. [4.1 p.15; 5.1; 5.2 p.20]
  * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.2; a frame with a bit set
- *                 above the position is refused. [6.2 p.25; 6.4 p.32]
+ *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
+ *                 selected in the register Configuration: the position takes the whole field of 24
+ *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
+ *                 there is refused. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
  *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
  *                 6.4 p.23]
@@ -81,8 +83,17 @@ typedef struct lika_sma21_variant {
     uint8_t position_bits; /* Bits of the position over SSI and BiSS, padding not counted [bits] */
     /* Whether the SSI word carries the position in Gray code, 1, or in binary, 0 */
     uint8_t ssi_gray;
-    /* Zeros above the position in the position field of the BiSS single cycle data [bits] */
+    /*
+     * Bits above the position in the position field of the BiSS single cycle data; zeros unless an
+     * offset is selected [bits]
+     */
     uint8_t scd_padding_bits;
+    /*
+     * Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset holds an
+     * offset, 0 while a preset; held at run time in Configuration, 49h:
+     * lika_sma21_take_configuration()
+     */
+    uint8_t offset_selected;
     uint16_t profile_id; /* Profile ID in the BiSS registers 42h and 43h */
     /*
      * Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary; held at run time in
@@ -100,51 +111,51 @@ typedef struct lika_sma21_variant {
  * The variant of each order code, for one chosen at compile time:
  *   static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0050;
  */
-#define LIKA_SMA21_BG1_0050 { 50U, 20U, 0U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_BG1_0010 { 10U, 22U, 0U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_BG1_0005 { 5U, 23U, 0U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_BG1_0002 { 2U, 24U, 0U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_BG1_0001 { 1U, 25U, 0U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_BG4_0050 { 50U, 20U, 0U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_BG4_0010 { 10U, 22U, 0U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_BG4_0005 { 5U, 23U, 0U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_BG4_0002 { 2U, 24U, 0U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_BG4_0001 { 1U, 25U, 0U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_GG1_0050 { 50U, 20U, 1U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_GG1_0010 { 10U, 22U, 1U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_GG1_0005 { 5U, 23U, 1U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_GG1_0002 { 2U, 24U, 1U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_GG1_0001 { 1U, 25U, 1U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_GG4_0050 { 50U, 20U, 1U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_GG4_0010 { 10U, 22U, 1U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_GG4_0005 { 5U, 23U, 1U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_GG4_0002 { 2U, 24U, 1U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_GG4_0001 { 1U, 25U, 1U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_G11_0050 { 50U, 20U, 1U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_G11_0010 { 10U, 22U, 1U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_G11_0005 { 5U, 23U, 1U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_G11_0002 { 2U, 24U, 1U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_G11_0001 { 1U, 25U, 1U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_G14_0050 { 50U, 20U, 1U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_G14_0010 { 10U, 22U, 1U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_G14_0005 { 5U, 23U, 1U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_G14_0002 { 2U, 24U, 1U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_G14_0001 { 1U, 25U, 1U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_SC1_0050 { 50U, 20U, 0U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_SC1_0010 { 10U, 22U, 0U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_SC1_0005 { 5U, 23U, 0U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_SC1_0002 { 2U, 24U, 0U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_SC1_0001 { 1U, 25U, 0U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_SC4_0050 { 50U, 20U, 0U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_SC4_0010 { 10U, 22U, 0U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_SC4_0005 { 5U, 23U, 0U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_SC4_0002 { 2U, 24U, 0U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_SC4_0001 { 1U, 25U, 0U, 0U, 0x2819U, 1U, 24U }
-#define LIKA_SMA21_JP1_0050 { 50U, 20U, 0U, 4U, 0x2814U, 1U, 20U }
-#define LIKA_SMA21_JP1_0010 { 10U, 22U, 0U, 2U, 0x2816U, 1U, 22U }
-#define LIKA_SMA21_JP1_0005 { 5U, 23U, 0U, 1U, 0x2817U, 1U, 23U }
-#define LIKA_SMA21_JP1_0002 { 2U, 24U, 0U, 0U, 0x2818U, 1U, 24U }
-#define LIKA_SMA21_JP1_0001 { 1U, 25U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_BG1_0050 { 50U, 20U, 0U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_BG1_0010 { 10U, 22U, 0U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_BG1_0005 { 5U, 23U, 0U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_BG1_0002 { 2U, 24U, 0U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_BG1_0001 { 1U, 25U, 0U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_BG4_0050 { 50U, 20U, 0U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_BG4_0010 { 10U, 22U, 0U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_BG4_0005 { 5U, 23U, 0U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_BG4_0002 { 2U, 24U, 0U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_BG4_0001 { 1U, 25U, 0U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_GG1_0050 { 50U, 20U, 1U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_GG1_0010 { 10U, 22U, 1U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_GG1_0005 { 5U, 23U, 1U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_GG1_0002 { 2U, 24U, 1U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_GG1_0001 { 1U, 25U, 1U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_GG4_0050 { 50U, 20U, 1U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_GG4_0010 { 10U, 22U, 1U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_GG4_0005 { 5U, 23U, 1U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_GG4_0002 { 2U, 24U, 1U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_GG4_0001 { 1U, 25U, 1U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_G11_0050 { 50U, 20U, 1U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_G11_0010 { 10U, 22U, 1U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_G11_0005 { 5U, 23U, 1U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_G11_0002 { 2U, 24U, 1U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_G11_0001 { 1U, 25U, 1U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_G14_0050 { 50U, 20U, 1U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_G14_0010 { 10U, 22U, 1U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_G14_0005 { 5U, 23U, 1U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_G14_0002 { 2U, 24U, 1U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_G14_0001 { 1U, 25U, 1U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_SC1_0050 { 50U, 20U, 0U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_SC1_0010 { 10U, 22U, 0U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_SC1_0005 { 5U, 23U, 0U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_SC1_0002 { 2U, 24U, 0U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_SC1_0001 { 1U, 25U, 0U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_SC4_0050 { 50U, 20U, 0U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_SC4_0010 { 10U, 22U, 0U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_SC4_0005 { 5U, 23U, 0U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_SC4_0002 { 2U, 24U, 0U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_SC4_0001 { 1U, 25U, 0U, 0U, 0U, 0x2819U, 1U, 24U }
+#define LIKA_SMA21_JP1_0050 { 50U, 20U, 0U, 4U, 0U, 0x2814U, 1U, 20U }
+#define LIKA_SMA21_JP1_0010 { 10U, 22U, 0U, 2U, 0U, 0x2816U, 1U, 22U }
+#define LIKA_SMA21_JP1_0005 { 5U, 23U, 0U, 1U, 0U, 0x2817U, 1U, 23U }
+#define LIKA_SMA21_JP1_0002 { 2U, 24U, 0U, 0U, 0U, 0x2818U, 1U, 24U }
+#define LIKA_SMA21_JP1_0001 { 1U, 25U, 0U, 0U, 0U, 0x2819U, 1U, 24U }
 
 /* Positions that are told apart over SSI and BiSS; the manual's "max. informazioni" [counts] */
 static inline uint32_t lika_sma21_positions(const lika_sma21_variant *variant)
@@ -156,6 +167,16 @@ static inline uint32_t lika_sma21_positions(const lika_sma21_variant *variant)
 static inline uint32_t lika_sma21_scd_position_bits(const lika_sma21_variant *variant)
 {
     return (uint32_t)variant->position_bits + variant->scd_padding_bits;
+}
+
+/*
+ * Bits of the position in the BiSS single cycle data, the whole field while an offset is selected
+ * [bits]
+ */
+static inline uint32_t lika_sma21_scd_value_bits(const lika_sma21_variant *variant)
+{
+    return (uint32_t)variant->position_bits +
+        ((uint32_t)variant->scd_padding_bits * variant->offset_selected);
 }
 
 /* Whether the BiSS single cycle data carries the position in Gray code, 1, or in binary, 0 */
@@ -531,24 +552,27 @@ static inline lika_result lika_sma21_ssi_word_encode(
  * Single cycle data, sent by the encoder: position_bits + scd_padding_bits + 8 bits [6.2 p.25].
  * In the manual: Single Cycle Data SCD.
  * 32 bits from 50 um to 2 um, 33 bits at 1 um. The position is right-aligned in a field of 24 or 25
- * bits, zeros above it, most significant bit first. Output code Gray: zeros above a number stay
+ * bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the
+ * register Configuration) it takes the whole field. Output code Gray: zeros above a number stay
  * zeros in Gray code, so that it does not matter whether they are taken in; that error and warning
  * bit are not taken in is assumed.
- *   scd_padding_bits from bit position_bits + 8 up  padding   always 0; Zeros above the position,
- *                                                             part of the manual's Posizione
- *   position_bits from bit 8 up                     position
- *   bit 7                                           error     active low
- *   bit 6                                           warning   active low
- *   bits 5:0                                        crc       CRC; CRC biss_6 over everything
- *                                                             before it
+ *   position_bits + scd_padding_bits - scd_value_bits from bit scd_value_bits + 8 up  padding
+ *         always 0; Zeros above the position, part of the manual's Posizione; none while an offset
+ *         is selected
+ *   scd_value_bits from bit 8 up  position
+ *   bit 7                         error     active low
+ *   bit 6                         warning   active low
+ *   bits 5:0                      crc       CRC; CRC biss_6 over everything before it
  * Erratum (open): printed: The output code can be binary or Gray, without saying which bits of the
  *                 frame it covers. Used: The position alone; error and warning bit and the CRC are
  *                 sent as they are. [5.2 p.20; 6.4 p.31]
  * Erratum (settled): printed: SCD (32 bit), with a position of 24 or 25 bits. Used: 32 bits from 50
  *                    um to 2 um, 33 bits at 1 um. [6.2 p.25]
  * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.2; a frame with a bit set
- *                 above the position is refused. [6.2 p.25; 6.4 p.32]
+ *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
+ *                 selected in the register Configuration: the position takes the whole field of 24
+ *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
+ *                 there is refused. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: Positions before the preset get a value according to it, without saying
  *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
  *                 position starts again after 2^position_bits counts, in the 24-bit replies over
@@ -616,9 +640,9 @@ static inline lika_result lika_sma21_single_cycle_data_decode(
         return LIKA_FAULT_CRC;
     }
     const uint64_t plain = (lika_sma21_biss_gray(variant) != 0U) ?
-        lika_from_gray(word, 8U, variant->position_bits) : word;
-    const uint32_t position = (uint32_t)lika_field(plain, 8U, variant->position_bits);
-    if (lika_above(plain, 8U + variant->position_bits) != 0x00U) { /* padding */
+        lika_from_gray(word, 8U, lika_sma21_scd_value_bits(variant)) : word;
+    const uint32_t position = (uint32_t)lika_field(plain, 8U, lika_sma21_scd_value_bits(variant));
+    if (lika_above(plain, 8U + lika_sma21_scd_value_bits(variant)) != 0x00U) { /* padding */
         return LIKA_FAULT_CONSTANT;
     }
     out->position = position;
@@ -631,7 +655,7 @@ static inline lika_result lika_sma21_single_cycle_data_decode(
 static inline lika_result lika_sma21_single_cycle_data_encode(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *in, uint64_t *out)
 {
-    if (in->position > lika_mask(variant->position_bits)) {
+    if (in->position > lika_mask(lika_sma21_scd_value_bits(variant))) {
         return LIKA_FAULT_RANGE;
     }
     uint64_t word =
@@ -639,7 +663,7 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
         ((uint64_t)(in->error ? 0U : 1U) << 7U) |
         ((uint64_t)(in->warning ? 0U : 1U) << 6U);
     word = (lika_sma21_biss_gray(variant) != 0U) ?
-        lika_to_gray(word, 8U, variant->position_bits) : word;
+        lika_to_gray(word, 8U, lika_sma21_scd_value_bits(variant)) : word;
     word |= lika_sma21_single_cycle_data_crc(word);
     *out = word;
     return LIKA_OK;
@@ -1276,7 +1300,10 @@ static inline double lika_sma21_ssi_millimetres(const lika_sma21_variant *varian
     return (double)micrometres / 1000.0;
 }
 
-/* The position over BiSS C-mode starts again at 0 after so many counts [5.2 p.20; 6.2 p.25]. */
+/*
+ * The position over BiSS C-mode starts again at 0 after so many counts [5.2 p.20; 6.2 p.25; 6.4
+ * p.32]. An offset moves all positions up, to 2^scd_value_bits - 1 at most.
+ */
 static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_variant *variant)
 {
     return (uint64_t)1U << variant->position_bits;
@@ -1293,8 +1320,8 @@ static inline int64_t lika_sma21_biss_position_difference(
 }
 
 /*
- * A position over BiSS C-mode in micrometres [5.2 p.20; 6.2 p.25]; the product has to fit into 64
- * bits.
+ * A position over BiSS C-mode in micrometres [5.2 p.20; 6.2 p.25; 6.4 p.32]; the product has to fit
+ * into 64 bits.
  */
 static inline int64_t lika_sma21_biss_micrometres(
     const lika_sma21_variant *variant, int64_t position)
@@ -1551,6 +1578,11 @@ static inline lika_result lika_sma21_write_command(
  *   bit 2     enable_preset_offset
  *   bit 1     select_preset_offset
  *   bit 0     unused_0              Non utilizzato; always 0; Not used
+ * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
+ *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
+ *                 selected in the register Configuration: the position takes the whole field of 24
+ *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
+ *                 there is refused. [6.2 p.25; 6.4 p.32]
  * Erratum (settled): printed: Bit 8 Direzione di conteggio. Used: Bit 6. [6.6.1 p.35; 6.4 p.30]
  */
 #define LIKA_SMA21_REG_CONFIGURATION_ADDRESS 0x49U
@@ -1731,8 +1763,10 @@ static inline lika_result lika_sma21_read_absolute_resolution(
  * 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
  *   bytes 0 to 3  preset_offset
  * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.2; a frame with a bit set
- *                 above the position is refused. [6.2 p.25; 6.4 p.32]
+ *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
+ *                 selected in the register Configuration: the position takes the whole field of 24
+ *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
+ *                 there is refused. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: An offset gives a position a wanted value, is applied to the position at
  *                 its activation, and shifts all values by its amount. Used: All transmitted values
  *                 are shifted by the offset. [6.4 p.32]
@@ -2083,14 +2117,18 @@ static inline lika_result lika_sma21_read_manufacturer_id(
  * encoder cannot hold such a value; the variant then stays as it was.
  */
 
-/* Takes over into the variant what the register Configuration holds: output_code. */
+/*
+ * Takes over into the variant what the register Configuration holds: offset_selected, output_code.
+ */
 static inline lika_result lika_sma21_take_configuration(
     lika_sma21_variant *variant, const uint8_t *bytes, size_t length)
 {
     if (length != LIKA_SMA21_REG_CONFIGURATION_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    const uint8_t offset_selected = (uint8_t)((bytes[0] >> 1U) & 0x01U);
     const uint8_t output_code = (uint8_t)((bytes[0] >> 5U) & 0x01U);
+    variant->offset_selected = offset_selected;
     variant->output_code = output_code;
     return LIKA_OK;
 }
@@ -2352,6 +2390,7 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
 static inline lika_result lika_sma21_select_preset(
     const lika_transport *transport, const lika_sma21_variant *variant,
@@ -2367,7 +2406,14 @@ static inline lika_result lika_sma21_select_preset(
  * Select, set, save and activate an offset [6.4 p.30; 6.4 p.32].
  * Before: Sensor at rest at the wanted position. At 2 um and 1 um only 0 is within the limits.
  * offset: Value by which the positions are to be shifted.
- * Result: The transmitted positions are shifted by the offset.
+ * Result: The transmitted positions are shifted by the offset. From the selection on the position
+ *         takes the whole field of the single cycle data, so a decoder has to know what the
+ *         register Configuration holds.
+ * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
+ *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
+ *                 selected in the register Configuration: the position takes the whole field of 24
+ *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
+ *                 there is refused. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: An offset gives a position a wanted value, is applied to the position at
  *                 its activation, and shifts all values by its amount. Used: All transmitted values
  *                 are shifted by the offset. [6.4 p.32]
@@ -2413,6 +2459,7 @@ static inline lika_result lika_sma21_set_offset_steps(
 
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
+ * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
 static inline lika_result lika_sma21_set_offset(
     const lika_transport *transport, const lika_sma21_variant *variant,
