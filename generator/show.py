@@ -151,11 +151,11 @@ def _position(measurements: Sequence[tuple[str, Measurement | None]], parameters
             parts.append(f"{value(item.step_um, parameters)} µm to a count")
         if item.steps is not None:
             parts.append(f"{value(item.steps, parameters)} counts in all")
-        if item.highest is not None:
-            parts.append(f"the highest {value(item.highest, parameters)}")
         if item.step_um is not None and item.steps is not None and parameters is not None:
             micrometres = item.step_um.value(parameters) * item.steps.value(parameters)
             parts.append(f"which is {micrometres // 1000:,}.{micrometres % 1000:03} mm")
+        if item.highest is not None:
+            parts.append(f"the highest {value(item.highest, parameters)}")
         rows.append((over or item.of, f"{', '.join(parts)}  [{cite(item.source)}]"))
     return ["", "Position", *pairs(rows, 2)] if rows else []
 

@@ -161,16 +161,17 @@ def test_a_state_that_no_encoder_has_is_not_taken_over(machines: Callable[[str],
 
 
 def test_the_code_of_a_measuring_system_is_taken_over(machines: Callable[[str], Machine]) -> None:
-    """SMA21 6.4: bit 5 of 49h is the code, and the bits beside it are others'."""
+    """SMA21 6.4: bit 5 of 49h is the code, bit 1 selects an offset, and the bits beside them are others'."""
     made = machines("sma21")
     codes = []
-    for held in (0x20, 0xDF):
+    for held in (0x20, 0xDD, 0xFF):
         encoder = Encoder()
         encoder.memory[0x49] = held
         answer = made.state("SMA21-SC1-0050", encoder)
         assert (answer.result, answer.record) == (OK, ["r 49 1"])
         codes.append(answer.data)
-    assert [one ^ other for one, other in zip(*codes)].count(1) == 1 and sum(codes[0]) == sum(codes[1]) + 1
+    gray, offset = ([one ^ other for one, other in zip(codes[0], code)].count(1) for code in codes[1:])
+    assert (gray, offset) == (1, 1) and sum(codes[0]) == sum(codes[1]) + 1 and sum(codes[2]) == sum(codes[0]) + 1
     failed = made.state("SMA21-SC1-0050", Encoder(fail_at=0, error=3))
     assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, READ, READ, 0x49, 3), made.state("SMA21-SC1-0050", Encoder(fail_at=0, error=4)).data)
 

@@ -2168,11 +2168,6 @@ class Configuration(NamedTuple):
 
     A new setting is active at once after its transmission; save it with the Command register.
 
-    Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
-    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
-    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
-    position, and a frame with another bit there is refused.
-
     Erratum configuration_bit_8, settled (6.6.1 p.35; 6.4 p.30). Printed: Bit 8 Direzione di conteggio. Used: Bit 6.
 
     Attributes:
@@ -3699,7 +3694,6 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.biss.single_cycle_data",
             "interfaces.biss.measurement",
             "registers.preset_offset",
-            "registers.configuration",
             "procedures.set_offset",
             "parameters.scd_padding_bits",
             "parameters.offset_selected",

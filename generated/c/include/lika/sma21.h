@@ -1578,11 +1578,6 @@ static inline lika_result lika_sma21_write_command(
  *   bit 2     enable_preset_offset
  *   bit 1     select_preset_offset
  *   bit 0     unused_0              Non utilizzato; always 0; Not used
- * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
- *                 selected in the register Configuration: the position takes the whole field of 24
- *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. [6.2 p.25; 6.4 p.32]
  * Erratum (settled): printed: Bit 8 Direzione di conteggio. Used: Bit 6. [6.6.1 p.35; 6.4 p.30]
  */
 #define LIKA_SMA21_REG_CONFIGURATION_ADDRESS 0x49U
