@@ -11,7 +11,7 @@ generate: .venv/.installed
 	@$(PY) -m codewheel generate
 
 test: .venv/.installed tools
-	@$(PY) -m pytest
+	@$(PY) -m pytest -n auto --dist worksteal
 
 # The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
 verify: .venv/.installed tools bench-packages
