@@ -341,6 +341,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (position, error and warning bit) are those of public BiSS documents.
+
+    Erratum biss_crc_start, open (6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed: Polynomials
+    and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value 0.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -351,6 +354,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
+
+    Erratum biss_crc_start, open (6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed: Polynomials
+    and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value 0.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -415,7 +421,7 @@ class EnablePreset(IntEnum):
 # Used: Both as printed.
 #
 # Erratum ssi_pause, open (5.1; 5.3; amm5: 5.3). Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at
-# least 12 µs. Used: At least 12 µs.
+# least 12 µs (Tp > 12 µs). Used: At least 12 µs; take more.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
@@ -439,7 +445,13 @@ SSI: Final = SsiFacts(
             symbol="Tm",
             source="5.1",
         ),
-        Timing(name="pause", meaning="Between two clock sequences", at_least_us=12, symbol="Tp", source="5.3"),
+        Timing(
+            name="pause",
+            meaning="Between two clock sequences; printed Tp > 12 µs, so that exactly 12 µs are no margin",
+            at_least_us=12,
+            symbol="Tp",
+            source="5.3",
+        ),
     ),
     note=(
         "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
@@ -459,6 +471,9 @@ class SsiWord(NamedTuple):
 
     As many bits as the position has, 28 or 31, the most significant first. Further clocks bring zeros after the word.
     No error or warning bit and no CRC. In Gray code, multiturn and singleturn are coded as one word.
+
+    Erratum output_letters, open (5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2). Printed: AMx36xx/4096-BG-... and
+    AMx36xx/4096-GG-...; the output code can be Gray or Binary, see the order code. Used: BG is binary, GG is Gray.
 
     Erratum ssi_bit_numbers, settled (5.2; 6.3.1 p.21). Printed: SSI word with bits 28 ... 1 and 31 ... 1. Used: Bits
     27:0 and 30:0.
@@ -1081,9 +1096,9 @@ class SerialNumber(NamedTuple):
 
     The high byte is at the lowest address.
 
-    Erratum serial_number_coding, open (6.5 p.24; amm5: 6.4 p.38; asc85: 6.4). Printed: In hexadecimal notation;
-    register 44: year, register 45: week, registers 46 and 47: serial number. Used: Plain binary numbers, the year as it
-    stands in its byte.
+    Erratum serial_number_coding, open (6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38). Printed: In hexadecimal
+    notation; register 44: year, register 45: week, registers 46 and 47: serial number. Used: Plain binary numbers, the
+    year as it stands in its byte; of the serial number 46h is the high byte.
 
     Attributes:
         year: Year of production, register 44h.
@@ -2058,8 +2073,8 @@ INPUTS: Final[tuple[Input, ...]] = (
             "a PLC or another controller"
         ),
         printed_name="Zero setting/Preset",
-        low="Normal level, nothing happens",
-        high="Zero setting or preset is activated",
+        low="0VDC: normal level, nothing happens",
+        high="+VDC: zero setting or preset is activated",
         pulse_at_least_us=100,
         needs="configuration.enable_preset",
         when_unused="0VDC",
@@ -2077,14 +2092,14 @@ INPUTS: Final[tuple[Input, ...]] = (
             "from the shaft end"
         ),
         printed_name="Counting direction (Complementary input)",
-        low="Counts up clockwise; over BiSS as the bit Counting direction says",
-        high="Counts up counter-clockwise; over BiSS contrary to what the bit Counting direction says",
+        low="0VDC: counts up clockwise (CW); over BiSS as the bit Counting direction says",
+        high="+VDC: counts up counter-clockwise (CCW); over BiSS contrary to what the bit Counting direction says",
         inverts="configuration.counting_direction",
         when_unused="0VDC",
         note=(
-            "Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high counter-clockwise, 1 (CCW) and low "
-            "counter-clockwise, 1 and high clockwise. After a change of the direction a new zero or preset has to be "
-            "set."
+            "Low is 0VDC, high is +VDC. Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high "
+            "counter-clockwise, 1 (CCW) and low counter-clockwise, 1 and high clockwise. After a change of the "
+            "direction a new zero or preset has to be set."
         ),
         source="4.5 p.15; Electrical safety p.8; 6.5 p.26",
     ),
@@ -2097,7 +2112,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value=(
             "Installation and maintenance by qualified personnel only, with the power supply disconnected and the "
             "mechanical parts at rest, and under the accident prevention rules of the country. Use only for the "
-            "purpose of its design."
+            "purpose of its design; high current, voltage and moving parts can injure or kill."
         ),
         source="Safety p.8; 3 p.11",
     ),
@@ -2232,6 +2247,42 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 #: Where the manual cannot be taken literally, and what is used instead.
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
+        name="emc_directive_superseded",
+        printed="In compliance with the 2004/108/EC norm on electromagnetic compatibility",
+        used="As printed",
+        why=(
+            "Directive 2014/30/EU has taken the place of 2004/108/EC since 20 April 2016; the manual is of 2014. "
+            "Which one is declared for an encoder made later, only the maker can say."
+        ),
+        status="open",
+        severity="wording",
+        affects=("characteristics.emc_directive",),
+        source="Electrical safety p.8",
+    ),
+    Erratum(
+        name="do_not_tool",
+        printed="Do not tool the encoder or its shaft.",
+        used="Neither is to be machined.",
+        why="To tool something is to work it with a tool.",
+        status="settled",
+        severity="wording",
+        affects=("characteristics.mechanical_safety",),
+        source="Mechanical safety p.9",
+    ),
+    Erratum(
+        name="input_levels",
+        printed="The inputs are connected to 0VDC or +VDC, low and high logic level.",
+        used="0VDC is low, +VDC is high.",
+        why=(
+            "The table of connections has +10VDC +30VDC and no +VDC. That the supply is meant is likely; threshold "
+            "voltages, the current of the inputs and whether they stand an open wire are not said."
+        ),
+        status="open",
+        severity="omission",
+        affects=("inputs.zero_setting_preset", "inputs.counting_direction"),
+        source="Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15",
+    ),
+    Erratum(
         name="order_code_17",
         printed="AMx36xx/xxxx-17-... and AMx36xx/4096-17-...",
         used="I7; 17 is accepted as well and shown as unlisted.",
@@ -2253,11 +2304,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="BG is binary, GG is Gray.",
         why=(
             "Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the SMA21 "
-            "manual calls that of its G1x models Gray and has BG and GG beside them."
+            "manual calls that of its G1x models Gray and has BG and GG beside them. That the letters mean the same "
+            "here is an inference. Turn the shaft slowly: if neighbouring positions jump, the code is the other one."
         ),
-        status="settled",
-        severity="omission",
-        affects=("order_code", "parameters.ssi_gray"),
+        status="open",
+        severity="wrong_data",
+        affects=("order_code", "parameters.ssi_gray", "interfaces.ssi.ssi_word"),
         source="5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2",
     ),
     Erratum(
@@ -2317,8 +2369,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Impedance: 148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)",
         used="Resistance of a conductor",
         why=(
-            "Ohms per kilometre by cross section are a resistance; the ASC85 manual prints the same numbers as "
-            "conductor resistance."
+            "Ohms per kilometre, by cross-section of the conductor, are a resistance; an impedance does not depend on "
+            "the length. The ASC85 manual prints the same numbers as conductor resistance."
         ),
         status="settled",
         severity="wording",
@@ -2390,16 +2442,59 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs",
-        used="At least 12 µs",
+        printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs)",
+        used="At least 12 µs; take more.",
         why=(
-            "A typical time has longer ones beside it: an encoder with a Tm above 12 µs is not ready after the "
-            "shortest pause. The AMM5 manual, with the same Tm, asks for 20 µs."
+            "\"At least\" allows 12 µs, the sign \">\" does not. A pause of just 12 µs leaves no margin anyway: a "
+            "typical time has longer ones beside it, and an encoder with a Tm above 12 µs is not ready then. The AMM5 "
+            "manual, with the same Tm, asks for 20 µs."
         ),
         status="open",
         severity="wrong_limit",
         affects=("interfaces.ssi.pause", "interfaces.ssi.monoflop"),
         source="5.1; 5.3; amm5: 5.3",
+    ),
+    Erratum(
+        name="biss_documents",
+        printed=(
+            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.4: \"BiSS C Protocol "
+            "Description\""
+        ),
+        used="The BiSS C protocol description of iC-Haus",
+        why=(
+            "The manuals of the same maker name the document differently. The protocol description is the public one "
+            "that their terms come from."
+        ),
+        status="open",
+        severity="wording",
+        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
+        source="6; 6.4 p.22; prot",
+    ),
+    Erratum(
+        name="biss_crc_start",
+        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
+        used="Start value 0",
+        why=(
+            "Public BiSS documents begin with 0 unless something else is stated, and BiSS devices may have another. "
+            "With another start value every frame fails its CRC, with or without errors on the line."
+        ),
+        status="open",
+        severity="omission",
+        affects=("crcs.biss_6", "crcs.biss_4"),
+        source="6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+    ),
+    Erratum(
+        name="command_default",
+        printed="Register 48h is write only (wo); default = 00, and the list of defaults has it",
+        used="Write only; 00 is what the register goes back to.",
+        why=(
+            "A default of what cannot be read shows to nobody. Whether 48h answers a read, with 00 or at all, is not "
+            "said."
+        ),
+        status="open",
+        severity="wording",
+        affects=("registers.command",),
+        source="6.5 p.24; 7 p.33",
     ),
     Erratum(
         name="control_data_bit",
@@ -2470,16 +2565,17 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="serial_number_coding",
         printed="In hexadecimal notation; register 44: year, register 45: week, registers 46 and 47: serial number",
-        used="Plain binary numbers, the year as it stands in its byte",
+        used="Plain binary numbers, the year as it stands in its byte; of the serial number 46h is the high byte.",
         why=(
-            "Whether year and week are binary or packed decimal digits, and where the year counts from, is not said, "
-            "and there is no example. The same registers hold decimal digits of one number in the AMM5, and one "
-            "running number in the ASC85."
+            "Whether year and week are binary or packed decimal digits, where the year counts from, and which of 46h "
+            "and 47h is the high byte is not said, and there is no example. The same registers hold decimal digits of "
+            "one number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36 manual "
+            "prints the AMM5's example with its four bytes in reverse."
         ),
         status="open",
-        severity="omission",
+        severity="wrong_data",
         affects=("registers.serial_number",),
-        source="6.5 p.24; amm5: 6.4 p.38; asc85: 6.4",
+        source="6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38",
     ),
     Erratum(
         name="preset_cleared_when",
@@ -2633,7 +2729,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="insulating",
         printed="Possibility of insulting the circuits galvanically",
         used="Nothing; the sentence is not taken over.",
-        why="Insulating is meant, as the AMM5 manual has it.",
+        why="The sentence is about optocouplers, which insulate circuits.",
         status="settled",
         severity="wording",
         source="5.1",
@@ -2655,6 +2751,16 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
         "am36_1_1",
         "AMx36 manual, English edition 1.1, Lika Electronic; single pages of it",
         url="https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html",
+    ),
+    Document(
+        "am36_1_1_biss",
+        "AMx36 manual, English edition 1.1, Lika Electronic; the page that begins the BiSS section",
+        url="https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html",
+    ),
+    Document(
+        "amm36",
+        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
+        url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
     ),
     Document("amm5", "AMM5A AMM5B manual, English edition 1.9, Lika Electronic"),
     Document("asc85", "ASC85 manual, English edition 1.0, Lika Electronic"),

@@ -343,6 +343,10 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (position, error and warning bit) are those of public BiSS documents.
+
+    Erratum biss_crc_start, open (6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
+    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
+    0.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -353,6 +357,10 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
+
+    Erratum biss_crc_start, open (6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
+    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
+    0.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -399,7 +407,7 @@ class DataId(IntEnum):
     MULTITURN = 1
     """Multiturn data."""
     ENCODER_ID = 2
-    """Encoder ID, always 23h."""
+    """Encoder ID, printed as the fixed value 23h."""
     ALL_DATA = 3
     """Singleturn, encoder ID, multiturn and alarms."""
     EEPROM_WRITE = 6
@@ -547,6 +555,11 @@ class SsiWord(NamedTuple):
 # Erratum profile_id_missing, open (6 p.31; 6.4 p.35; prot: p.14-15). Printed: The encoder complies with the "Standard
 # encoder profile"; no register 42h to 43h is listed. Used: No profile ID.
 #
+# Erratum error_bits_leds_alarms, open (6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51). Printed: nE and LED 1:
+# misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn system, or
+# battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery alarm and MT error.
+# Used: Each as printed, none derived from another.
+#
 # Erratum biss_min_clock, open (6.5 p.40; prot: p.18). Printed: Clock of 50 kHz at least; the time-out is worked out for
 # 50 kHz as well. Used: 50 kHz.
 
@@ -631,15 +644,20 @@ class SingleCycleData(NamedTuple):
     Erratum scd_length, settled (6.2.1 p.32; it: 6.2.1 p.32). Printed: SCD data is nbitres+7 long. Used: position_bits +
     8.
 
+    Erratum error_bits_leds_alarms, open (6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51). Printed: nE and LED
+    1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn
+    system, or battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery alarm
+    and MT error. Used: Each as printed, none derived from another.
+
     Attributes:
         variant: The encoder that the frame belongs to.
         multiturn: Number of revolutions. 0 where the encoder has none.
         singleturn: Position within one revolution (counts).
-        error: True: error active in the system; False: no active error; low active. Set, for instance, when circuitry
-            and disk are not aligned (gap out of tolerance, circuitry not installed properly), and when the battery is
-            spent; the encoder cannot operate then and the battery has to be replaced (4.3.2).
-        warning: True: warning active in the system; False: no active warning; low active. Set after an error in the
-            magnetic multiturn system, and when the battery is low; the battery has to be replaced as soon as possible
+        error: True: error active in the system; False: no active error; low active. Reports, for instance, that
+            circuitry and disk are not aligned (gap out of tolerance, circuitry not installed properly), or that the
+            battery is spent; the encoder cannot operate then and the battery has to be replaced (4.3.2).
+        warning: True: warning active in the system; False: no active warning; low active. Reports an error in the
+            magnetic multiturn system, or that the battery is low; the battery has to be replaced as soon as possible
             then (4.3.1).
     """
 
@@ -723,9 +741,16 @@ class SingleCycleData(NamedTuple):
 
 # RS-485
 #
+# Erratum encoder_id_23h, open (7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst).
+# Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one is
+# decoded, and the other one reported.
+#
 # Erratum data_id_8_scope, open (7.4.2 p.45; ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md). Printed: Table: Data ID 8 resets singleturn and
 # multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn.
+#
+# Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission intervals
+# of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next one begins.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -751,7 +776,7 @@ RS485: Final = Rs485Facts(
             id=0x02,
             control=0x92,
             purpose="capture",
-            meaning="Encoder ID, always 23h",
+            meaning="Encoder ID, printed as the fixed value 23h",
             source="7.3.1 p.42",
         ),
         DataIdFacts(
@@ -817,7 +842,9 @@ RS485: Final = Rs485Facts(
             busy=True,
             address="that of the request",
             data="00h",
-            meaning="A read is being carried out, the request is invalid",
+            meaning=(
+                "The memory is busy, reading by the table, writing by the sentence below it; the request is invalid"
+            ),
             source="7.5 p.46",
         ),
         MemoryAccess(
@@ -858,9 +885,11 @@ RS485: Final = Rs485Facts(
         ),
     ),
     note=(
-        "The master asks, the encoder answers with the control field it received. Whether a byte has really been "
-        "written to the EEPROM is checked by reading it back with data ID D. The manual gives no time for writing it "
-        "over this interface; MEM BUSY tells."
+        "Each byte goes over the line between a start bit and a delimiter, its least significant bit first (7.6): ten "
+        "bits, as a serial port with one stop bit sends them. Of a number the low byte comes first, in binary code "
+        "(7.4). The master asks, the encoder answers with the control field it received. Whether a byte has really "
+        "been written to the EEPROM is checked by reading it back with data ID D. The manual gives no time for "
+        "writing it over this interface; MEM BUSY tells."
     ),
     source="7 p.41",
 )
@@ -926,8 +955,11 @@ class EepromWriteRequest(NamedTuple):
 
     In the manual: Master → Encoder: CF ADF EDF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst). Printed: MEM
-    BUSY is bit 0 of the address field, the address is bits 7:1. Used: As printed.
+    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
+    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
+    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
+    write, and compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
@@ -1003,8 +1035,11 @@ class EepromReadRequest(NamedTuple):
 
     In the manual: Master → Encoder: CF ADF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst). Printed: MEM
-    BUSY is bit 0 of the address field, the address is bits 7:1. Used: As printed.
+    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
+    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
+    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
+    write, and compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
@@ -1075,17 +1110,22 @@ class SingleturnReply(NamedTuple):
 
     position = (DF2 << 16) + (DF1 << 8) + DF0; bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
+    Erratum busy_and_errors_in_one_bit, open (7.3.2 p.42; 7.4.1 p.44). Printed: EE_1 = 1: BUSY flag, PS error, Battery
+    alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has
+    been read.
+
     Erratum crc_example_frame, settled (7.6). Printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF,
     SF, DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for its length.
 
-    Of its parts, see ERRATA: control_field_structure.
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms.
 
     Attributes:
         variant: The encoder that the frame belongs to.
         data_id: What is asked for.
         status_st_error: True: ST error; False: no ST error; high active.
         status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
+            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
         singleturn: Position within one revolution (counts).
     """
 
@@ -1175,13 +1215,18 @@ class MultiturnReply(NamedTuple):
 
     In singleturn models no bit of the three bytes is used; unused high bits are 0.
 
-    Of its parts, see ERRATA: control_field_structure.
+    Erratum busy_and_errors_in_one_bit, open (7.3.2 p.42; 7.4.1 p.44). Printed: EE_1 = 1: BUSY flag, PS error, Battery
+    alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has
+    been read.
+
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms.
 
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: True: ST error; False: no ST error; high active.
         status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
+            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
         multiturn: Number of revolutions. 0 where the encoder has none.
     """
 
@@ -1268,21 +1313,33 @@ class EncoderIdReply(NamedTuple):
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
 
-    Of its parts, see ERRATA: control_field_structure.
+    Erratum encoder_id_23h, open (7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst).
+    Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one
+    is decoded, and the other one reported.
+
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, busy_and_errors_in_one_bit.
 
     Attributes:
         status_st_error: True: ST error; False: no ST error; high active.
         status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
+            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
+        encoder_id: Encoder ID, printed as 23h; another one is no fault.
     """
 
-    status_st_error: bool = False
-    status_other_error: bool = False
+    status_st_error: bool
+    status_other_error: bool
+    encoder_id: int
 
     @property
     def data_id(self) -> DataId:
         """What is asked for."""
         return DataId.ENCODER_ID
+
+    @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: encoder_id 35."""
+        return self.encoder_id == 35
 
     @classmethod
     def decode(cls, data: bytes) -> EncoderIdReply:
@@ -1307,13 +1364,12 @@ class EncoderIdReply(NamedTuple):
             raise ConstantError("status_info", data[1] & 0xF, 0)
         if data[1] >> 6:
             raise ConstantError("status_zero", data[1] >> 6, 0)
-        if data[2] != 0x23:
-            raise ConstantError("encoder_id", data[2], 0x23)
         if (data[0] >> 3 & 0xF) != 2:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "2h")
         return cls(
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
+            data[2],
         )
 
     def encode(self) -> bytes:
@@ -1322,7 +1378,13 @@ class EncoderIdReply(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        number = 0x230092 | bool(self.status_st_error) << 12 | bool(self.status_other_error) << 13
+        check_width("encoder_id", self.encoder_id, 8)
+        number = (
+            0x92
+            | bool(self.status_st_error) << 12
+            | bool(self.status_other_error) << 13
+            | self.encoder_id << 16
+        )
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
@@ -1347,14 +1409,21 @@ class CompleteReply(NamedTuple):
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
 
-    Of its parts, see ERRATA: control_field_structure, battery_alarm_reset, busy_clear.
+    Erratum encoder_id_23h, open (7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst).
+    Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one
+    is decoded, and the other one reported.
+
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, busy_and_errors_in_one_bit,
+    battery_alarm_reset, busy_clear.
 
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: True: ST error; False: no ST error; high active.
         status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active.
+            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
+            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
         singleturn: Position within one revolution (counts).
+        encoder_id: Encoder ID, printed as 23h; another one is no fault.
         multiturn: Number of revolutions. 0 where the encoder has none.
         busy: True: not ready after power-on or during a reset; all position data are 0; False: ready; high active.
         st_error: True: counted and calculated data disagree; False: no ST error; high active.
@@ -1368,6 +1437,7 @@ class CompleteReply(NamedTuple):
     status_st_error: bool
     status_other_error: bool
     singleturn: int
+    encoder_id: int
     multiturn: int
     busy: bool = False
     st_error: bool = False
@@ -1381,6 +1451,11 @@ class CompleteReply(NamedTuple):
         return DataId.ALL_DATA
 
     @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: encoder_id 35."""
+        return self.encoder_id == 35
+
+    @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         return self.multiturn << self.variant.singleturn_bits | self.singleturn
@@ -1390,8 +1465,9 @@ class CompleteReply(NamedTuple):
         cls,
         variant: Variant,
         position: int,
-        status_st_error: bool = False,
-        status_other_error: bool = False,
+        status_st_error: bool,
+        status_other_error: bool,
+        encoder_id: int,
         busy: bool = False,
         st_error: bool = False,
         ps_error: bool = False,
@@ -1406,6 +1482,7 @@ class CompleteReply(NamedTuple):
             singleturn=position & ((1 << variant.singleturn_bits) - 1),
             status_st_error=status_st_error,
             status_other_error=status_other_error,
+            encoder_id=encoder_id,
             busy=busy,
             st_error=st_error,
             ps_error=ps_error,
@@ -1438,8 +1515,6 @@ class CompleteReply(NamedTuple):
             raise ConstantError("status_zero", data[1] >> 6, 0)
         if (singleturn := data[2] | data[3] << 8 | data[4] << 16) >> variant.singleturn_bits:
             raise ConstantError("singleturn_padding", singleturn >> variant.singleturn_bits, 0)
-        if data[5] != 0x23:
-            raise ConstantError("encoder_id", data[5], 0x23)
         if (multiturn := data[6] | data[7] << 8 | data[8] << 16) >> variant.multiturn_bits:
             raise ConstantError("multiturn_padding", multiturn >> variant.multiturn_bits, 0)
         if data[9] & 0x1:
@@ -1453,6 +1528,7 @@ class CompleteReply(NamedTuple):
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             singleturn,
+            data[5],
             multiturn,
             bool(data[9] & 0x02),
             bool(data[9] & 0x04),
@@ -1469,12 +1545,14 @@ class CompleteReply(NamedTuple):
         """
         variant = self.variant
         check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        check_width("encoder_id", self.encoder_id, 8)
         check_width("multiturn", self.multiturn, variant.multiturn_bits)
         number = (
-            0x23000000001A
+            0x1A
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
             | self.singleturn << 16
+            | self.encoder_id << 40
             | self.multiturn << 48
             | bool(self.busy) << 73
             | bool(self.st_error) << 74
@@ -1517,8 +1595,11 @@ class EepromWriteReply(NamedTuple):
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst). Printed: MEM
-    BUSY is bit 0 of the address field, the address is bits 7:1. Used: As printed.
+    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
+    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
+    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
+    write, and compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
@@ -1595,13 +1676,16 @@ class EepromReadReply(NamedTuple):
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst). Printed: MEM
-    BUSY is bit 0 of the address field, the address is bits 7:1. Used: As printed.
+    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
+    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
+    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
+    write, and compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        mem_busy: True: reading, request not executed; False: byte read; high active.
+        mem_busy: True: memory busy, request not executed; False: byte read; high active.
         address: EEPROM address of the request.
         data: Byte read, or 00h while busy.
     """
@@ -1759,8 +1843,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="error",
                 printed_name="Error, nE",
                 meaning=(
-                    "Set, for instance, when circuitry and disk are not aligned (gap out of tolerance, circuitry not "
-                    "installed properly), and when the battery is spent; the encoder cannot operate then and the "
+                    "Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance, circuitry "
+                    "not installed properly), or that the battery is spent; the encoder cannot operate then and the "
                     "battery has to be replaced (4.3.2)."
                 ),
                 active="low",
@@ -1773,8 +1857,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="warning",
                 printed_name="Warning, nW",
                 meaning=(
-                    "Set after an error in the magnetic multiturn system, and when the battery is low; the battery "
-                    "has to be replaced as soon as possible then (4.3.1)."
+                    "Reports an error in the magnetic multiturn system, or that the battery is low; the battery has "
+                    "to be replaced as soon as possible then (4.3.1)."
                 ),
                 active="low",
                 when_active="warning active in the system",
@@ -1883,6 +1967,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
+                meaning=(
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
+                    "ID 3 then: its ALMC tells which it is."
+                ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
@@ -1930,6 +2018,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
+                meaning=(
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
+                    "ID 3 then: its ALMC tells which it is."
+                ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
@@ -1977,13 +2069,21 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
+                meaning=(
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
+                    "ID 3 then: its ALMC tells which it is."
+                ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
-            FieldFacts(name="encoder_id", printed_name="ENID", meaning="Encoder ID", constant=35),
+            FieldFacts(
+                name="encoder_id",
+                printed_name="ENID",
+                meaning="Encoder ID, printed as 23h; another one is no fault",
+            ),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
         "complete_reply": (
@@ -2018,6 +2118,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
+                meaning=(
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
+                    "ID 3 then: its ALMC tells which it is."
+                ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
@@ -2031,7 +2135,11 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 unit="counts",
             ),
             FieldFacts(name="singleturn_padding", meaning="always zero", constant=0),
-            FieldFacts(name="encoder_id", printed_name="ENID", meaning="Encoder ID", constant=35),
+            FieldFacts(
+                name="encoder_id",
+                printed_name="ENID",
+                meaning="Encoder ID, printed as 23h; another one is no fault",
+            ),
             FieldFacts(
                 name="multiturn",
                 printed_name="ABM0, ABM1, ABM2",
@@ -2131,7 +2239,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="mem_busy",
                 printed_name="MEM BUSY",
                 active="high",
-                when_active="reading, request not executed",
+                when_active="memory busy, request not executed",
                 when_inactive="byte read",
             ),
             FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address of the request"),
@@ -2413,6 +2521,9 @@ class SerialNumber(NamedTuple):
     Year and week of production and a running number, as decimal digits of one binary number.
 
     The high byte is at the lowest address.
+
+    Erratum serial_number_order, open (6.4 p.38; amm36: p.38; amm80: 6.4 p.41). Printed: 44h to 47h read 0A E8 69 EE,
+    decimal 18 30 03630. Used: High byte first, as printed.
 
     Attributes:
         year: Year of production.
@@ -2736,15 +2847,21 @@ def reset_singleturn_and_multiturn() -> tuple[Step, ...]:
     After: Singleturn and multiturn data are 0. The shaft position is kept without main power, with or without an
     external battery.
 
+    The ten requests have to follow one another: stop polling the position meanwhile.
+
     Erratum data_id_8_scope, open (7.4.2 p.45; ti_sdk:
     docs_src/docs/api_guide/components/position_sense/tamagawa_design.md). Printed: Table: Data ID 8 resets singleturn
     and multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn.
+
+    Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission
+    intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next
+    one begins.
 
     Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
     in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
     """
     return (
-        Send(b"\xc2", times=10, every_us=40),
+        Send(b"\xc2", times=10, every_us=40, meaning="in succession, no other request in between"),
         Wait(18_000, "execution takes 18 ms at most, EEPROM writing included"),
     )
 
@@ -2757,15 +2874,21 @@ def reset_multiturn_and_errors() -> tuple[Step, ...]:
     After: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST error, MT error; by
     7.4.1 the battery alarm as well) are cleared.
 
+    The ten requests have to follow one another: stop polling the position meanwhile.
+
     Erratum battery_alarm_reset, open (7.4.1 p.44; 7.4.2 p.45). Printed: 7.4.1: Battery alarm latches and is reset with
     ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as
     well.
+
+    Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission
+    intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next
+    one begins.
 
     Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
     in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
     """
     return (
-        Send(b"\x62", times=10, every_us=40),
+        Send(b"\x62", times=10, every_us=40, meaning="in succession, no other request in between"),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
@@ -2777,15 +2900,21 @@ def reset_errors() -> tuple[Step, ...]:
 
     After: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are cleared.
 
+    The ten requests have to follow one another: stop polling the position meanwhile.
+
     Erratum battery_alarm_reset, open (7.4.1 p.44; 7.4.2 p.45). Printed: 7.4.1: Battery alarm latches and is reset with
     ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as
     well.
+
+    Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission
+    intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next
+    one begins.
 
     Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
     in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
     """
     return (
-        Send(b"\xba", times=10, every_us=40),
+        Send(b"\xba", times=10, every_us=40, meaning="in succession, no other request in between"),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
@@ -3034,15 +3163,18 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="enclosure",
-        value="To be protected by an enclosure that suits the application",
-        source="Preliminary information p.7",
+        value=(
+            "To be protected by an enclosure that suits the application. By the Italian edition encoder and disk, "
+            "against the industrial surroundings in which they are installed."
+        ),
+        source="Preliminary information p.7; 1.3 p.8; it: 1.3 p.9",
     ),
     Characteristic(
         name="personnel",
         value=(
             "Installation and maintenance by qualified personnel only, with the power supply disconnected and the "
             "mechanical parts at rest, and under the accident prevention rules of the country. Use only for the "
-            "purpose of its design."
+            "purpose of its design; high current, voltage and moving parts can injure or kill."
         ),
         source="1.1 p.8",
     ),
@@ -3345,6 +3477,16 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 #: Where the manual cannot be taken literally, and what is used instead.
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
+        name="do_not_tool",
+        printed="Do not tool the encoder or the disk/ring.",
+        used="Neither is to be machined.",
+        why="The Italian edition has non eseguire lavorazioni meccaniche, no machining.",
+        status="settled",
+        severity="wording",
+        affects=("characteristics.mechanical_safety",),
+        source="1.3 p.8; it: 1.3 p.9",
+    ),
+    Erratum(
         name="ground_wire",
         printed=(
             "Pin 1 is the ground of the encoder and is to be used; the tables of the mating cable list no wire for "
@@ -3520,6 +3662,61 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="6.2.1 p.32; it: 6.2.1 p.32",
     ),
     Erratum(
+        name="biss_documents",
+        printed=(
+            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
+            "Description\""
+        ),
+        used="The BiSS C protocol description of iC-Haus",
+        why=(
+            "The manuals of the same maker name the document differently. The protocol description is the public one "
+            "that their terms come from."
+        ),
+        status="open",
+        severity="wording",
+        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
+        source="6 p.31; 6.3 p.34; prot",
+    ),
+    Erratum(
+        name="biss_crc_start",
+        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
+        used="Start value 0",
+        why=(
+            "Public BiSS documents begin with 0 unless something else is stated, and BiSS devices may have another. "
+            "With another start value every frame fails its CRC, with or without errors on the line."
+        ),
+        status="open",
+        severity="omission",
+        affects=("crcs.biss_6", "crcs.biss_4"),
+        source="6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+    ),
+    Erratum(
+        name="error_bits_leds_alarms",
+        printed=(
+            "nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the "
+            "magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY "
+            "flag, PS error, Battery alarm and MT error"
+        ),
+        used="Each as printed, none derived from another",
+        why=(
+            "They do not map one to one. MT error means a spent battery over RS-485 and belongs to LED 1, yet an "
+            "error of the multiturn system is the warning of LED 2. PS error and BUSY flag have neither LED nor bit "
+            "of their own, nor is ST error named with nE. A spent battery is an error over BiSS and in the same bit "
+            "as a low one over RS-485."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "interfaces.biss.single_cycle_data.error",
+            "interfaces.biss.single_cycle_data.warning",
+            "field_groups.status_field",
+            "field_groups.alarm_field",
+            "leds.led_1_error",
+            "leds.led_2_warning",
+        ),
+        source="6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51",
+    ),
+    Erratum(
         name="preset_limit",
         printed="English: less than the total hardware resolution. Italian: less than or equal to it (minore o uguale)",
         used="At most 2^position_bits − 1",
@@ -3610,6 +3807,36 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="6.4 p.39; prot: p.14-15",
     ),
     Erratum(
+        name="serial_number_order",
+        printed="44h to 47h read 0A E8 69 EE, decimal 18 30 03630",
+        used="High byte first, as printed",
+        why=(
+            "The manual of the AMM36, a sister with the same example, reads EE 69 E8 0A from 44h to 47h and reverses "
+            "it; that of the AMM80 agrees with this one. Manual 1.7 updated the registers 44h to 47h, so that an "
+            "older AMM5 may answer in the other order. A year or a week that cannot be tells."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=("registers.serial_number", "examples.serial_number"),
+        source="6.4 p.38; amm36: p.38; amm80: 6.4 p.41",
+    ),
+    Erratum(
+        name="preset_setting_enable_default",
+        printed=(
+            "Registers 40h and 77h are write only (wo); the list of defaults has 00 for 40h, and 77h goes back to 00 "
+            "by itself"
+        ),
+        used="Write only; 00 is what they hold after power-on, and what 77h goes back to.",
+        why=(
+            "A default of what cannot be read shows to nobody. Whether they answer a read, with 00 or at all, is not "
+            "said."
+        ),
+        status="open",
+        severity="wording",
+        affects=("registers.preset_setting_enable", "registers.command"),
+        source="6.4 p.38; 6.4 p.39; 10 p.52",
+    ),
+    Erratum(
         name="biss_min_clock",
         printed="Clock of 50 kHz at least; the time-out is worked out for 50 kHz as well.",
         used="50 kHz",
@@ -3628,6 +3855,59 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="omission",
         affects=("field_groups.control_field",),
         source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
+    ),
+    Erratum(
+        name="encoder_id_23h",
+        printed="ENID: encoder ID, fixed value = 23h",
+        used="23h is what the encoder ID should be; a frame with another one is decoded, and the other one reported.",
+        why=(
+            "T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID "
+            "0x17. The 23h may be a decimal 23 that was taken for hexadecimal, and the value says nothing about the "
+            "frame: sync code, data ID, length and CRC do."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=(
+            "interfaces.rs485.encoder_id_reply",
+            "interfaces.rs485.complete_reply",
+            "interfaces.rs485.data_ids",
+            "examples.public_all_data_reply",
+        ),
+        source="7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst",
+    ),
+    Erratum(
+        name="busy_and_errors_in_one_bit",
+        printed="EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error",
+        used="One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.",
+        why=(
+            "BUSY does not latch, and all position data are 0 meanwhile; the other three latch, and the position may "
+            "be right. In the replies to data IDs 0, 1, 2, 7, 8 and C nothing tells them apart; data ID 3 has ALMC, "
+            "which does."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "field_groups.status_field.status_other_error",
+            "interfaces.rs485.singleturn_reply",
+            "interfaces.rs485.multiturn_reply",
+        ),
+        source="7.3.2 p.42; 7.4.1 p.44",
+    ),
+    Erratum(
+        name="mem_busy_on_read",
+        printed=(
+            "Table, reading with MEM BUSY 1: reading is being executed, request for reading is invalid. Sentence "
+            "below: 1 = writing is being executed"
+        ),
+        used="MEM BUSY 1: the memory is busy and the request is not executed; ask again.",
+        why=(
+            "A request for reading that is invalid because reading is being executed would never be answered. Likely "
+            "a write is going on, as the sentence has it; the row for writing has the same words with writing."
+        ),
+        status="open",
+        severity="wording",
+        affects=("interfaces.rs485.eeprom_read_reply",),
+        source="7.5 p.46; it: 7.5 p.46",
     ),
     Erratum(
         name="reset_ids_singleturn_value",
@@ -3681,12 +3961,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="mem_busy_position",
-        printed="MEM BUSY is bit 0 of the address field, the address is bits 7:1.",
-        used="As printed",
+        printed="MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.",
+        used=(
+            "As printed. Where the encoder puts the address into bits 6:0, these requests reach twice the address, "
+            "and a write destroys other data: read before you write, and compare."
+        ),
         why=(
-            "A public T-format sample puts the plain address into bits 6:0: its requests for addresses 7Fh and 01h "
-            "set bit 0, which must be 0 from a master here. The same bytes would be refused, or would reach another "
-            "address."
+            "Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F "
+            "01 4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 "
+            "is 1, against the 0 that it must be from a master here; TI's driver sends the address as given, EA 05 EF "
+            "for address 5, where this manual has EA 0A E0. Only address 0 is the same in both."
         ),
         status="open",
         severity="wrong_data",
@@ -3699,7 +3983,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "examples.public_eeprom_write_request",
             "examples.public_eeprom_read_request",
         ),
-        source="7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst",
+        source=(
+            "7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk: "
+            "source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c"
+        ),
     ),
     Erratum(
         name="crc_coverage",
@@ -3819,6 +4106,38 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="4.3.2 p.24; it: 4.3.2 p.24",
     ),
     Erratum(
+        name="battery_shorted_under_supply",
+        printed="Step 14: short-circuit the battery terminals. Step 15: switch the 5Vdc power supply off",
+        used="As printed",
+        why=(
+            "The terminals are shorted while the supply is still on. Whether the encoder can feed them then, or the "
+            "two steps changed places, is not said. The residual voltage would be discharged with the supply off as "
+            "well."
+        ),
+        status="open",
+        severity="wording",
+        affects=("characteristics.battery_replacement_with_error",),
+        source="4.3.2 p.24; it: 4.3.2 p.24",
+    ),
+    Erratum(
+        name="reset_interval",
+        printed="Ten times in succession, at transmission intervals of 40 µs or more",
+        used="No other request in between, and 40 µs or more after each request before the next one begins",
+        why=(
+            "Whether an interval is the gap between two requests or runs from start to start is not said; a gap of 40 "
+            "µs satisfies both. Nor is said whether a request with another data ID begins the count anew."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "procedures.reset_errors",
+            "procedures.reset_multiturn_and_errors",
+            "procedures.reset_singleturn_and_multiturn",
+            "interfaces.rs485.reset_interval",
+        ),
+        source="7.4.2 p.45; it: 7.4.2 p.45",
+    ),
+    Erratum(
         name="reset_standstill",
         printed="Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less)",
         used="At a standstill, that is 300 rpm or less, as printed",
@@ -3866,6 +4185,11 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
     Document("hpm_sdk", "hpmicro/hpm_sdk, sample of a T-format encoder", url="https://github.com/hpmicro/hpm_sdk"),
     Document("stmbl", "rene-dev/stmbl, servo drive with a T-format receiver", url="https://github.com/rene-dev/stmbl"),
     Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
+    Document(
+        "amm36",
+        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
+        url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
+    ),
     Document(
         "amm80",
         "AMM80 manual, English edition 1.5, Lika Electronic",

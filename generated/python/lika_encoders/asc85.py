@@ -266,6 +266,10 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (everything from the position to the warning bit, the constant 0 included) are those of public BiSS documents.
+
+    Erratum biss_crc_start, open (6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp). Printed: Polynomials and inverted output of both CRCs, without a start value; the
+    logic circuits are lost. Used: Start value 0.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -276,6 +280,10 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
+
+    Erratum biss_crc_start, open (6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp). Printed: Polynomials and inverted output of both CRCs, without a start value; the
+    logic circuits are lost. Used: Start value 0.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -306,7 +314,7 @@ def _remainder_biss_6_34(word: int) -> int:
 # MHz. Used: Both as printed.
 #
 # Erratum ssi_pause, open (5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3). Printed: Pause of at least 12 µs (Tp > 12 µs); Tm has
-# a typical duration of 12 µs. Used: At least 12 µs.
+# a typical duration of 12 µs. Used: At least 12 µs; take more.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.17"),
@@ -330,7 +338,13 @@ SSI: Final = SsiFacts(
             symbol="Tm",
             source="5.1",
         ),
-        Timing(name="pause", meaning="Between two clock sequences", at_least_us=12, symbol="Tp", source="5.3 p.17"),
+        Timing(
+            name="pause",
+            meaning="Between two clock sequences; printed Tp > 12 µs, so that exactly 12 µs are no margin",
+            at_least_us=12,
+            symbol="Tp",
+            source="5.3 p.17",
+        ),
     ),
     note=(
         "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
@@ -351,8 +365,8 @@ class SsiWord(NamedTuple):
     As many bits as the position has, 20 to 25, the most significant first. Further clocks bring zeros after the word.
     No error or warning bit, no CRC, and not the constant 0 bit of the BiSS frame.
 
-    Erratum ssi_code_letters, settled (Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5). Printed: The output code can
-    be Gray or binary, see the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
+    Erratum ssi_code_letters, open (Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5). Printed: The output code can be
+    Gray or binary, see the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
     binary, GG is Gray.
 
     Erratum ssi_clock_count, open (5.1; 5.2). Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at
@@ -468,10 +482,13 @@ class SingleCycleData(NamedTuple):
 
     In the manual: Single Cycle Data SCD.
 
-    position_bits + 9 bits, 34 at 25 bits of resolution.
+    position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads a bit less,
+    without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
 
-    Erratum scd_length, settled (6.2.1 p.20; Preliminary information p.7). Printed: SCD data is nbitres+8 long. Used:
-    position_bits + 9.
+    Erratum scd_length, open (6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp). Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
+    position and error bit.
 
     Erratum profile_id_data_length, open (6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35). Printed: Profile ID 28 1A,
     data length 25 + 1 bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
@@ -978,6 +995,11 @@ class ProfileId(NamedTuple):
     Printed once for all models, although the data length fits only the one of 25 bits; so the length is not taken to
     tell the encoder. For the variant the manual refers to the standard encoder profile, data format.
 
+    Erratum scd_length, open (6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp). Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
+    position and error bit.
+
     Erratum profile_id_data_length, open (6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35). Printed: Profile ID 28 1A,
     data length 25 + 1 bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
 
@@ -1166,6 +1188,9 @@ class Command(IntEnum):
     """Command & status, Command mode, register 60h, write only (6.4 p.25; 6.4 p.26).
 
     Command register, the side of Command & status that is written.
+
+    Erratum cycle_counter, open (6.4 p.26; 6.4 p.30; icmr: p.26). Printed: Command 02 sets the cycle counter;
+    Synchronization error is about the cycle counter and the interpolator. Used: As printed.
     """
 
     REQUEST_POSITION = 0
@@ -1325,6 +1350,11 @@ class Position(NamedTuple):
     are taken as the position and, in bit 6, the constant 0 bit of the BiSS frame; with a lower resolution the position
     is taken as left-aligned too. Low byte first, unlike the other registers of several bytes.
 
+    Erratum scd_length, open (6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp). Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
+    position and error bit.
+
     Erratum position_register_bits, open (6.2.1 p.20; 6.4 p.29; icmr: p.33). Printed: Position: registers 61h to 64h
     with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models. Used: The exponents number the bits of the register: the
     position is left-aligned at bit 31 and position_bits wide; the bits below it are unspecified.
@@ -1375,6 +1405,9 @@ class ErrorRegister(NamedTuple):
 
     Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both, too. Reading out
     position data resets a message; while its cause lasts it appears again.
+
+    Erratum cycle_counter, open (6.4 p.26; 6.4 p.30; icmr: p.26). Printed: Command 02 sets the cycle counter;
+    Synchronization error is about the cycle counter and the interpolator. Used: As printed.
 
     Erratum warning_sources, open (6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42). Printed: For the active warning refer to
     the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning;
@@ -1625,6 +1658,9 @@ def read_absolute_data() -> tuple[Step, ...]:
 
     How long the reading takes is not said, nor that Absolute data valid goes to 0 first. After a reading that failed
     the bit does not become 1: give up after a while and look at the error register.
+
+    Erratum cycle_counter, open (6.4 p.26; 6.4 p.30; icmr: p.26). Printed: Command 02 sets the cycle counter;
+    Synchronization error is about the cycle counter and the interpolator. Used: As printed.
 
     Erratum absolute_data_valid_bit, settled (6.4 p.26; 6.4 p.28; icmr: p.41). Printed: Command 02: the status bit 2
     Absolute data valid. List of status bits: bit 1. Used: Bit 1.
@@ -1886,7 +1922,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value=(
             "Installation and maintenance by qualified personnel only, with the power supply disconnected and the "
             "mechanical parts at rest, and under the accident prevention rules of the country. Use only for the "
-            "purpose of its design."
+            "purpose of its design; high current, voltage and moving parts can injure or kill."
         ),
         source="1.1 p.8; 3 p.11",
     ),
@@ -1917,8 +1953,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="mechanical_safety",
         value=(
-            "Do not disassemble the encoder, do not touch the encoder or its shaft; no knocks or shocks. Keep to the "
-            "ambient conditions that the manufacturer states."
+            "Do not disassemble the encoder, nor machine it or its shaft; no knocks or shocks on device or shaft. "
+            "Keep to the ambient conditions that the manufacturer states."
         ),
         source="1.3 p.8",
     ),
@@ -1977,7 +2013,11 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="−50 °C to +90 °C (−58 °F to +194 °F) in fixed installation",
         source="4.3 p.14",
     ),
-    Characteristic(name="cable_resistance", value="90 Ω/km and 148 Ω/km per conductor at most", source="4.3 p.14"),
+    Characteristic(
+        name="cable_resistance",
+        value="Per conductor at most 90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²)",
+        source="4.3 p.14",
+    ),
     Characteristic(
         name="counting_direction",
         value="Counts up with clockwise rotation, as a picture shows; fixed",
@@ -2028,6 +2068,35 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 #: Where the manual cannot be taken literally, and what is used instead.
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
+        name="do_not_touch",
+        printed="Do not touch the encoder or its shaft.",
+        used="Neither is to be machined.",
+        why=(
+            "Who mounts the encoder by 3.3 has to touch both. The same list has \"do not tool\" in the AM36 and AMM5 "
+            "manuals, so that touch is likely a misprint of tool; this manual alone does not prove it."
+        ),
+        status="open",
+        severity="wording",
+        affects=("characteristics.mechanical_safety",),
+        source="1.3 p.8; 3.3 p.12; am36: Mechanical safety p.9; amm5: 1.3 p.8",
+    ),
+    Erratum(
+        name="resistance_by_cross_section",
+        printed=(
+            "Wires 2 × 0.22 mm² + 6 × 0.14 mm²; conductor resistance ≤ 90 Ω/km / ≤ 148 Ω/km, without saying which is "
+            "which"
+        ),
+        used="90 Ω/km is that of 0.22 mm², 148 Ω/km that of 0.14 mm².",
+        why=(
+            "Both pairs stand in the same order, and of two copper wires the thicker one has the lower resistance. "
+            "The AM36 manual prints it so."
+        ),
+        status="settled",
+        severity="wording",
+        affects=("characteristics.cable_resistance",),
+        source="4.3 p.14; am36: 4.2",
+    ),
+    Erratum(
         name="torque_maximum",
         printed="Max. tightening torque 2 ± 0.2 Nm and 2.5 ± 0.5 Nm",
         used="Both as printed",
@@ -2075,10 +2144,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="BG is binary, GG is Gray.",
         why=(
             "The AMM5 manual has one SSI code, BG1, and calls its output binary; the SMA21 manual calls the output of "
-            "its G1x models Gray and has BG and GG beside them."
+            "its G1x models Gray and has BG and GG beside them. That the letters mean the same here is an inference. "
+            "Turn the shaft slowly: if neighbouring positions jump, the code is the other one."
         ),
-        status="settled",
-        severity="omission",
+        status="open",
+        severity="wrong_data",
         affects=("order_code", "parameters.ssi_gray", "interfaces.ssi.ssi_word"),
         source="Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5",
     ),
@@ -2097,9 +2167,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="SSI bits numbered 20 ... 1 to 25 ... 1",
         used="19:0 to 24:0, with bit 0 as the LSB",
         why=(
-            "The words are 20 to 25 bits long and everything else in the manual counts from 0. The SMA21 manual "
-            "numbers its position n ... 1 as well, but has an error bit at 0; here the table of lengths leaves no "
-            "room for one."
+            "The words are 20 to 25 bits long, by the table of lengths, which leaves no room for a further bit at 0; "
+            "everything else in the manual counts from 0. (The SMA21 manual numbers its position n ... 1 as well, and "
+            "has an error bit at 0.)"
         ),
         status="settled",
         severity="wrong_data",
@@ -2129,15 +2199,69 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ssi_pause",
         printed="Pause of at least 12 µs (Tp > 12 µs); Tm has a typical duration of 12 µs",
-        used="At least 12 µs",
+        used="At least 12 µs; take more.",
         why=(
-            "The encoder is ready again only after Tm. A pause of just the typical Tm is too short for every encoder "
-            "whose Tm is longer; the AMM5 manual asks for 20 µs with the same Tm, the SMA21 manual for 16 µs."
+            "\"At least\" allows 12 µs, the sign \">\" does not. A pause of just 12 µs leaves no margin anyway: the "
+            "encoder is ready again only after Tm, and the typical Tm is too short for every encoder whose Tm is "
+            "longer. The AMM5 manual asks for 20 µs with the same Tm, the SMA21 manual for 16 µs."
         ),
         status="open",
         severity="wrong_limit",
         affects=("interfaces.ssi.pause", "interfaces.ssi.monoflop"),
         source="5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3",
+    ),
+    Erratum(
+        name="biss_documents",
+        printed=(
+            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
+            "Description\""
+        ),
+        used="The BiSS C protocol description of iC-Haus",
+        why=(
+            "The manuals of the same maker name the document differently. The protocol description is the public one "
+            "that their terms come from."
+        ),
+        status="open",
+        severity="wording",
+        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
+        source="6 p.19; 6.3 p.21; prot",
+    ),
+    Erratum(
+        name="biss_crc_start",
+        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
+        used="Start value 0",
+        why=(
+            "Public BiSS documents begin with 0 unless something else is stated, and so does the one public driver "
+            "for this encoder; but a public controller with the same registers lets its maker set any start value. "
+            "With another one every frame fails its CRC, with or without errors on the line."
+        ),
+        status="open",
+        severity="omission",
+        affects=("crcs.biss_6", "crcs.biss_4"),
+        source=(
+            "6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: "
+            "src/lib/encoder/bissc/Asc85.cpp"
+        ),
+    ),
+    Erratum(
+        name="cycle_counter",
+        printed=(
+            "Command 02 sets the cycle counter; Synchronization error is about the cycle counter and the interpolator"
+        ),
+        used="As printed",
+        why=(
+            "This encoder has one turn and no revolutions to count. What the counter counts is not said; in a public "
+            "controller with the same commands it counts the periods of the sine and cosine signals, within the turn."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "registers.command",
+            "registers.error_register.synchronization_error",
+            "alarms.synchronization_error",
+            "procedures.read_absolute_data",
+        ),
+        source="6.4 p.26; 6.4 p.30; icmr: p.26",
     ),
     Erratum(
         name="control_data_bit",
@@ -2154,16 +2278,22 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length",
-        printed="SCD data is nbitres+8 long.",
-        used="position_bits + 9",
-        why=(
-            "Position, the 0 bit, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 9; nbitres+8 is the "
-            "number of the top bit in the table. The preliminary information has 34 bits for 25."
+        printed=(
+            "SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary "
+            "information has 34 bits for 25"
         ),
-        status="settled",
+        used="position_bits + 9, with the 0 bit between position and error bit",
+        why=(
+            "nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1 bits. But the one "
+            "public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 "
+            "bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 "
+            "bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the "
+            "0 bit: position, nE, nW, CRC."
+        ),
+        status="open",
         severity="wrong_data",
-        affects=("interfaces.biss.single_cycle_data",),
-        source="6.2.1 p.20; Preliminary information p.7",
+        affects=("interfaces.biss.single_cycle_data", "registers.profile_id", "registers.position"),
+        source="6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp",
     ),
     Erratum(
         name="profile_id_data_length",
@@ -2242,8 +2372,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="For the active warning refer to the Error register; its six bits are all called errors.",
         used="No bit of the error register is taken as a warning; all are active errors.",
         why=(
-            "Which of them set nE and Error message, and which nW and Warning message, is not said. A public "
-            "controller with the same registers has two masks for it, which the maker sets."
+            "Which of them make nE active and set Error message, and which nW and Warning message, is not said. A "
+            "public controller with the same registers has two masks for it, which the maker sets."
         ),
         status="open",
         severity="omission",
@@ -2320,7 +2450,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="insulating",
         printed="Possibility of insulting the circuits galvanically",
         used="Nothing; the sentence is not taken over.",
-        why="Insulating is meant, as the AMM5 manual has it.",
+        why="The sentence is about optocouplers, which insulate circuits.",
         status="settled",
         severity="wording",
         source="5.1",
@@ -2356,6 +2486,12 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
         url="https://github.com/TexasInstruments/motor-control-sdk",
     ),
     Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
+    Document(
+        "onstepx",
+        "hjd1964/OnStepX, telescope controller with a BiSS C driver for the ASC85, marked experimental",
+        url="https://github.com/hjd1964/OnStepX",
+    ),
+    Document("am36", "AM36 AMC36 manual, English edition 1.0, Lika Electronic"),
     Document("amm5", "AMM5A AMM5B manual, English edition 1.9, Lika Electronic"),
     Document("sma21", "SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic"),
 )

@@ -372,6 +372,10 @@ def crc_biss_6(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (position, error and warning bit) are those of public BiSS documents.
+
+    Erratum biss_crc_start, open (6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
+    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
+    0.
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
@@ -382,6 +386,10 @@ def crc_biss_4(number: int, bits: int) -> int:
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
+
+    Erratum biss_crc_start, open (6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
+    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
+    0.
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -744,6 +752,10 @@ class SingleCycleData(NamedTuple):
 # Erratum zero_setting_rs485, open (3.3; 7.3.1 p.38; 7.3.3.2 p.41). Printed: 3.3: zero setting and preset are needed
 # after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0.
 # Used: Data ID F as described in 7.3.1 and 7.3.3.2.
+#
+# Erratum reset_interval, open (7.3.2 p.38; 7.3.3.2 p.41). Printed: Ten times in succession (in successione, in
+# sequenza), at transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each
+# request before the next one begins.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
@@ -798,8 +810,10 @@ RS485: Final = Rs485Facts(
         ),
     ),
     note=(
-        "The master asks, the encoder answers with the control field it received. A request is not valid if its sync "
-        "code, data ID, parity, delimiter or length is wrong."
+        "Each byte goes over the line between a start bit, 0, and a delimiter, 1, its least significant bit first "
+        "(7.3.1 to 7.3.4): ten bits, as a serial port with one stop bit sends them. Of a number the low byte comes "
+        "first. The master asks, the encoder answers with the control field it received. A request is not valid if "
+        "its sync code, data ID, parity, delimiter or length is wrong."
     ),
     source="7 p.37",
 )
@@ -874,6 +888,10 @@ class PositionReply(NamedTuple):
     the 48-bit position goes below zero.
 
     Erratum abs_range_24, settled (7.3.3). Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+
+    Erratum rs485_position_width, open (4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2). Printed: SSI and BiSS have a table of
+    the position by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits
+    at 50 µm, 22 at 10 µm, 23 at 5 µm, 24 at 2 µm and 1 µm.
 
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
@@ -1029,11 +1047,13 @@ class WidePositionReply(NamedTuple):
     Erratum wide_position_sign, open (7.3.3). Printed: Unused high bits are 0; the 48-bit position is signed. Used:
     Signed, over all 48 bits.
 
+    Erratum data_id_5_example_status, open (7.3.4; 7.3.2 p.38). Printed: Reply to data ID 5 with SF = 02h. Used: dd0 to
+    dd3 are 0, as 7.3.2 has it; the example checks the CRC only, and as a reply it is refused for its constant.
+
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level,
-    unimplemented_alarms.
+    Of its parts, see ERRATA: control_field_structure, alarm_storage, error_bit_level, unimplemented_alarms.
 
     Attributes:
         status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
@@ -1121,6 +1141,10 @@ class IdentificationReply(NamedTuple):
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
     Erratum abs_range_24, settled (7.3.3). Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+
+    Erratum rs485_position_width, open (4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2). Printed: SSI and BiSS have a table of
+    the position by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits
+    at 50 µm, 22 at 10 µm, 23 at 5 µm, 24 at 2 µm and 1 µm.
 
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
@@ -1963,7 +1987,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order="high_byte_first",
             default=b"\x00",
             fields=(FieldFacts(name="period", meaning="00h: no sine and cosine signals"),),
-            names={"it": "Risoluzione SENO-COSENSO"},
+            names={"it": "Risoluzione SENO-COSENO"},
             meaning="Period of the sine and cosine signals",
             source="6.4 p.33",
         ),
@@ -2828,14 +2852,19 @@ def reset_errors() -> tuple[Step, ...]:
 
     After: All errors are reset and the encoder initializes itself.
 
-    Send no request until the initialization, as after power-on, is over; the manual does not say how long it takes. An
-    Initialization error has to be reset after the initialization is over and normal operation has started again.
+    The ten requests have to follow one another: stop polling the position meanwhile. Send no request until the
+    initialization, as after power-on, is over; the manual does not say how long it takes. An Initialization error has
+    to be reset after the initialization is over and normal operation has started again.
+
+    Erratum reset_interval, open (7.3.2 p.38; 7.3.3.2 p.41). Printed: Ten times in succession (in successione, in
+    sequenza), at transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after
+    each request before the next one begins.
 
     Erratum rs485_reset_duration, open (7.3.3.2 p.41). Printed: Send no request until the initialization is over; none
     is accepted while the position is reset. No time is given. Used: No wait is made up.
     """
     return (
-        Send(b"\xda", times=10, every_us=40),
+        Send(b"\xda", times=10, every_us=40, meaning="in succession, no other request in between"),
     )
 
 
@@ -2846,18 +2875,22 @@ def reset_position() -> tuple[Step, ...]:
 
     After: The position is 0.
 
-    No request is accepted meanwhile, since the absolute positions are composed and the EEPROM is written; the manual
-    does not say how long it takes.
+    The ten requests have to follow one another: stop polling the position meanwhile. No request is accepted meanwhile,
+    since the absolute positions are composed and the EEPROM is written; the manual does not say how long it takes.
 
     Erratum zero_setting_rs485, open (3.3; 7.3.1 p.38; 7.3.3.2 p.41). Printed: 3.3: zero setting and preset are needed
     after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0.
     Used: Data ID F as described in 7.3.1 and 7.3.3.2.
 
+    Erratum reset_interval, open (7.3.2 p.38; 7.3.3.2 p.41). Printed: Ten times in succession (in successione, in
+    sequenza), at transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after
+    each request before the next one begins.
+
     Erratum rs485_reset_duration, open (7.3.3.2 p.41). Printed: Send no request until the initialization is over; none
     is accepted while the position is reset. No time is given. Used: No wait is made up.
     """
     return (
-        Send(b"\x7a", times=10, every_us=40),
+        Send(b"\x7a", times=10, every_us=40, meaning="in succession, no other request in between"),
     )
 
 
@@ -3463,6 +3496,11 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         source="9 p.47",
     ),
     Characteristic(
+        name="diagnostic_led",
+        value="One LED on the front of the encoder, with two states, on and off",
+        source="9.1 p.47",
+    ),
+    Characteristic(
         name="error_scope",
         value="The LED and the error bit speak for the absolute position and for the incremental signals alike",
         source="9.1 p.47",
@@ -3542,6 +3580,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="Informazioni preliminari p.8",
     ),
     Erratum(
+        name="order_code_blank",
+        printed="SMA21 -BGx-..., with a blank, on the cover",
+        used="SMA21-BGx-..., without it; a label with the blank is read all the same.",
+        why="Everywhere else, and for the same models, the manual has no blank.",
+        status="settled",
+        severity="wording",
+        affects=("order_code",),
+        source="Cover; Informazioni preliminari p.8; 5 p.19",
+    ),
+    Erratum(
         name="order_code_key",
         printed=(
             "See the order code (si veda il codice di ordinazione), for the output code, the supply and the "
@@ -3557,6 +3605,48 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="omission",
         affects=("order_code", "parameters.ssi_gray"),
         source="4.1 p.15; 5.1; 5.2 p.20",
+    ),
+    Erratum(
+        name="biss_documents",
+        printed=(
+            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"Protocol description "
+            "C-mode\""
+        ),
+        used="The BiSS C protocol description of iC-Haus",
+        why=(
+            "None of the names is the title of a public document; the protocol description is the one that the "
+            "manual's terms come from."
+        ),
+        status="open",
+        severity="wording",
+        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
+        source="6 p.24; 6.3 p.27; prot",
+    ),
+    Erratum(
+        name="biss_crc_start",
+        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
+        used="Start value 0",
+        why=(
+            "Public BiSS documents begin with 0 unless something else is stated, and BiSS devices may have another. "
+            "With another start value every frame fails its CRC, with or without errors on the line."
+        ),
+        status="open",
+        severity="omission",
+        affects=("crcs.biss_6", "crcs.biss_4"),
+        source="6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30",
+    ),
+    Erratum(
+        name="command_default",
+        printed="Register 48h is write only (wo); default 00, and the list of defaults has it",
+        used="Write only; 00 is what the register goes back to.",
+        why=(
+            "A default of what cannot be read shows to nobody. Whether 48h answers a read, with 00 or at all, is not "
+            "said."
+        ),
+        status="open",
+        severity="wording",
+        affects=("registers.command",),
+        source="6.4 p.29; 12 p.51",
     ),
     Erratum(
         name="tape_length",
@@ -3818,7 +3908,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="sine_cosine_name",
         printed="Risoluzione SENO-COSENSO, in the index SENO-COSEN0",
-        used="Sine-cosine resolution",
+        used="Risoluzione SENO-COSENO, the sine-cosine resolution",
         why="The text of the entry has Seno-Coseno.",
         status="settled",
         severity="wording",
@@ -3937,6 +4027,39 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="7.3.3",
     ),
     Erratum(
+        name="rs485_position_width",
+        printed=(
+            "SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a "
+            "model, and at most 24 bits"
+        ),
+        used="20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, 24 at 2 µm and 1 µm",
+        why=(
+            "These are the widths of SSI and BiSS, cut to 24 bits at 1 µm, for which 4.10 halves the travel. That a "
+            "resolution has the width of the other interfaces is likely, but not said."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "parameters.rs485_position_bits",
+            "interfaces.rs485.position_reply",
+            "interfaces.rs485.identification_reply",
+        ),
+        source="4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2",
+    ),
+    Erratum(
+        name="reset_interval",
+        printed="Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more",
+        used="No other request in between, and 40 µs or more after each request before the next one begins",
+        why=(
+            "Whether an interval is the gap between two requests or runs from start to start is not said; a gap of 40 "
+            "µs satisfies both. Nor is said whether a request with another data ID begins the count anew."
+        ),
+        status="open",
+        severity="omission",
+        affects=("procedures.reset_errors", "procedures.reset_position", "interfaces.rs485.reset_interval"),
+        source="7.3.2 p.38; 7.3.3.2 p.41",
+    ),
+    Erratum(
         name="shaft",
         printed="Data ID F: while the shaft is at rest (mentre l'albero è in stop)",
         used="While the sensor is at rest",
@@ -3975,11 +4098,18 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="data_id_5_example_status",
         printed="Reply to data ID 5 with SF = 02h",
-        used="A check of the CRC only; as a reply it is refused for its constant.",
-        why="02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h and 20h.",
-        status="settled",
+        used=(
+            "dd0 to dd3 are 0, as 7.3.2 has it; the example checks the CRC only, and as a reply it is refused for its "
+            "constant."
+        ),
+        why=(
+            "02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h and 20h. Yet it is the only reply to "
+            "data ID 5 that the manual prints, with a right CRC. Whether the example is wrong, or an encoder may set "
+            "these bits, only hardware can tell. Where sound replies are refused for status_info, the bits are set."
+        ),
+        status="open",
         severity="wrong_data",
-        affects=("examples.reply_of_data_id_5", "field_groups.status_field"),
+        affects=("examples.reply_of_data_id_5", "field_groups.status_field", "interfaces.rs485.wide_position_reply"),
         source="7.3.4; 7.3.2 p.38",
     ),
     Erratum(

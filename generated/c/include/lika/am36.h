@@ -18,6 +18,11 @@
  *           https://github.com/TexasInstruments/motor-control-sdk
  *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic; single pages of it -
  *             https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html
+ *   am36_1_1_biss: AMx36 manual, English edition 1.1, Lika Electronic; the page that begins the
+ *                  BiSS section -
+ *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
+ *   amm36: AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number -
+ *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
  *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
@@ -62,9 +67,9 @@ extern "C" {
  * Info).
  * Erratum (settled): printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-... Used: I7; 17 is accepted
  *                    as well and shown as unlisted. [6; 6.5 p.31]
- * Erratum (settled): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be
- *                    Gray or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1;
- *                    5.2; amm5: 5 p.27; amm5: 5.2]
+ * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
+ *                 or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1; 5.2;
+ *                 amm5: 5 p.27; amm5: 5.2]
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
  *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
@@ -289,6 +294,9 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot: p.7-8;
+ *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 {
@@ -311,6 +319,9 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
  * those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot: p.7-8;
+ *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
 {
@@ -342,8 +353,8 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
  *                 Used: Both as printed. [5.3]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3 MHz.
  *                 Used: Both as printed. [5.3]
- * Erratum (open): printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12
- *                 us. Used: At least 12 us. [5.1; 5.3; amm5: 5.3]
+ * Erratum (open): printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12 us
+ *                 (Tp > 12 us). Used: At least 12 us; take more. [5.1; 5.3; amm5: 5.3]
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3] */
 #define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U /* highest clock [5.3] */
@@ -352,7 +363,8 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
  * sets the data line high [5.1]
  */
 #define LIKA_AM36_SSI_MONOFLOP_TYPICAL_US 12U
-#define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U /* Tp: Between two clock sequences [5.3] */
+/* Tp: Between two clock sequences; printed Tp > 12 us, so that exactly 12 us are no margin [5.3] */
+#define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U
 
 /*
  * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
@@ -383,6 +395,9 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  * are coded as one word.
  *   multiturn_bits from bit singleturn_bits up  multiturn
  *   singleturn_bits from bit 0 up               singleturn
+ * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
+ *                 or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1; 5.2;
+ *                 amm5: 5 p.27; amm5: 5.2]
  * Erratum (settled): printed: SSI word with bits 28 ... 1 and 31 ... 1. Used: Bits 27:0 and 30:0.
  *                    [5.2; 6.3.1 p.21]
  * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
@@ -788,7 +803,8 @@ static inline lika_result lika_am36_read_profile_id(
  * The lowest address holds the high byte.
  * Erratum (open): printed: In hexadecimal notation; register 44: year, register 45: week, registers
  *                 46 and 47: serial number. Used: Plain binary numbers, the year as it stands in
- *                 its byte. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4]
+ *                 its byte; of the serial number 46h is the high byte. [6.5 p.24; amm5: 6.4 p.38;
+ *                 asc85: 6.4; amm36: p.38]
  */
 #define LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AM36_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -2324,14 +2340,16 @@ static inline lika_result lika_am36_identify(
 /*
  * Zero setting/Preset: Sets the position to 0 (SSI) or activates the preset value of the Preset
  * registers (BiSS) by a signal of a PLC or another controller [4.4 p.15; Electrical safety p.8]
- *   low: Normal level, nothing happens.
- *   high: Zero setting or preset is activated.
+ *   low: 0VDC: normal level, nothing happens.
+ *   high: +VDC: zero setting or preset is activated.
  *   pulse: 100 us at least.
  *   subject to: configuration.enable_preset.
  *   unused: connect it to 0VDC.
  * Connect to +VDC for at least 100 us, then disconnect. The bit Enable preset has to be 0 (enable),
  * else the input is dead; that holds over BiSS only. To be set after the counting direction, and
  * preferably with the shaft at a standstill. Over BiSS the Command register does the same.
+ * Erratum (open): printed: The inputs are connected to 0VDC or +VDC, low and high logic level.
+ *                 Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
  * Erratum (settled): printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be
  *                    entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is
  *                    Disable. Used: 0 enables, 1 disables. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33;
@@ -2342,13 +2360,16 @@ static inline lika_result lika_am36_identify(
  * Counting direction (Complementary input): Sets whether the position counts up with clockwise (CW)
  * or with counter-clockwise (CCW) rotation, seen from the shaft end [4.5 p.15; Electrical safety
  * p.8; 6.5 p.26]
- *   low: Counts up clockwise; over BiSS as the bit Counting direction says.
- *   high: Counts up counter-clockwise; over BiSS contrary to what the bit Counting direction says.
+ *   low: 0VDC: counts up clockwise (CW); over BiSS as the bit Counting direction says.
+ *   high: +VDC: counts up counter-clockwise (CCW); over BiSS contrary to what the bit Counting
+ *         direction says.
  *   inverts: configuration.counting_direction.
  *   unused: connect it to 0VDC.
- * Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high counter-clockwise, 1 (CCW) and
- * low counter-clockwise, 1 and high clockwise. After a change of the direction a new zero or preset
- * has to be set.
+ * Low is 0VDC, high is +VDC. Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high
+ * counter-clockwise, 1 (CCW) and low counter-clockwise, 1 and high clockwise. After a change of the
+ * direction a new zero or preset has to be set.
+ * Erratum (open): printed: The inputs are connected to 0VDC or +VDC, low and high logic level.
+ *                 Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
  */
 
 #ifdef __cplusplus

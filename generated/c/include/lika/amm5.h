@@ -18,6 +18,8 @@
  *   hpm_sdk: hpmicro/hpm_sdk, sample of a T-format encoder - https://github.com/hpmicro/hpm_sdk
  *   stmbl: rene-dev/stmbl, servo drive with a T-format receiver - https://github.com/rene-dev/stmbl
  *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
+ *   amm36: AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number -
+ *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
  *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
  *
@@ -256,6 +258,9 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34; prot: p.7-8;
+ *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 {
@@ -278,6 +283,9 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
  * those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34; prot: p.7-8;
+ *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 {
@@ -505,20 +513,24 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  *                 significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
  * Erratum (settled): printed: SCD data is nbitres+7 long. Used: position_bits + 8. [6.2.1 p.32; it:
  *                    6.2.1 p.32]
+ * Erratum (open): printed: nE and LED 1: misalignment and the like, or battery spent, see MT error.
+ *                 nW and LED 2: an error in the magnetic multiturn system, or battery low, see
+ *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
+ *                 alarm and MT error. Used: Each as printed, none derived from another. [6.2.1
+ *                 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
  */
 typedef struct lika_amm5_single_cycle_data {
     uint16_t multiturn; /* Number of revolutions [revolutions] */
     uint32_t singleturn; /* Position within one revolution [counts] */
     /*
-     * Error, nE: error active in the system. Set, for instance, when circuitry and disk are not
-     * aligned (gap out of tolerance, circuitry not installed properly), and when the battery is
+     * Error, nE: error active in the system. Reports, for instance, that circuitry and disk are not
+     * aligned (gap out of tolerance, circuitry not installed properly), or that the battery is
      * spent; the encoder cannot operate then and the battery has to be replaced (4.3.2).
      */
     bool error;
     /*
-     * Warning, nW: warning active in the system. Set after an error in the magnetic multiturn
-     * system, and when the battery is low; the battery has to be replaced as soon as possible then
-     * (4.3.1).
+     * Warning, nW: warning active in the system. Reports an error in the magnetic multiturn system,
+     * or that the battery is low; the battery has to be replaced as soon as possible then (4.3.1).
      */
     bool warning;
     uint64_t position; /* multiturn and singleturn as one number */
@@ -619,14 +631,16 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
 /* -- RS-485 ------------------------------------------------------------------------------------ */
 
 /*
- * The master asks, the encoder answers with the control field it received. Whether a byte has
- * really been written to the EEPROM is checked by reading it back with data ID D. The manual gives
- * no time for writing it over this interface; MEM BUSY tells.
+ * Each byte goes over the line between a start bit and a delimiter, its least significant bit first
+ * (7.6): ten bits, as a serial port with one stop bit sends them. Of a number the low byte comes
+ * first, in binary code (7.4). The master asks, the encoder answers with the control field it
+ * received. Whether a byte has really been written to the EEPROM is checked by reading it back with
+ * data ID D. The manual gives no time for writing it over this interface; MEM BUSY tells.
  * Access to the memory, by the busy flag of the reply:
  *   read, busy 0: The byte was read. Address: that of the request; data: the EEPROM's data [7.5
  *                 p.46].
- *   read, busy 1: A read is being carried out, the request is invalid. Address: that of the
- *                 request; data: 00h [7.5 p.46].
+ *   read, busy 1: The memory is busy, reading by the table, writing by the sentence below it; the
+ *                 request is invalid. Address: that of the request; data: 00h [7.5 p.46].
  *   write, busy 0: The request was accepted. Address: that of the request; data: that of the
  *                  request [7.5 p.46].
  *   write, busy 1: A write is being carried out, the request is invalid and not executed. Address:
@@ -635,9 +649,20 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. [7.4.2
  *                 p.45; ti_sdk:
  *                 docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
+ *                 Used: No other request in between, and 40 us or more after each request before
+ *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
  * Erratum (settled): printed: One byte for each data ID, without its structure. Used: Bits 2:0 are
  *                    010, bits 6:3 the data ID, bit 7 the even parity of the data ID. [7.3.1 p.42;
  *                    stmbl: src/comps/smartabs.c]
+ * Erratum (open): printed: nE and LED 1: misalignment and the like, or battery spent, see MT error.
+ *                 nW and LED 2: an error in the magnetic multiturn system, or battery low, see
+ *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
+ *                 alarm and MT error. Used: Each as printed, none derived from another. [6.2.1
+ *                 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
+ * Erratum (open): printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error. Used: One
+ *                 flag, status_other_error; the position beside it is not to be trusted until ALMC
+ *                 has been read. [7.3.2 p.42; 7.4.1 p.44]
  * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
@@ -660,7 +685,8 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
 typedef enum lika_amm5_data_id {
     LIKA_AMM5_DATA_ID_SINGLETURN = 0x0, /* Data ID 0: Singleturn position [7.3.1 p.42] */
     LIKA_AMM5_DATA_ID_MULTITURN = 0x1, /* Data ID 1: Multiturn data [7.3.1 p.42] */
-    LIKA_AMM5_DATA_ID_ENCODER_ID = 0x2, /* Data ID 2: Encoder ID, always 23h [7.3.1 p.42] */
+    /* Data ID 2: Encoder ID, printed as the fixed value 23h [7.3.1 p.42] */
+    LIKA_AMM5_DATA_ID_ENCODER_ID = 0x2,
     /* Data ID 3: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42; 7.4 p.43] */
     LIKA_AMM5_DATA_ID_ALL_DATA = 0x3,
     LIKA_AMM5_DATA_ID_EEPROM_WRITE = 0x6, /* Data ID 6: Write one byte of the EEPROM [7.3.1 p.42] */
@@ -772,8 +798,12 @@ static inline lika_result lika_amm5_data_request_encode(
  *   byte 1 bits 7:1  address
  *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
- *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
+ *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
+ *                 into bits 6:0, these requests reach twice the address, and a write destroys other
+ *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH 4U
 
@@ -845,8 +875,12 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  *   byte 1 bit 0     mem_busy  MEM BUSY; always 0
  *   byte 1 bits 7:1  address
  *   byte 2           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
- *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
+ *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
+ *                 into bits 6:0, these requests reach twice the address, and a write destroys other
+ *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH 3U
 
@@ -919,6 +953,9 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
  *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
+ * Erratum (open): printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error. Used: One
+ *                 flag, status_other_error; the position beside it is not to be trusted until ALMC
+ *                 has been read. [7.3.2 p.42; 7.4.1 p.44]
  * Erratum (settled): printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF,
  *                    DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for
  *                    its length. [7.6]
@@ -928,7 +965,11 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
 typedef struct lika_amm5_singleturn_reply {
     lika_amm5_data_id data_id;
     bool status_st_error; /* EE_0: ST error */
-    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    /*
+     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
+     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
+     * data ID 3 then: its ALMC tells which it is.
+     */
     bool status_other_error;
     uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
 } lika_amm5_singleturn_reply;
@@ -1015,12 +1056,19 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     multiturn           multiturn_bits, those above always 0
  *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
+ * Erratum (open): printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error. Used: One
+ *                 flag, status_other_error; the position beside it is not to be trusted until ALMC
+ *                 has been read. [7.3.2 p.42; 7.4.1 p.44]
  */
 #define LIKA_AMM5_MULTITURN_REPLY_LENGTH 6U
 
 typedef struct lika_amm5_multiturn_reply {
     bool status_st_error; /* EE_0: ST error */
-    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    /*
+     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
+     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
+     * data ID 3 then: its ALMC tells which it is.
+     */
     bool status_other_error;
     uint16_t multiturn; /* ABM0, ABM1, ABM2: Number of revolutions [revolutions] */
 } lika_amm5_multiturn_reply;
@@ -1097,15 +1145,23 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
  *   byte 1 bit 4     status_st_error     active high
  *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
- *   byte 2           encoder_id          ENID; always 0x23; Encoder ID
+ *   byte 2           encoder_id
  *   byte 3           crc                 CRC; CRC rs485_8 over everything before it
+ * Erratum (open): printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID
+ *                 should be; a frame with another one is decoded, and the other one reported.
+ *                 [7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
  */
 #define LIKA_AMM5_ENCODER_ID_REPLY_LENGTH 4U
 
 typedef struct lika_amm5_encoder_id_reply {
     bool status_st_error; /* EE_0: ST error */
-    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    /*
+     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
+     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
+     * data ID 3 then: its ALMC tells which it is.
+     */
     bool status_other_error;
+    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; another one is no fault */
 } lika_amm5_encoder_id_reply;
 
 /* Decodes 4 bytes. */
@@ -1122,13 +1178,11 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     }
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
+    const uint8_t encoder_id = bytes[2];
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (bytes[2] != 0x23U) { /* encoder id */
         return LIKA_FAULT_CONSTANT;
     }
     /* data ID of another frame */
@@ -1142,6 +1196,7 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     const uint8_t flags = bytes[1];
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
+    out->encoder_id = encoder_id;
     return LIKA_OK;
 }
 
@@ -1157,9 +1212,19 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
     bytes[0] = 0x92U;
     bytes[1] = (uint8_t)((in->status_st_error ? 0x10U : 0x00U) |
         (in->status_other_error ? 0x20U : 0x00U));
-    bytes[2] = 0x23U;
+    bytes[2] = in->encoder_id;
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH - 1U);
     return LIKA_OK;
+}
+
+#define LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED 0x23U /* what encoder_id always reads */
+
+/* Whether it reads as it always does on this encoder. */
+static inline bool lika_amm5_encoder_id_reply_is_expected(
+    const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in)
+{
+    (void)variant;
+    return in->encoder_id == LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED;
 }
 
 /*
@@ -1173,7 +1238,7 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
  *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
- *   byte 5           encoder_id          ENID; always 0x23; Encoder ID
+ *   byte 5           encoder_id
  *   bytes 6 to 8     multiturn           multiturn_bits, those above always 0
  *   byte 9 bit 0     alarm_zero_0        always 0
  *   byte 9 bit 1     busy                active high
@@ -1183,14 +1248,22 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
  *   byte 9 bit 6     mt_error            active high
  *   byte 9 bit 7     battery_alarm       active high
  *   byte 10          crc                 CRC; CRC rs485_8 over everything before it
+ * Erratum (open): printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID
+ *                 should be; a frame with another one is decoded, and the other one reported.
+ *                 [7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
  */
 #define LIKA_AMM5_COMPLETE_REPLY_LENGTH 11U
 
 typedef struct lika_amm5_complete_reply {
     bool status_st_error; /* EE_0: ST error */
-    /* EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0 */
+    /*
+     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
+     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
+     * data ID 3 then: its ALMC tells which it is.
+     */
     bool status_other_error;
     uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
+    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; another one is no fault */
     uint16_t multiturn; /* ABM0, ABM1, ABM2: Number of revolutions [revolutions] */
     bool busy; /* BUSY: not ready after power-on or during a reset; all position data are 0 */
     bool st_error; /* STERR: counted and calculated data disagree */
@@ -1229,6 +1302,7 @@ static inline lika_result lika_amm5_complete_reply_decode(
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
+    const uint8_t encoder_id = bytes[5];
     const uint16_t multiturn = (uint16_t)((uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U));
     if (singleturn > lika_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
         return LIKA_FAULT_CONSTANT;
@@ -1240,9 +1314,6 @@ static inline lika_result lika_amm5_complete_reply_decode(
         return LIKA_FAULT_CONSTANT;
     }
     if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if (bytes[5] != 0x23U) { /* encoder id */
         return LIKA_FAULT_CONSTANT;
     }
     if (bytes[8] != 0x00U) { /* above multiturn */
@@ -1263,6 +1334,7 @@ static inline lika_result lika_amm5_complete_reply_decode(
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->singleturn = singleturn;
+    out->encoder_id = encoder_id;
     out->multiturn = multiturn;
     flags = bytes[9];
     out->busy = ((flags & 0x02U) != 0U);
@@ -1298,7 +1370,7 @@ static inline lika_result lika_amm5_complete_reply_encode(
     bytes[2] = (uint8_t)in->singleturn;
     bytes[3] = (uint8_t)(in->singleturn >> 8U);
     bytes[4] = (uint8_t)(in->singleturn >> 16U);
-    bytes[5] = 0x23U;
+    bytes[5] = in->encoder_id;
     bytes[6] = (uint8_t)in->multiturn;
     bytes[7] = (uint8_t)(in->multiturn >> 8U);
     bytes[8] = 0x00U;
@@ -1307,6 +1379,16 @@ static inline lika_result lika_amm5_complete_reply_encode(
         (in->battery_alarm ? 0x80U : 0x00U));
     bytes[10] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH - 1U);
     return LIKA_OK;
+}
+
+#define LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED 0x23U /* what encoder_id always reads */
+
+/* Whether it reads as it always does on this encoder. */
+static inline bool lika_amm5_complete_reply_is_expected(
+    const lika_amm5_variant *variant, const lika_amm5_complete_reply *in)
+{
+    (void)variant;
+    return in->encoder_id == LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED;
 }
 
 /*
@@ -1319,8 +1401,12 @@ static inline lika_result lika_amm5_complete_reply_encode(
  *   byte 1 bits 7:1  address
  *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
- *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
+ *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
+ *                 into bits 6:0, these requests reach twice the address, and a write destroys other
+ *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH 4U
 
@@ -1393,13 +1479,17 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
  *   byte 1 bits 7:1  address
  *   byte 2           data
  *   byte 3           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1. Used:
- *                 As printed. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
+ *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
+ *                 into bits 6:0, these requests reach twice the address, and a write destroys other
+ *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_READ_REPLY_LENGTH 4U
 
 typedef struct lika_amm5_eeprom_read_reply {
-    bool mem_busy; /* MEM BUSY: reading, request not executed */
+    bool mem_busy; /* MEM BUSY: memory busy, request not executed */
     uint8_t address; /* ADD6 ... ADD0: EEPROM address of the request */
     uint8_t data; /* EDF: Byte read, or 00h while busy */
 } lika_amm5_eeprom_read_reply;
@@ -1843,6 +1933,8 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * Year and week of production and a running number, as decimal digits of one binary number.
  * The lowest address holds the high byte.
  *   bytes 0 to 3  serial  decimal digits: year, week, number
+ * Erratum (open): printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630. Used: High byte first,
+ *                 as printed. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -2374,10 +2466,14 @@ static inline lika_result lika_amm5_activate_preset(
  * Before: Shaft at a standstill.
  * Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with
  *         or without an external battery.
+ * The ten requests have to follow one another: stop polling the position meanwhile.
  * Erratum (open): printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn
  *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. [7.4.2
  *                 p.45; ti_sdk:
  *                 docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
+ *                 Used: No other request in between, and 40 us or more after each request before
+ *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
  * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
  *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
  *                 [7.4.2 p.45; it: 7.4.2 p.45]
@@ -2387,7 +2483,8 @@ static inline lika_result lika_amm5_activate_preset(
 static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xC2U, 10U, 40U }, /* data ID reset singleturn and multiturn */
+        /* in succession, no other request in between */
+        { LIKA_STEP_SEND, 0U, 0xFFU, 0xC2U, 10U, 40U },
         /* execution takes 18 ms at most, EEPROM writing included */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
     };
@@ -2411,9 +2508,13 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
  * Before: Shaft at a standstill, that is 300 rpm or less.
  * Result: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST
  *         error, MT error; by 7.4.1 the battery alarm as well) are cleared.
+ * The ten requests have to follow one another: stop polling the position meanwhile.
  * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
+ *                 Used: No other request in between, and 40 us or more after each request before
+ *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
  * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
  *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
  *                 [7.4.2 p.45; it: 7.4.2 p.45]
@@ -2423,7 +2524,8 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
 static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0x62U, 10U, 40U }, /* data ID reset multiturn and errors */
+        /* in succession, no other request in between */
+        { LIKA_STEP_SEND, 0U, 0xFFU, 0x62U, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
     *count = LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT;
@@ -2446,9 +2548,13 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
  * Before: Shaft at a standstill, that is 300 rpm or less.
  * Result: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are
  *         cleared.
+ * The ten requests have to follow one another: stop polling the position meanwhile.
  * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
+ *                 Used: No other request in between, and 40 us or more after each request before
+ *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
  * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
  *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
  *                 [7.4.2 p.45; it: 7.4.2 p.45]
@@ -2458,7 +2564,8 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
 static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xBAU, 10U, 40U }, /* data ID reset errors */
+        /* in succession, no other request in between */
+        { LIKA_STEP_SEND, 0U, 0xFFU, 0xBAU, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
     *count = LIKA_AMM5_RESET_ERRORS_STEPS_COUNT;

@@ -18,6 +18,9 @@
  *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
  *           https://github.com/TexasInstruments/motor-control-sdk
  *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
+ *   onstepx: hjd1964/OnStepX, telescope controller with a BiSS C driver for the ASC85, marked
+ *            experimental - https://github.com/hjd1964/OnStepX
+ *   am36: AM36 AMC36 manual, English edition 1.0, Lika Electronic
  *   amm5: AMM5A AMM5B manual, English edition 1.9, Lika Electronic
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
@@ -58,9 +61,9 @@ extern "C" {
  * Erratum (open): printed: The supply voltage is explained for SC1 and SC2 only, as an example; BG
  *                 and GG stand with three dots. Used: 1 and 2 mean the same after BG and GG; any
  *                 other digit is accepted as unlisted. [Cover; 4 p.13; 5 p.15]
- * Erratum (settled): printed: The output code can be Gray or binary, see the order code; the order
- *                    codes are BG and GG, without a word on which is which. Used: BG is binary, GG
- *                    is Gray. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
+ * Erratum (open): printed: The output code can be Gray or binary, see the order code; the order
+ *                 codes are BG and GG, without a word on which is which. Used: BG is binary, GG is
+ *                 Gray. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
  */
 
 /* What differs between order codes. */
@@ -272,6 +275,9 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
  * included) are those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8;
+ *                 renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  */
 static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 {
@@ -294,6 +300,9 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
  * those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8;
+ *                 renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  */
 static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 {
@@ -326,7 +335,7 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
  *                 Used: Both as printed. [5.3 p.17]
  * Erratum (open): printed: Pause of at least 12 us (Tp > 12 us); Tm has a typical duration of 12
- *                 us. Used: At least 12 us. [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]
+ *                 us. Used: At least 12 us; take more. [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]
  */
 #define LIKA_ASC85_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3 p.17] */
 #define LIKA_ASC85_SSI_CLOCK_MAX_HZ 4000000U /* highest clock [5.3 p.17] */
@@ -335,7 +344,11 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
  * sets the data line high [5.1]
  */
 #define LIKA_ASC85_SSI_MONOFLOP_TYPICAL_US 12U
-#define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U /* Tp: Between two clock sequences [5.3 p.17] */
+/*
+ * Tp: Between two clock sequences; printed Tp > 12 us, so that exactly 12 us are no margin [5.3
+ * p.17]
+ */
+#define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U
 
 /*
  * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
@@ -365,9 +378,9 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  * zeros after the word. No error or warning bit, no CRC, and not the constant 0 bit of the BiSS
  * frame.
  *   position_bits from bit 0 up  position
- * Erratum (settled): printed: The output code can be Gray or binary, see the order code; the order
- *                    codes are BG and GG, without a word on which is which. Used: BG is binary, GG
- *                    is Gray. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
+ * Erratum (open): printed: The output code can be Gray or binary, see the order code; the order
+ *                 codes are BG and GG, without a word on which is which. Used: BG is binary, GG is
+ *                 Gray. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
  * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
  *                 as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy
  *                 both. [5.1; 5.2]
@@ -444,14 +457,17 @@ static inline lika_result lika_asc85_ssi_word_encode(
 /*
  * Single cycle data, sent by the encoder: position_bits + 9 bits [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
- * position_bits + 9 bits, 34 at 25 bits of resolution.
+ * position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads
+ * a bit less, without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
  *   position_bits from bit 9 up  position
  *   bit 8                        zero      0; always 0
  *   bit 7                        error     active low
  *   bit 6                        warning   active low
  *   bits 5:0                     crc       CRC; CRC biss_6 over everything before it
- * Erratum (settled): printed: SCD data is nbitres+8 long. Used: position_bits + 9. [6.2.1 p.20;
- *                    Preliminary information p.7]
+ * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+ *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
+ *                 position_bits + 9, with the 0 bit between position and error bit. [6.2.1 p.20;
+ *                 Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
  *                 for all models, as printed; frames of position_bits + 9 bits. [6.2.1 p.20; 6.4
  *                 p.23; sma21: 6.4; icmr: p.34-35]
@@ -596,6 +612,10 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  * Printed once for all models, although the data length fits only the one of 25 bits; so the length
  * is not taken to tell the encoder. For the variant the manual refers to the standard encoder
  * profile, data format.
+ * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+ *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
+ *                 position_bits + 9, with the 0 bit between position and error bit. [6.2.1 p.20;
+ *                 Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
  *                 for all models, as printed; frames of position_bits + 9 bits. [6.2.1 p.20; 6.4
  *                 p.23; sma21: 6.4; icmr: p.34-35]
@@ -854,6 +874,9 @@ static inline lika_result lika_asc85_read_diagnostic_data(
  * Command & status, Command mode, 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
  * Command register, the side of Command & status that is written.
  * The same address is another register when read: Command & status, Status mode.
+ * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
+ *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
+ *                 p.26]
  */
 #define LIKA_ASC85_REG_COMMAND_ADDRESS 0x60U
 #define LIKA_ASC85_REG_COMMAND_LENGTH 1U /* byte */
@@ -1048,6 +1071,10 @@ static inline lika_result lika_asc85_read_status(
  * frame; with a lower resolution the position is taken as left-aligned too. Low byte first, unlike
  * the other registers of several bytes.
  *   position_bits from bit 32 - position_bits up  position
+ * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+ *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
+ *                 position_bits + 9, with the 0 bit between position and error bit. [6.2.1 p.20;
+ *                 Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * Erratum (open): printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used,
  *                 for all models. Used: The exponents number the bits of the register: the position
  *                 is left-aligned at bit 31 and position_bits wide; the bits below it are
@@ -1120,6 +1147,9 @@ static inline lika_result lika_asc85_read_position(
  * Error and warning messages that are active at present.
  * Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both,
  * too. Reading out position data resets a message; while its cause lasts it appears again.
+ * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
+ *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
+ *                 p.26]
  * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
  *                 called errors. Used: No bit of the error register is taken as a warning; all are
  *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
@@ -1557,6 +1587,9 @@ static inline lika_result lika_asc85_save_configuration(
  * How long the reading takes is not said, nor that Absolute data valid goes to 0 first. After a
  * reading that failed the bit does not become 1: give up after a while and look at the error
  * register.
+ * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
+ *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
+ *                 p.26]
  * Erratum (settled): printed: Command 02: the status bit 2 Absolute data valid. List of status
  *                    bits: bit 1. Used: Bit 1. [6.4 p.26; 6.4 p.28; icmr: p.41]
  */
@@ -1937,6 +1970,9 @@ static inline lika_result lika_asc85_identify(
  * interpolator failed. [6.4 p.30]
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Procedures that clear it: reset_errors.
+ * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
+ *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
+ *                 p.26]
  */
 #define LIKA_ASC85_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U /* in Error register, 69h */
 

@@ -75,6 +75,10 @@ extern "C" {
  * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
  *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
  *                 6.4 p.23]
+ * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
+ *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
+ *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
+ *                 7.3.3.2]
  */
 
 /* What differs between order codes. */
@@ -347,6 +351,9 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27; prot: p.7-8;
+ *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 {
@@ -369,6 +376,9 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
  * those of public BiSS documents.
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
+ *                 logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27; prot: p.7-8;
+ *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 {
@@ -672,17 +682,23 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
 /* -- RS-485 ------------------------------------------------------------------------------------ */
 
 /*
- * The master asks, the encoder answers with the control field it received. A request is not valid
- * if its sync code, data ID, parity, delimiter or length is wrong.
+ * Each byte goes over the line between a start bit, 0, and a delimiter, 1, its least significant
+ * bit first (7.3.1 to 7.3.4): ten bits, as a serial port with one stop bit sends them. Of a number
+ * the low byte comes first. The master asks, the encoder answers with the control field it
+ * received. A request is not valid if its sync code, data ID, parity, delimiter or length is wrong.
  * Erratum (open): printed: 3.3: zero setting and preset are needed after mounting but available
  *                 with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position
  *                 to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38;
  *                 7.3.3.2 p.41]
+ * Erratum (open): printed: Ten times in succession (in successione, in sequenza), at transmission
+ *                 intervals of 40 us or more. Used: No other request in between, and 40 us or more
+ *                 after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
  * Erratum (settled): printed: Five bits cc0 to cc4 as ID code. Used: cc0 to cc3 are the data ID,
  *                    cc4 is its even parity bit. [7.3.1 p.38; 7.2.2 p.37; stmbl:
  *                    src/comps/smartabs.c]
- * Erratum (settled): printed: Reply to data ID 5 with SF = 02h. Used: A check of the CRC only; as a
- *                    reply it is refused for its constant. [7.3.4; 7.3.2 p.38]
+ * Erratum (open): printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are 0, as 7.3.2 has
+ *                 it; the example checks the CRC only, and as a reply it is refused for its
+ *                 constant. [7.3.4; 7.3.2 p.38]
  * Erratum (settled): printed: When the fault is gone the error bit goes to the high level (commuta
  *                    al livello logico alto). Used: So with SSI and BiSS. Over RS-485 the error bit
  *                    is high while there is an error, and stays so until it is reset. [9 p.47; 9.1;
@@ -818,6 +834,10 @@ static inline lika_result lika_sma21_data_request_encode(
  *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
  *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. [7.3.3]
+ * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
+ *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
+ *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
+ *                 7.3.3.2]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
  *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
  */
@@ -951,6 +971,9 @@ static inline lika_result lika_sma21_position_reply_encode(
  *                    7FFFFFFFFFFFh. [7.3.3; a4: p.298]
  * Erratum (open): printed: Unused high bits are 0; the 48-bit position is signed. Used: Signed,
  *                 over all 48 bits. [7.3.3]
+ * Erratum (open): printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are 0, as 7.3.2 has
+ *                 it; the example checks the CRC only, and as a reply it is refused for its
+ *                 constant. [7.3.4; 7.3.2 p.38]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
  *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
  */
@@ -1059,6 +1082,10 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
  *   byte 7 bit 7     temperature_alarm           not implemented
  *   byte 8           crc                         CRC; CRC rs485_8 over everything before it
  * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. [7.3.3]
+ * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
+ *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
+ *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
+ *                 7.3.3.2]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
  *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
  */
@@ -1895,7 +1922,7 @@ static inline lika_result lika_sma21_read_device_type(
 }
 
 /*
- * Sine cosine resolution (it: Risoluzione SENO-COSENSO), 58h, read only, over BiSS C-mode [6.4
+ * Sine cosine resolution (it: Risoluzione SENO-COSENO), 58h, read only, over BiSS C-mode [6.4
  * p.33].
  * Period of the sine and cosine signals.
  * 00h: no sine and cosine signals.
@@ -2599,9 +2626,13 @@ static inline lika_result lika_sma21_identify(
 /*
  * Reset all errors [7.3.3.2 p.41].
  * Result: All errors are reset and the encoder initializes itself.
- * Send no request until the initialization, as after power-on, is over; the manual does not say how
- * long it takes. An Initialization error has to be reset after the initialization is over and
- * normal operation has started again.
+ * The ten requests have to follow one another: stop polling the position meanwhile. Send no request
+ * until the initialization, as after power-on, is over; the manual does not say how long it takes.
+ * An Initialization error has to be reset after the initialization is over and normal operation has
+ * started again.
+ * Erratum (open): printed: Ten times in succession (in successione, in sequenza), at transmission
+ *                 intervals of 40 us or more. Used: No other request in between, and 40 us or more
+ *                 after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
  * Erratum (open): printed: Send no request until the initialization is over; none is accepted while
  *                 the position is reset. No time is given. Used: No wait is made up. [7.3.3.2 p.41]
  */
@@ -2610,7 +2641,8 @@ static inline lika_result lika_sma21_identify(
 static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xDAU, 10U, 40U } /* data ID reset errors */
+        /* in succession, no other request in between */
+        { LIKA_STEP_SEND, 0U, 0xFFU, 0xDAU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_ERRORS_STEPS_COUNT;
     return steps;
@@ -2631,12 +2663,16 @@ static inline lika_result lika_sma21_reset_errors(
  * Reset the position to 0 [7.3.3.2 p.41].
  * Before: Encoder at rest.
  * Result: The position is 0.
- * No request is accepted meanwhile, since the absolute positions are composed and the EEPROM is
- * written; the manual does not say how long it takes.
+ * The ten requests have to follow one another: stop polling the position meanwhile. No request is
+ * accepted meanwhile, since the absolute positions are composed and the EEPROM is written; the
+ * manual does not say how long it takes.
  * Erratum (open): printed: 3.3: zero setting and preset are needed after mounting but available
  *                 with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position
  *                 to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38;
  *                 7.3.3.2 p.41]
+ * Erratum (open): printed: Ten times in succession (in successione, in sequenza), at transmission
+ *                 intervals of 40 us or more. Used: No other request in between, and 40 us or more
+ *                 after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
  * Erratum (open): printed: Send no request until the initialization is over; none is accepted while
  *                 the position is reset. No time is given. Used: No wait is made up. [7.3.3.2 p.41]
  */
@@ -2645,7 +2681,8 @@ static inline lika_result lika_sma21_reset_errors(
 static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0x7AU, 10U, 40U } /* data ID reset position */
+        /* in succession, no other request in between */
+        { LIKA_STEP_SEND, 0U, 0xFFU, 0x7AU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_POSITION_STEPS_COUNT;
     return steps;
