@@ -20,9 +20,9 @@ from .fields import Context, Raw, bit_range, build_values
 from .layouts import build_layout
 from .limits import bounded, bounded_width, bounds, representable
 from .model import (
-    Argument, CableLength, Characteristic, CodePart, CodeValue, ControlField, Crc, DataId, Device, Document, FieldGroup, Interface, Led, LedState,
-    LostFigure, Manufacturer, Measurement, MemoryAccess, Network, OrderCode, Parameter, Port, PrintedTimeout, Procedure, Register,
-    RegisterMeaning, Step, Timeout, Variant,
+    Argument, CableLength, Characteristic, CodePart, CodeValue, ControlField, Crc, DataId, Device, Document, FieldGroup, Interface, Led,
+    LedState, LostFigure, Manufacturer, Measurement, MemoryAccess, Network, OrderCode, Parameter, Port, PrintedTimeout, Procedure, Register,
+    RegisterMeaning, SpelledValue, Spelling, Step, Timeout, Variant,
 )
 from .order_codes import combinations
 from .problems import DocumentReport, Path
@@ -105,7 +105,13 @@ def _order_code(raw: Raw) -> OrderCode:
         CodePart(part["name"], part["meaning"], part.get("open", ""), tuple(_code_value(text, value or {}) for text, value in part["values"].items()), sources(part), _only(part, "open_only_with"))
         for part in raw["parts"]
     )
-    return OrderCode(raw["pattern"], parts, raw.get("special", ""), raw.get("note", ""), sources(raw))
+    spellings = tuple(_spelling(item) for item in raw.get("also_written", ()))
+    return OrderCode(raw["pattern"], parts, raw.get("special", ""), raw.get("note", ""), sources(raw), spellings)
+
+
+def _spelling(raw: Raw) -> Spelling:
+    values = (SpelledValue(part, text, value) for part, texts in raw.get("values", {}).items() for text, value in texts.items())
+    return Spelling(raw["pattern"], raw["where"], tuple(values), raw.get("then", ""), sources(raw))
 
 
 def _code_value(text: str, raw: Raw) -> CodeValue:
@@ -212,7 +218,9 @@ def _interface(kind: str, raw: Raw, context: Context) -> Interface:
         source=sources(raw),
         signals=raw.get("signals", ""),
         alignment=raw.get("alignment", ""),
+        alignment_source=sources(raw, "alignment_source") or sources(raw),
         output_code=raw.get("output_code", ""),
+        output_code_source=sources(raw, "output_code_source") or sources(raw),
         cable_lengths=tuple(CableLength(item["shorter_than_m"], item["below_hz"], sources(item) or sources(raw)) for item in raw.get("cable_lengths", ())),
         profile=raw.get("profile", ""),
         description_file=raw.get("description_file", ""),

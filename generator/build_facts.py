@@ -24,8 +24,8 @@ def parse_sources(text: str) -> Sources:
     return tuple(found)
 
 
-def sources(raw: Raw) -> Sources:
-    return parse_sources(raw["source"]) if "source" in raw else ()
+def sources(raw: Raw, key: str = "source") -> Sources:
+    return parse_sources(raw[key]) if key in raw else ()
 
 
 def build_manufacturer(raw: Raw) -> Manufacturer:

@@ -139,6 +139,8 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded, w
     if held:
         state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in held)
         lines.append(wrapped(f"with {state} (from registers; --register changes them)", 80, "  "))
+    if match.written_as_in:
+        lines.append(wrapped(f"the label is written as in {match.written_as_in}", 80, "  "))
     if match.unlisted:
         lines.append(f"  not listed in the manual, taken as any other: {', '.join(match.unlisted)}")
     if match.special:

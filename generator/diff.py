@@ -26,7 +26,7 @@ _LONGEST_VALUE = 60
 _TOLD_ONLY = {"manual", "documents", "characteristics", "tables", "leds", "errata", "lost_figures", "examples", "title"}
 #: Members that are words for people, wherever they stand.
 _WORDS = {
-    "meaning", "note", "printed_name", "names", "title", "source", "sources", "content", "mating", "remedy", "detected", "precondition", "result", "special",
+    "meaning", "note", "printed_name", "names", "title", "source", "sources", "alignment_source", "output_code_source", "content", "mating", "remedy", "detected", "precondition", "result", "special",
     "when_active", "when_inactive", "why", "control_data_note", "profile", "description_file", "signals", "symbol", "trademarks", "typical_us", "typical_ns",
     "polynomial", "explained_by", "url", "purpose", "version",
 }

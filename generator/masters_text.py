@@ -98,6 +98,8 @@ def _shown(setting: Setting) -> str:
 def sheet_text(match: Match, title: str, record: Record, sheets: Sequence[Sheet]) -> str:
     """The record, and for each master its settings or why there are none, at most 80 columns wide."""
     lines = [wrapped(f"{match.variant.code}: {title}", WIDTH, "  ", "")]
+    if match.written_as_in:
+        lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
     if match.unlisted:
         lines.append(wrapped(f"not listed in the manual, taken as any other: {', '.join(match.unlisted)}", WIDTH, "  "))
     if match.special:
@@ -157,7 +159,10 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
         "version": VERSION,
         "order_code": record.code,
         "family": record.family,
-        "label": {"code": match.variant.code, "unlisted": list(match.unlisted), "tail": match.tail, "special": match.special},
+        "label": {
+            "code": match.variant.code, "unlisted": list(match.unlisted), "tail": match.tail, "special": match.special,
+            "written_as_in": match.written_as_in,
+        },
         "record": {
             **record.words,
             **record.numbers,

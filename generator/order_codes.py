@@ -5,13 +5,15 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from .model import CodePart, Device, OrderCode, Variant
+from .model import CodePart, Device, OrderCode, Spelling, Variant
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+#: What may follow the code on a label.
+_AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
 
 class UnknownOrderCode(ValueError):
@@ -30,13 +32,15 @@ class Match:
     """An order code as read from a label.
 
     ``variant`` is the enumerated code that it stands for. ``unlisted`` names the parts whose value the manual leaves open, ``tail`` is what
-    followed the code on the label, ``special`` is set for codes that end in /Sxxx.
+    followed the code on the label, ``special`` is set for codes that end in /Sxxx. ``written_as_in`` says where codes are written like this
+    label, if that is not as the order codes are listed.
     """
 
     variant: Variant
     unlisted: tuple[str, ...]
     tail: str
     special: bool
+    written_as_in: str = ""
 
 
 def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
@@ -52,17 +56,36 @@ def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str]
 
 
 def find(device: Device, text: str) -> Match:
-    """What the label ``text`` means for this family; a tail after ``-`` and ``/Sxxx`` are accepted.
+    """What the label ``text`` means for this family; a tail after ``-`` and ``/Sxxx`` are accepted, and blanks mean nothing.
 
     Raises:
         UnknownOrderCode: A part is missing or wrong.
     """
-    code = text.strip().upper()
+    code = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
-    match = re.fullmatch(_regex(device.order_code) + r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?", code, re.IGNORECASE)
-    if match is None:
-        raise _explain(device, code)
-    return _resolve(device, {part.name: match[part.name] for part in device.order_code.parts}, match["tail_"] or "", match["special_"] is not None, code)
+    match = re.fullmatch(_regex(device.order_code) + _AFTER, code, re.IGNORECASE)
+    if match is not None:
+        parts = {part.name: match[part.name] for part in device.order_code.parts}
+        return _resolve(device, parts, match["tail_"] or "", match["special_"] is not None, code)
+    for spelling in device.order_code.also_written:
+        match = re.fullmatch(_regex_of(device.order_code, spelling) + _AFTER, code, re.IGNORECASE)
+        if match is not None:
+            listed = {(item.part, item.text.upper()): item.value for item in spelling.values}
+            parts = {part.name: listed.get((part.name, match[part.name]), match[part.name]) for part in device.order_code.parts}
+            found = _resolve(device, parts, match["tail_"] or "", match["special_"] is not None, code)
+            return replace(found, written_as_in=spelling.where)
+    raise _explain(device, code)
+
+
+def without_blanks(text: str) -> str:
+    """A label or pattern without its blanks: some are printed with them, the same codes elsewhere without."""
+    return "".join(text.split())
+
+
+def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
+    """What stands for each listed value of ``part`` in this spelling, by the text on the label."""
+    own = {item.text: item.value for item in spelling.values if item.part == part.name}
+    return own or {value.text: value.text for value in part.values}
 
 
 def _resolve(device: Device, parts: Mapping[str, str], tail: str, special: bool, code: str) -> Match:
@@ -96,13 +119,27 @@ def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
 def _regex(order_code: OrderCode, anything: str = "") -> str:
     """A regular expression for the whole code; the part ``anything`` may be any text."""
     parts = {part.name: "[A-Z0-9]*" if part.name == anything else _alternatives(part) for part in order_code.parts}
-    pieces = _BRACES.split(order_code.pattern)
-    return "".join(f"(?P<{piece}>{parts[piece]})" if index % 2 else re.escape(piece) for index, piece in enumerate(pieces))
+    return _joined(order_code.pattern, parts)
+
+
+def _regex_of(order_code: OrderCode, spelling: Spelling) -> str:
+    """A regular expression for the whole code in another spelling."""
+    own = {item.part for item in spelling.values}
+    parts = {part.name: _any_of(spelled(part, spelling)) if part.name in own else _alternatives(part) for part in order_code.parts}
+    return _joined(spelling.pattern, parts) + (f"(?:{spelling.then})" if spelling.then else "")
+
+
+def _joined(pattern: str, parts: Mapping[str, str]) -> str:
+    pieces = _BRACES.split(pattern)
+    return "".join(f"(?P<{piece}>{parts[piece]})" if index % 2 else re.escape(without_blanks(piece)) for index, piece in enumerate(pieces))
 
 
 def _alternatives(part: CodePart) -> str:
-    texts = sorted((value.text for value in part.values), key=len, reverse=True)
-    return "|".join([*map(re.escape, texts), *([part.open] if part.open else [])])
+    return "|".join([_any_of(value.text for value in part.values), *([part.open] if part.open else [])])
+
+
+def _any_of(texts: Iterable[str]) -> str:
+    return "|".join(re.escape(without_blanks(text)) for text in sorted(texts, key=len, reverse=True))
 
 
 def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[str, str | None]) -> str:
@@ -116,7 +153,7 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
     """The error that says what is wrong with ``code``: the one part that is missing or not listed, or else the nearest codes."""
     found = []
     for part in device.order_code.parts:
-        match = re.fullmatch(_regex(device.order_code, part.name) + r"(-.*?)?(/S[A-Z0-9]+)?", code, re.IGNORECASE)
+        match = re.fullmatch(_regex(device.order_code, part.name) + _AFTER, code, re.IGNORECASE)
         if match is not None:
             others = [other for other in device.order_code.parts if other is not part]
             found.append((sum(_listed(other, match[other.name]) is None for other in others), match[part.name] != "", part, match[part.name]))

@@ -44,7 +44,9 @@ def device_dump(device: Device) -> Item:
 def variant_dump(device: Device, match: Match) -> Item:
     """One order code as plain data, everything resolved; what belongs to another interface is left out."""
     variant = match.variant
-    label = {"code": variant.code, "unlisted": list(match.unlisted), "tail": match.tail, "special": match.special}
+    label = {
+        "code": variant.code, "unlisted": list(match.unlisted), "tail": match.tail, "special": match.special, "written_as_in": match.written_as_in,
+    }
     return _Dump(for_interface(device, variant.interface), variant).whole((variant,), variant.parameters, label)
 
 
@@ -119,6 +121,9 @@ class _Dump:
         made: Item = self.plain(interface, interface.source)
         clock = {"min_hz": made.pop("clock_min_hz"), "max_hz": made.pop("clock_max_hz")} | _cited(interface.clock_source)
         del made["clock_source"], made["timings"]
+        for name in ("alignment", "output_code"):
+            said: Sources = getattr(interface, f"{name}_source") if getattr(interface, name) else ()
+            made[f"{name}_source"] = _cited(said)["source"]
         made["title"] = interface.title
         made["clock"] = clock if interface.clock_source else None
         made["layouts"] = [layout.name for layout in interface.layouts]

@@ -30,6 +30,14 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
             yield "", "", shown, joined(["accepted as well, shown as unlisted", _only_with(part.open_only_with)]), cited(part.source)
 
 
+def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
+    """The label, where it is written so, what stands there for listed values, source."""
+    for item in device.order_code.also_written:
+        values = "; ".join(f"{code(value.text)} is {code(value.value)}" for value in item.values if value.text != value.value)
+        then = f"{code(item.then)} may follow and stands for nothing here" if item.then else ""
+        yield code(item.pattern), text(item.where), joined([values, then]), cited(item.source)
+
+
 def _only_with(combined: Any) -> str:
     return "; ".join(f"only with {code(name)} {', '.join(map(code, values))}" for name, values in combined.items())
 

@@ -30,9 +30,9 @@ def interface_rows(interface: Interface) -> Iterator[tuple[str, str, str]]:
     if interface.signals:
         yield "Signals", text(interface.signals), own
     if interface.alignment:
-        yield "Alignment", text(_ALIGNMENT.get(interface.alignment, interface.alignment)), own
+        yield "Alignment", text(_ALIGNMENT.get(interface.alignment, interface.alignment)), cited(interface.alignment_source)
     if interface.output_code:
-        yield "Code", text(_CODE.get(interface.output_code, interface.output_code)), own
+        yield "Code", text(_CODE.get(interface.output_code, interface.output_code)), cited(interface.output_code_source)
     if interface.profile:
         yield "Profile", text(interface.profile), own
     if interface.description_file:
@@ -44,7 +44,9 @@ def interface_rows(interface: Interface) -> Iterator[tuple[str, str, str]]:
         yield "Network", f"{text(interface.network.topology.replace('_', ' '))}, {slaves}", cited(interface.network.source)
     timeout = interface.timeout
     if timeout is not None:
-        printed = "; ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed)
+        # Without a rule the words have the printed values already.
+        shown = timeout.printed if timeout.half_clock_periods is not None else ()
+        printed = "; ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in shown)
         yield "Time-out", timeout_words(timeout) + (f" ({printed})" if printed else ""), cited(timeout.source)
     port = interface.port
     if port is not None:

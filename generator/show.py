@@ -61,6 +61,8 @@ def device_text(device: Device) -> str:
         lines += pairs([(item.text, item.meaning) for item in part.values], 4)
         if part.open:
             lines.append(wrapped(f"others that match {part.open} are taken as unlisted", WIDTH, "      ", "    "))
+    for spelling in device.order_code.also_written:
+        lines.append(wrapped(f"{spelling.pattern}, as in {spelling.where}", WIDTH, "    ", "  also "))
     lines += ["", "Parameters"]
     lines += pairs([(item.name, item.meaning + _origin(item)) for item in device.parameters], 2)
     lines += _position([("", device.measurement), *((item.title, item.measurement) for item in device.interfaces)], None)
@@ -76,6 +78,8 @@ def variant_text(device: Device, match: Match) -> str:
     variant = match.variant
     here = for_interface(device, variant.interface)
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
+    if match.written_as_in:
+        lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
     if match.unlisted:
         lines.append(wrapped(f"not listed in the manual, taken as any other: {', '.join(match.unlisted)}", WIDTH, "  "))
     if match.tail:

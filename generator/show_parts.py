@@ -52,9 +52,11 @@ def interface_lines(interface: Interface, code: str = "") -> list[str]:
         parity = f"{port.parity.replace('none', 'no')} parity"
         rows.append(("port", f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {counted(port.stop_bits, 'stop bit')}  [{cite(port.source)}]"))
     if interface.alignment:
-        rows.append(("alignment", _ALIGNMENT.get(interface.alignment, interface.alignment)))
+        aligned = _ALIGNMENT.get(interface.alignment, interface.alignment)
+        rows.append(("alignment", f"{aligned}  [{cite(interface.alignment_source)}]"))
     if code or interface.output_code:
-        rows.append(("code", code or {"by_order_code": "Gray or binary, by order code", "gray": "Gray"}.get(interface.output_code, interface.output_code)))
+        listed = {"by_order_code": "Gray or binary, by order code", "gray": "Gray"}
+        rows.append(("code", f"{code or listed.get(interface.output_code, interface.output_code)}  [{cite(interface.output_code_source)}]"))
     rows += [(timing.symbol or timing.name, f"{_bounds(timing)}: {timing.meaning}  [{cite(timing.source)}]") for timing in interface.timings]
     rows += [(f"data ID {item.id:X}", f"{item.control:02X}h: {item.meaning}  [{cite(item.source)}]") for item in interface.data_ids]
     return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, 2)]

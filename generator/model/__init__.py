@@ -20,6 +20,8 @@ from .device import (
     Procedure as Procedure,
     Register as Register,
     RegisterMeaning as RegisterMeaning,
+    SpelledValue as SpelledValue,
+    Spelling as Spelling,
     Step as Step,
     Variant as Variant,
     Write as Write,

@@ -61,6 +61,29 @@ class CodePart:
 
 
 @dataclass(frozen=True, slots=True)
+class SpelledValue:
+    """What stands in a spelling for a listed value of a part."""
+
+    part: str
+    text: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class Spelling:
+    """Another way in which a label may be written, ``where`` it is so: in the parts of ``values`` with the texts listed there alone.
+
+    ``then`` is a regular expression for what follows and means nothing here.
+    """
+
+    pattern: str
+    where: str
+    values: tuple[SpelledValue, ...]
+    then: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
 class OrderCode:
     """The grammar: ``pattern`` with part names in braces, and what each part may be."""
 
@@ -69,6 +92,7 @@ class OrderCode:
     special: str
     note: str
     source: Sources
+    also_written: tuple[Spelling, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +135,9 @@ class Interface:
     clock_source: Sources = ()
     signals: str = ""
     alignment: str = ""
+    alignment_source: Sources = ()
     output_code: str = ""
+    output_code_source: Sources = ()
     cable_lengths: tuple[CableLength, ...] = ()
     profile: str = ""
     network: Network | None = None

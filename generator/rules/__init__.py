@@ -23,6 +23,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
 RULES: tuple[Rule, ...] = (
     *FOUNDATIONS,
     order_code.order_code_ambiguous,
+    order_code.also_written,
     names.device_name,
     names.duplicate_name,
     names.duplicate_field,

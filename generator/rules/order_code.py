@@ -90,21 +90,52 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         return
     if sorted(_BRACES.findall(pattern)) != sorted(by_part):
         return
-    pieces = _BRACES.split(pattern)
+    # Blanks mean nothing on a label.
+    pieces = [piece if index % 2 else _without_blanks(piece) for index, piece in enumerate(_BRACES.split(pattern))]
     # With parts of fixed length each code splits at fixed places, and can only be read as it was made.
     fixed = all("open" not in part and len({len(text) for text in part["values"]}) == 1 for part in parts)
     seen: dict[str, _Code] = {}
     for code in _codes(spec) or ():
-        other = seen.setdefault(code.text.upper(), code)
+        other = seen.setdefault(_without_blanks(code.text), code)
         if other is not code:
             report.add("order-code-ambiguous", ("order_code", "pattern"), f"the code {quoted(code.text)} comes out twice: as {_words(other)}, and as {_words(code)}")
             return
-        readings = [] if fixed else list(itertools.islice(_readings(code.text.upper(), pieces, by_part), 2))
+        readings = [] if fixed else list(itertools.islice(_readings(_without_blanks(code.text), pieces, by_part), 2))
         if len(readings) > 1:
             names = pieces[1::2]
             ways = [", ".join(f"{name} {text}" for name, text in zip(names, reading)) for reading in readings]
             report.add("order-code-ambiguous", ("order_code", "pattern"), f"the code {quoted(code.text)} can be read as {ways[0]}, and as {ways[1]}")
             return
+
+
+def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Another spelling has every part once, and what stands in it stands for listed values."""
+    if not is_whole(spec, raw):
+        return
+    parts = {part["name"]: part for _, part in items(spec, *_PARTS)}
+    pattern = spec["order_code"]["pattern"]
+    for path, spelling in items(spec, "order_code", "also_written"):
+        used = _BRACES.findall(spelling["pattern"])
+        if sorted(used) != sorted(parts):
+            wrong = f"has the parts {', '.join(used) or 'none'}; it needs each of {', '.join(parts)} once, as in {quoted(pattern)}"
+            report.add("also-written", (*path, "pattern"), f"{quoted(spelling['pattern'])} {wrong}")
+            continue
+        for name, texts in mapping(spelling, "values").items():
+            if name not in parts:
+                report.add("also-written", (*path, "values", name), f"there is no part {quoted(name)}; known are {', '.join(parts)}", at_key=True)
+                continue
+            for text, value in texts.items():
+                if value not in parts[name]["values"]:
+                    listed = ", ".join(parts[name]["values"])
+                    report.add("also-written", (*path, "values", name, text), f"{quoted(value)} is no value of {name}; listed are {listed}")
+        wrong = _wrong_expression(spelling.get("then", ""))
+        if wrong:
+            report.add("also-written", (*path, "then"), f"{quoted(spelling['then'])} is no regular expression for what follows: {wrong}")
+
+
+def _without_blanks(text: str) -> str:
+    """As labels are compared: blanks mean nothing there."""
+    return "".join(text.split()).upper()
 
 
 def is_whole(spec: Spec, raw: Spec) -> bool:

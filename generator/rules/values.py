@@ -106,7 +106,7 @@ def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     documents = mapping(raw, "documents")
     own = mapping(raw, "manual").get("language")
     for path, key, value in walk(spec):
-        if key == "source" and isinstance(value, str):
+        if (key == "source" or key.endswith("_source")) and isinstance(value, str):
             for piece in value.split(";"):
                 _check_piece(piece.strip(), path, editions, list(documents), own, report)
 

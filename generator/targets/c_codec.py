@@ -112,7 +112,7 @@ def _digits_setter(source: LayoutSource, field: Field) -> Setter:
 
 
 def _expected(source: LayoutSource) -> tuple[list[Line], list[str]]:
-    """Macros for what fields are always read as, and the conditions that compare them."""
+    """Macros for what the manual states that fields hold, and the conditions that compare them."""
     macros: list[Line] = []
     checks: list[str] = []
     for field in source.member_fields:
@@ -125,9 +125,9 @@ def _expected(source: LayoutSource) -> tuple[list[Line], list[str]]:
             continue
         macro = source.view.unique(f"{source.name.upper()}_{field.name.upper()}_EXPECTED")
         if isinstance(equals, str):
-            macros.append(Line(f"#define {macro} {string(equals)}", f"what {field.name} always reads"))
+            macros.append(Line(f"#define {macro} {string(equals)}", f"what the manual states for {field.name}"))
             checks += [f"{name}[{index}] == {macro}[{index}]" for index in range(len(equals.encode("ascii", "replace")))]
         else:
-            macros.append(Line(f"#define {macro} {number(equals, True)}", f"what {field.name} always reads"))
+            macros.append(Line(f"#define {macro} {number(equals, True)}", f"what the manual states for {field.name}"))
             checks.append(f"{name} == {macro}")
     return macros, checks

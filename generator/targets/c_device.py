@@ -172,6 +172,8 @@ class DeviceView:
         for part in code.parts:
             values = "; ".join(f"{value.text}" + (f" = {value.meaning}" if value.meaning else "") for value in part.values)
             about.append((f"  {part.name}: ", f"{part.meaning}: {values}"))
+        for spelling in code.also_written:
+            about.append(("  also written: ", f"{spelling.pattern}, as in {spelling.where} [{cite(spelling.source)}]"))
         about += [sentence(code.note), sentence(code.special)]
         if unknown_parts(self.device):
             about.append(f"Known here only as listed: {', '.join(unknown_parts(self.device))}.")

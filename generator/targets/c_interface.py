@@ -69,7 +69,9 @@ class InterfaceSource:
             yield sentence(f"Signals: {interface.signals}")
         if interface.alignment:
             aligned = {"msb_left": "to the left: the most significant bit comes with the first clock", "lsb_right": "to the right: zeros come before it"}
-            yield sentence(f"The word is aligned {aligned[interface.alignment]}" + (f". Output code: {interface.output_code.replace('_', ' ')}" if interface.output_code else ""))
+            yield f"The word is aligned {aligned[interface.alignment]} [{cite(interface.alignment_source)}]."
+        if interface.output_code:
+            yield f"Output code: {interface.output_code.replace('_', ' ')} [{cite(interface.output_code_source)}]."
         if interface.profile:
             yield sentence(f"Profile: {interface.profile}")
         if interface.network is not None:

@@ -190,7 +190,8 @@ class ProcedureSource:
             return
         if step.do == "send":
             byte, time = number(step.request[0] if step.request else 0, True), number(step.microseconds)
-            yield f"send({byte}, {step.times}U, {time})", f"{kind}SEND, 0U, 0xFFU, {byte}, {step.times}U, {time}", step.meaning or f"data ID {words(step.data_id)}"
+            about = "; ".join(filter(None, (f"data ID {words(step.data_id)}", step.meaning)))
+            yield f"send({byte}, {step.times}U, {time})", f"{kind}SEND, 0U, 0xFFU, {byte}, {step.times}U, {time}", about
             return
         register = self.device.register(step.register)
         looked_at = title(register.layout.field(step.field)) if step.field else ""

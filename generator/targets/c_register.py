@@ -63,7 +63,7 @@ class RegisterSource:
             yield macro(f"{self.stem}_DEFAULT", number(register.default, True, 2 * min(register.length, 8)), "value as delivered")
         equals = self.layout.fields[0].equals if self.is_plain else None
         if isinstance(equals, int):
-            yield macro(f"{self.stem}_EXPECTED", number(equals, True), "what it always reads")
+            yield macro(f"{self.stem}_EXPECTED", number(equals, True), "what the manual states for it")
         if register.wait_at_least_ms is not None:
             yield macro(f"{self.stem}_WAIT_AT_LEAST_MS", number(register.wait_at_least_ms), "after a write, before the next command")
 

@@ -124,6 +124,7 @@ def _identity(device: Device) -> dict[str, Any]:
     return {
         "manual_rows": [row for row in rows if row[1]],
         "part_rows": list(page_codes.part_rows(device)),
+        "spelling_rows": list(page_codes.spelling_rows(device)),
         "parameter_rows": list(page_codes.parameter_rows(device)),
         "run_time_rows": list(page_codes.run_time_rows(device)),
         "code_tables": page_codes.code_tables(device),

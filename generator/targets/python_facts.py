@@ -128,7 +128,8 @@ def _ssi(interface: Interface) -> Call:
     )
     return record(
         "SsiFacts", {"clock": _clock(interface), "alignment": interface.alignment}, output_code=interface.output_code, signals=interface.signals,
-        cable_lengths=rows, **_common(interface),
+        cable_lengths=rows, alignment_source=cite(interface.alignment_source),
+        output_code_source=cite(interface.output_code_source) if interface.output_code else "", **_common(interface),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..expressions import Expression
@@ -138,7 +139,12 @@ class CodecBuilder(EncodeText):
         elif item.zero_means:
             yield Attribute(name, "int", f"{compared(raw)} or {grouped(item.zero_means)}", meaning)
         else:
-            yield Attribute(name, "int", raw, meaning)
+            yield Attribute(name, "int", raw, meaning, usual=self._usual(item))
+
+    def _usual(self, item: Field) -> str:
+        """The number that the manual states for a field of a frame; empty where it states none."""
+        stated = item.equals if self.register is None else None
+        return number_text(stated.constant) if isinstance(stated, Expression) and stated.is_constant else ""
 
     def _selector(self, item: Field, name: str, local: str, raw: str, meaning: str, ranges: list[Check]) -> Iterable[Attribute]:
         selects = self.layout.selects
@@ -203,6 +209,8 @@ class CodecBuilder(EncodeText):
             yield "RangeError", "A field holds a value without meaning."
 
     def _expected(self, value: Expression | int | str | None) -> str:
+        if isinstance(value, Expression) and value.is_constant:
+            return number_text(value.constant)
         if isinstance(value, Expression):
             return operand(self._text(value, "self.variant"))
         return quoted(value) if isinstance(value, str) else str(value)
@@ -254,15 +262,22 @@ class CodecBuilder(EncodeText):
     def _documented(self) -> Iterable[tuple[str, str, str, str]]:
         expected = [item for item in self.layout.fields if item.equals is not None]
         if expected:
-            listed = ", ".join(f"{item.name} {item.equals.render() if isinstance(item.equals, Expression) else repr(item.equals)}" for item in expected)
+            listed = ", ".join(f"{item.name} {_stated(item.equals)}" for item in expected)
             value = " and ".join(f"self.{self._attribute(item.name)} == {self._expected(item.equals)}" for item in expected)
             yield "is_as_documented", "bool", docstring(f"Whether it holds what the manual says: {listed}.", indent=8), value
 
 
+def _stated(value: Expression | int | str | None) -> str:
+    """What the manual states for a field, in words."""
+    if isinstance(value, Expression):
+        return number_text(value.constant) if value.is_constant else value.render()
+    return repr(value)
+
+
 def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
-    """The attributes; flags at the end are false unless given."""
+    """The attributes; at the end, flags are false and others have the value that the manual states, unless given."""
     made: list[Attribute] = []
     for item in reversed(attributes):
-        trailing = all(other.default for other in made)
-        made.insert(0, Attribute(item.name, item.type, item.value, item.meaning, "False") if trailing and item.type == "bool" else item)
+        usual = "False" if item.type == "bool" else item.usual
+        made.insert(0, replace(item, default=usual if all(other.default for other in made) else ""))
     return made

@@ -50,7 +50,7 @@ _IMPORTS = (
             "RegisterMeaning", "Revision", "Rs485Facts", "SsiFacts", "Table", "Timeout", "Timing",
         ),
     ),
-    ("._order_codes", ("OrderCode", "Part", "PartValue")),
+    ("._order_codes", ("OrderCode", "Part", "PartValue", "SpelledValue", "Spelling")),
 )
 
 #: Words of names that have a spelling of their own.

@@ -43,7 +43,16 @@ class Variants:
             )
             for part in code.parts
         )
-        made = record("OrderCode", {"pattern": code.pattern, "parts": parts}, special=code.special, note=code.note, source=cite(code.source))
+        spellings = tuple(
+            record(
+                "Spelling", {"pattern": item.pattern, "where": item.where},
+                values=tuple(call("SpelledValue", value.part, value.text, value.value) for value in item.values), then=item.then, source=cite(item.source),
+            )
+            for item in code.also_written
+        )
+        made = record(
+            "OrderCode", {"pattern": code.pattern, "parts": parts}, special=code.special, note=code.note, source=cite(code.source), also_written=spellings,
+        )
         return constant("ORDER_CODE", made)
 
     @property
@@ -67,6 +76,7 @@ class Variants:
                 ("unlisted", "Parts of the order code that the manual leaves open."),
                 ("tail", "What followed the order code on the label."),
                 ("special", f"Whether the label ends in /Sxxx. {sentence(self.device.order_code.special)}".strip()),
+                ("written_as_in", "Where codes are written like the label, if that is not as the order codes are listed."),
             ]),
             indent=4,
         )

@@ -17,13 +17,17 @@ class Check:
 
 @dataclass(frozen=True)
 class Attribute:
-    """An attribute of a frame or register: its type, how ``decode`` gets it and what a reader should know."""
+    """An attribute of a frame or register: its type, how ``decode`` gets it and what a reader should know.
+
+    ``usual`` is the value that the manual states for it; it becomes the default where no attribute without one follows.
+    """
 
     name: str
     type: str
     value: str
     meaning: str
     default: str = ""
+    usual: str = ""
 
 
 @dataclass(frozen=True)

@@ -195,6 +195,7 @@ HELPERS: Mapping[str, int] = {
     "lika_mask(64U) == UINT64_MAX": 1, "lika_mask(0U)": 0, "lika_field(0xF0U, 64U, 4U)": 0, "lika_field(0xF0U, 4U, 2U)": 3,
     "lika_above(0xF0U, 64U)": 0, "lika_above(0xF0U, 4U)": 15, "lika_above(UINT64_MAX, 32U) == 0xFFFFFFFFU": 1,
     'lika_label_match("K7", "@#")': 2, 'lika_label_match("k7", "%%")': 2, 'lika_label_match("77", "@#")': 0, 'lika_label_match("-7", "@#")': 0,
+    'lika_label_match("K 7 -x", "@#")': 4, 'lika_label_match("K7", "@ #")': 2, 'lika_label_match(" K7 ", "K7")': 4, 'lika_label_match("K 7x", "K7")': 0,
     'lika_label_match("-7", "%#")': 0, 'lika_label_match("7/S1-", "#")': 0, 'lika_label_match("7/S", "#")': 0,
     "lika_fits_signed(7, 4U)": 1, "lika_fits_signed(8, 4U)": 0, "lika_fits_signed(-8, 4U)": 1, "lika_fits_signed(-9, 4U)": 0,
     "lika_capital('z') == 'Z'": 1, "lika_capital('{') == '{'": 1, "lika_capital('`') == '`'": 1, "lika_is_letter_or_digit('_')": 0, "lika_is_letter_or_digit('@')": 0,

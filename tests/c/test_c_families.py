@@ -183,6 +183,13 @@ def labels(device: Device, random_: random.Random) -> Iterable[str]:
         for name, value in chosen.items():
             text = text.replace("{" + name + "}", value)
         yield text + random_.choice(["", "-abc", "/S7"])
+    for spelling in device.order_code.also_written:
+        for _ in range(200):
+            text = spelling.pattern
+            for part in parts:
+                own = [item.text for item in spelling.values if item.part == part.name] or [*(value.text for value in part.values), *samples_of(part.open, random_)]
+                text = text.replace("{" + part.name + "}", random_.choice(own))
+            yield text + random_.choice(["", "1", "2", "12", "-abc", "3-abc", "X"])
 
 
 def samples_of(expression: str, random_: random.Random) -> list[str]:

@@ -99,4 +99,36 @@ def test_wrong_codes_of_the_other_families(devices: Mapping[str, Device], family
 )
 def test_labels_of_the_other_families(devices: Mapping[str, Device], family: str, label: str, code: str, unlisted: tuple[str, ...]) -> None:
     match = find(devices[family], label)
-    assert (match.variant.code, match.unlisted) == (code, unlisted)
+    assert (match.variant.code, match.unlisted, match.written_as_in) == (code, unlisted, "")
+
+
+#: Labels as edition 1.1 of the AM36 manual writes them (p.21: AMx36xx/4096SCx-...), and the code of edition 1.0 that they stand for.
+EDITION_1_1 = {
+    "AM3616/4096SC1": "AM3616/4096-I7",
+    "am3619/4096scx".replace("x", "2"): "AM3619/4096-I7",
+    "AMC3619/4096SC": "AMC3619/4096-I7",
+    "AM3616/4096-SC1": "AM3616/4096-I7",
+    "AM3616/4096BG2": "AM3616/4096-BG",
+    "AMC3616/4096-GG2-M12/S5": "AMC3616/4096-GG",
+}
+
+
+@pytest.mark.parametrize(("label", "code"), EDITION_1_1.items())
+def test_labels_of_edition_1_1_are_read_and_shown_as_such(devices: Mapping[str, Device], label: str, code: str) -> None:
+    match = find(devices["am36"], label)
+    assert (match.variant.code, match.unlisted) == (code, ())
+    assert "edition 1.1" in match.written_as_in
+    assert match.variant in devices["am36"].variants
+    assert len(devices["am36"].variants) == 12
+
+
+@pytest.mark.parametrize("label", ["AM3616/4096I7", "AM3616/4096SC12", "AM3616/4096SCX", "AM3616/4096", "AM3620/4096BG1", "AM3616SC1"])
+def test_what_edition_1_1_does_not_write_is_refused(devices: Mapping[str, Device], label: str) -> None:
+    with pytest.raises(UnknownOrderCode):
+        find(devices["am36"], label)
+
+
+@pytest.mark.parametrize(("label", "code"), [("SMA21 -BG1-0050", "SMA21-BG1-0050"), (" SMA21 - SC4-0001 -R", "SMA21-SC4-0001")])
+def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: str, code: str) -> None:
+    """The cover of the SMA21 manual prints SMA21 -BGx-..., all the rest of it SMA21-BGx-..."""
+    assert find(devices["sma21"], label).variant.code == code

@@ -153,6 +153,26 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
             assert (made.code, made.unlisted, made.tail, made.special) == (match.variant.code, match.unlisted, match.tail, match.special), label
             assert made.parts == tuple(match.variant.parts.values())
             assert made.interface.value == match.variant.interface
+            assert made.written_as_in == match.written_as_in == ""
+
+
+@pytest.mark.parametrize(
+    ("label", "code"),
+    [
+        ("AM3616/4096SC1", "AM3616/4096-I7"), ("AMC3619/4096-SC1-x", "AMC3619/4096-I7"), ("am3616/4096bg2", "AM3616/4096-BG"),
+        ("AM3620/4096SC1", "AM3620/4096-I7"),
+    ],
+)  # fmt: skip
+def test_labels_of_edition_1_1(lika: Any, label: str, code: str) -> None:
+    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...; the code is that of edition 1.0, and the label says where it is written so."""
+    made = lika.lookup(label)
+    assert made.code == code and "edition 1.1" in made.written_as_in
+    assert code not in lika.am36.VARIANTS or made == lika.am36.VARIANTS[code]
+    assert lika.am36.lookup(code).written_as_in == ""
+
+
+def test_blanks_of_a_label_mean_nothing(lika: Any) -> None:
+    assert lika.lookup("SMA21 -BG1-0050") == lika.sma21.VARIANTS["SMA21-BG1-0050"]
 
 
 @pytest.mark.parametrize(

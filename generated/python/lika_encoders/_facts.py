@@ -280,6 +280,8 @@ class SsiFacts(NamedTuple):
     timings: tuple[Timing, ...] = ()
     note: str = ""
     source: str = ""
+    alignment_source: str = ""
+    output_code_source: str = ""
 
     def clock_below_hz(self, cable_m: float) -> int | None:
         """The clock that a cable of this length must stay below, by the manual's table; None beyond its last row."""

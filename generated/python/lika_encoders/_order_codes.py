@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+_AFTER = "(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
 
 class OrderCodeError(ValueError):
@@ -51,11 +52,34 @@ class Part(NamedTuple):
     source: str = ""
 
 
+class SpelledValue(NamedTuple):
+    """What stands in a spelling for a listed value of a part."""
+
+    part: str
+    text: str
+    value: str
+
+
+class Spelling(NamedTuple):
+    """Another way in which a label may be written, ``where`` it is so.
+
+    The parts of ``values`` have the texts listed there alone. ``then`` is a regular expression for what follows and
+    stands for nothing here.
+    """
+
+    pattern: str
+    where: str
+    values: tuple[SpelledValue, ...] = ()
+    then: str = ""
+    source: str = ""
+
+
 class Label(NamedTuple):
     """A label taken apart.
 
     ``listed`` are the parts of the listed code that it is taken for: what the manual does not list is replaced by the
-    first listed value that goes with the rest.
+    first listed value that goes with the rest. ``written_as_in`` says where codes are written like this label, if that
+    is not as they are listed.
     """
 
     code: str
@@ -64,6 +88,7 @@ class Label(NamedTuple):
     unlisted: tuple[str, ...]
     tail: str
     special: bool
+    written_as_in: str = ""
 
 
 class OrderCode(NamedTuple):
@@ -74,24 +99,42 @@ class OrderCode(NamedTuple):
     special: str = ""
     note: str = ""
     source: str = ""
+    also_written: tuple[Spelling, ...] = ()
 
     def read(self, label: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> Label:
         """``label`` taken apart, in any case, with or without a tail after ``-`` and with or without ``/Sxxx``.
 
+        Blanks mean nothing.
+
         Raises:
             OrderCodeError: No order code of ``codes`` is like that.
         """
-        text = label.strip().upper()
+        text = _without_blanks(label).upper()
         # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
-        match = re.fullmatch(f"{self._expression()}(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?", text, re.IGNORECASE)
-        if match is None:
-            raise self._error(text, family, codes)
-        known = {part.name: _listed(part, match[part.name]) for part in self.parts}
+        match = re.fullmatch(f"{self._expression()}{_AFTER}", text, re.IGNORECASE)
+        if match is not None:
+            return self._label(text, match, {part.name: match[part.name] for part in self.parts}, codes)
+        for spelling in self.also_written:
+            match = re.fullmatch(f"{self._expression_of(spelling)}{_AFTER}", text, re.IGNORECASE)
+            if match is not None:
+                listed = {(item.part, item.text.upper()): item.value for item in spelling.values}
+                found = {
+                    part.name: listed.get((part.name, match[part.name].upper()), match[part.name])
+                    for part in self.parts
+                }
+                return self._label(text, match, found, codes)._replace(written_as_in=spelling.where)
+        raise self._error(text, family, codes)
+
+    def _label(
+        self, text: str, match: re.Match[str], found: Mapping[str, str], codes: Mapping[str, tuple[str, ...]]
+    ) -> Label:
+        """What a label means whose parts are ``found``."""
+        known = {part.name: _listed(part, found[part.name]) for part in self.parts}
         unlisted = tuple(name for name, value in known.items() if value is None)
+        shown = {name: found[name] if value is None else value for name, value in known.items()}
         listed = self._fitting(known, codes)
         if listed is None:
-            raise self._clash(text, {name: value or match[name] for name, value in known.items()}, known, codes)
-        shown = {name: match[name] if value is None else value for name, value in known.items()}
+            raise self._clash(text, shown, known, codes)
         code = _BRACES.sub(lambda brace: shown[brace[1]], self.pattern)
         return Label(code, tuple(shown.values()), listed, unlisted, match["tail_"] or "", match["special_"] is not None)
 
@@ -131,16 +174,20 @@ class OrderCode(NamedTuple):
     def _expression(self, any_for: str = "") -> str:
         """A regular expression for the whole code; the part ``any_for`` may be anything."""
         expressions = {part.name: "[A-Z0-9]*" if part.name == any_for else _alternatives(part) for part in self.parts}
-        pieces = [
-            f"(?P<{piece}>{expressions[piece]})" if index % 2 else re.escape(piece)
-            for index, piece in enumerate(_BRACES.split(self.pattern))
-        ]
-        return "".join(pieces)
+        return _joined(self.pattern, expressions)
+
+    def _expression_of(self, spelling: Spelling) -> str:
+        """A regular expression for the whole code in another spelling."""
+        expressions = {part.name: _alternatives(part) for part in self.parts}
+        for name in {item.part for item in spelling.values}:
+            expressions[name] = _any_of(item.text for item in spelling.values if item.part == name)
+        then = f"(?:{spelling.then})" if spelling.then else ""
+        return _joined(spelling.pattern, expressions) + then
 
     def _error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
         found = []
         for part in self.parts:
-            match = re.fullmatch(f"{self._expression(part.name)}(-.*?)?(/S[A-Z0-9]+)?", text, re.IGNORECASE)
+            match = re.fullmatch(f"{self._expression(part.name)}{_AFTER}", text, re.IGNORECASE)
             if match:
                 others = [other for other in self.parts if other is not part]
                 unlisted = sum(_listed(other, match[other.name]) is None for other in others)
@@ -171,5 +218,22 @@ def _listed(part: Part, text: str) -> str | None:
 
 
 def _alternatives(part: Part) -> str:
-    texts = sorted((re.escape(value.text) for value in part.values), key=len, reverse=True)
-    return "|".join([*texts, part.open] if part.open else texts)
+    listed = _any_of(value.text for value in part.values)
+    return f"{listed}|{part.open}" if part.open else listed
+
+
+def _any_of(texts: Iterable[str]) -> str:
+    return "|".join(re.escape(text) for text in sorted(texts, key=len, reverse=True))
+
+
+def _joined(pattern: str, expressions: Mapping[str, str]) -> str:
+    pieces = [
+        f"(?P<{piece}>{expressions[piece]})" if index % 2 else re.escape(_without_blanks(piece))
+        for index, piece in enumerate(_BRACES.split(pattern))
+    ]
+    return "".join(pieces)
+
+
+def _without_blanks(text: str) -> str:
+    """Some codes are printed with blanks, and the same codes elsewhere without."""
+    return "".join(text.split())

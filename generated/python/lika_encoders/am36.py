@@ -74,7 +74,7 @@ from ._facts import (
     Timeout,
     Timing,
 )
-from ._order_codes import OrderCode, Part, PartValue
+from ._order_codes import OrderCode, Part, PartValue, SpelledValue, Spelling
 
 FAMILY: Final = Family("am36", "AM36 and AMC36 absolute multiturn encoders", "rotary", "Lika Electronic")
 
@@ -145,10 +145,38 @@ ORDER_CODE: Final = OrderCode(
         "it prints AMx36xx/xxxx and, beside register 55h, AMx36xx/4096, without a value for the singleturn "
         "resolution: the values listed are those of the SSI table, and others are accepted over BiSS as unlisted. "
         "They change nothing there, since the frame's widths are read from registers 56h and 57h. Edition 1.1 writes "
-        "the codes without the hyphen, with SCx for BiSS. Order code and serial number are on the label of the body "
-        "and in the delivery document; Lika asks for both in every enquiry. Technical data are in the catalogue."
+        "the codes without the hyphen, with SCx for BiSS; such labels are read as well. Order code and serial number "
+        "are on the label of the body and in the delivery document; Lika asks for both in every enquiry. Technical "
+        "data are in the catalogue."
     ),
     source="5; 5.2; 6; 6.5 p.31",
+    also_written=(
+        Spelling(
+            pattern="{model}{singleturn}/{turns}{output}",
+            where="edition 1.1 of the manual; what its last digit, printed as x, stands for is not known here",
+            values=(
+                SpelledValue("output", "SC", "I7"),
+                SpelledValue("output", "BG", "BG"),
+                SpelledValue("output", "GG", "GG"),
+            ),
+            then="[0-9]?",
+            source="am36_1_1_biss: p.21; am36_1_1: p.22",
+        ),
+        Spelling(
+            pattern="{model}{singleturn}/{turns}-{output}",
+            where=(
+                "edition 1.1 of the manual, with the hyphen of edition 1.0; what its last digit, printed as x, stands "
+                "for is not known here"
+            ),
+            values=(
+                SpelledValue("output", "SC", "I7"),
+                SpelledValue("output", "BG", "BG"),
+                SpelledValue("output", "GG", "GG"),
+            ),
+            then="[0-9]?",
+            source="am36_1_1_biss: p.21; 5; 6",
+        ),
+    ),
 )
 
 
@@ -177,6 +205,7 @@ class Variant:
         special: Whether the label ends in /Sxxx. An encoder whose order code ends in /Sxxx may differ from the standard
             mechanically and electrically, and may come with documentation of its own for special connections (Technical
             Info).
+        written_as_in: Where codes are written like the label, if that is not as the order codes are listed.
     """
 
     code: str
@@ -192,6 +221,7 @@ class Variant:
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
     special: bool = dataclasses.field(default=False, compare=False)
+    written_as_in: str = dataclasses.field(default="", compare=False)
 
     @property
     def position_bits(self) -> int:
@@ -282,9 +312,10 @@ class Variant:
 def lookup(label: str) -> Variant:
     """The encoder with this label.
 
-    Case does not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
+    Case and blanks do not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
     ``Variant.tail`` and ``Variant.special`` tell of them. Values of a part that the manual leaves open are accepted;
-    ``Variant.unlisted`` names the part.
+    ``Variant.unlisted`` names the part. Labels that another edition writes otherwise are read where that is known;
+    ``Variant.written_as_in`` says where.
 
     Raises:
         OrderCodeError: There is no such order code; the error names the wrong part, its valid values and the nearest
@@ -292,10 +323,16 @@ def lookup(label: str) -> Variant:
     """
     found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
     variant = _BY_PARTS[found.listed]
-    if not (found.unlisted or found.tail or found.special):
+    if not (found.unlisted or found.tail or found.special or found.written_as_in):
         return variant
     return dataclasses.replace(
-        variant, code=found.code, parts=found.parts, unlisted=found.unlisted, tail=found.tail, special=found.special
+        variant,
+        code=found.code,
+        parts=found.parts,
+        unlisted=found.unlisted,
+        tail=found.tail,
+        special=found.special,
+        written_as_in=found.written_as_in,
     )
 
 
@@ -434,6 +471,8 @@ SSI: Final = SsiFacts(
         CableLength(shorter_than_m=200, below_hz=200_000, source="5.3"),
         CableLength(shorter_than_m=400, below_hz=100_000, source="5.3"),
     ),
+    alignment_source="5.2",
+    output_code_source="5.2",
     timings=(
         Timing(
             name="monoflop",
@@ -2295,6 +2334,26 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="wrong_limit",
         affects=("order_code", "registers.device_id"),
         source="6; 6.5 p.31",
+    ),
+    Erratum(
+        name="order_code_edition_1_1",
+        printed=(
+            "Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1: AMx36xx/4096SCx-..., in a table "
+            "AMM3616/4096SCx..."
+        ),
+        used=(
+            "Labels of both are read, SCx as I7, and BG and GG without the hyphen and with a digit after them as "
+            "well."
+        ),
+        why=(
+            "Of edition 1.1 only the pages on BiSS are at hand; the series under which that manual is listed is AM "
+            "3616/4096BG, without the hyphen. What the digit x stands for is not known; in other families it is the "
+            "supply. AMM is taken for a misprint of AM."
+        ),
+        status="open",
+        severity="wrong_limit",
+        affects=("order_code",),
+        source="5; 6; am36_1_1_biss: p.21; am36_1_1: p.22",
     ),
     Erratum(
         name="output_letters",

@@ -189,6 +189,7 @@ class Variant:
         special: Whether the label ends in /Sxxx. An encoder whose order code ends in /Sxxx may differ from the standard
             mechanically and electrically, and may come with documentation of its own for special connections (Technical
             Info).
+        written_as_in: Where codes are written like the label, if that is not as the order codes are listed.
     """
 
     code: str
@@ -199,6 +200,7 @@ class Variant:
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
     special: bool = dataclasses.field(default=False, compare=False)
+    written_as_in: str = dataclasses.field(default="", compare=False)
 
     @property
     def position_bits(self) -> int:
@@ -268,9 +270,10 @@ class Variant:
 def lookup(label: str) -> Variant:
     """The encoder with this label.
 
-    Case does not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
+    Case and blanks do not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
     ``Variant.tail`` and ``Variant.special`` tell of them. Values of a part that the manual leaves open are accepted;
-    ``Variant.unlisted`` names the part.
+    ``Variant.unlisted`` names the part. Labels that another edition writes otherwise are read where that is known;
+    ``Variant.written_as_in`` says where.
 
     Raises:
         OrderCodeError: There is no such order code; the error names the wrong part, its valid values and the nearest
@@ -278,10 +281,16 @@ def lookup(label: str) -> Variant:
     """
     found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
     variant = _BY_PARTS[found.listed]
-    if not (found.unlisted or found.tail or found.special):
+    if not (found.unlisted or found.tail or found.special or found.written_as_in):
         return variant
     return dataclasses.replace(
-        variant, code=found.code, parts=found.parts, unlisted=found.unlisted, tail=found.tail, special=found.special
+        variant,
+        code=found.code,
+        parts=found.parts,
+        unlisted=found.unlisted,
+        tail=found.tail,
+        special=found.special,
+        written_as_in=found.written_as_in,
     )
 
 
@@ -444,6 +453,8 @@ SSI: Final = SsiFacts(
         CableLength(shorter_than_m=200, below_hz=200_000, source="5.3"),
         CableLength(shorter_than_m=400, below_hz=100_000, source="5.3"),
     ),
+    alignment_source="5.2 p.28",
+    output_code_source="5.2 p.28",
     timings=(
         Timing(
             name="monoflop",
@@ -1324,7 +1335,7 @@ class EncoderIdReply(NamedTuple):
         status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
             False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
             itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
-        encoder_id: Encoder ID, printed as 23h; another one is no fault.
+        encoder_id: Encoder ID, printed as 23h; a frame with another one is decoded.
     """
 
     status_st_error: bool
@@ -1423,7 +1434,7 @@ class CompleteReply(NamedTuple):
             False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
             itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
         singleturn: Position within one revolution (counts).
-        encoder_id: Encoder ID, printed as 23h; another one is no fault.
+        encoder_id: Encoder ID, printed as 23h; a frame with another one is decoded.
         multiturn: Number of revolutions. 0 where the encoder has none.
         busy: True: not ready after power-on or during a reset; all position data are 0; False: ready; high active.
         st_error: True: counted and calculated data disagree; False: no ST error; high active.
@@ -2082,7 +2093,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="encoder_id",
                 printed_name="ENID",
-                meaning="Encoder ID, printed as 23h; another one is no fault",
+                meaning="Encoder ID, printed as 23h; a frame with another one is decoded",
             ),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
@@ -2138,7 +2149,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="encoder_id",
                 printed_name="ENID",
-                meaning="Encoder ID, printed as 23h; another one is no fault",
+                meaning="Encoder ID, printed as 23h; a frame with another one is decoded",
             ),
             FieldFacts(
                 name="multiturn",

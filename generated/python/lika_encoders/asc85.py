@@ -146,6 +146,7 @@ class Variant:
         special: Whether the label ends in /Sxxx. An encoder whose order code ends in /Sxxx may differ from the standard
             mechanically and electrically, and may come with documentation of its own for special connections (Technical
             Info).
+        written_as_in: Where codes are written like the label, if that is not as the order codes are listed.
     """
 
     code: str
@@ -156,6 +157,7 @@ class Variant:
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
     special: bool = dataclasses.field(default=False, compare=False)
+    written_as_in: str = dataclasses.field(default="", compare=False)
 
     @property
     def counts_per_turn(self) -> int:
@@ -206,9 +208,10 @@ class Variant:
 def lookup(label: str) -> Variant:
     """The encoder with this label.
 
-    Case does not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
+    Case and blanks do not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
     ``Variant.tail`` and ``Variant.special`` tell of them. Values of a part that the manual leaves open are accepted;
-    ``Variant.unlisted`` names the part.
+    ``Variant.unlisted`` names the part. Labels that another edition writes otherwise are read where that is known;
+    ``Variant.written_as_in`` says where.
 
     Raises:
         OrderCodeError: There is no such order code; the error names the wrong part, its valid values and the nearest
@@ -216,10 +219,16 @@ def lookup(label: str) -> Variant:
     """
     found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
     variant = _BY_PARTS[found.listed]
-    if not (found.unlisted or found.tail or found.special):
+    if not (found.unlisted or found.tail or found.special or found.written_as_in):
         return variant
     return dataclasses.replace(
-        variant, code=found.code, parts=found.parts, unlisted=found.unlisted, tail=found.tail, special=found.special
+        variant,
+        code=found.code,
+        parts=found.parts,
+        unlisted=found.unlisted,
+        tail=found.tail,
+        special=found.special,
+        written_as_in=found.written_as_in,
     )
 
 
@@ -327,6 +336,8 @@ SSI: Final = SsiFacts(
         CableLength(shorter_than_m=200, below_hz=200_000, source="5.3 p.17"),
         CableLength(shorter_than_m=400, below_hz=100_000, source="5.3 p.17"),
     ),
+    alignment_source="5.2 p.16",
+    output_code_source="5.2 p.16",
     timings=(
         Timing(
             name="monoflop",

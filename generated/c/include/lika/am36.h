@@ -55,18 +55,28 @@ extern "C" {
  *   turns: Number of revolutions: 4096 = Multiturn, 4,096 revolutions
  *   output: Interface and output code: I7 = BiSS C-mode; output code by the Configuration register;
  *           BG = SSI, binary code; GG = SSI, Gray code
+ *   also written: {model}{singleturn}/{turns}{output}, as in edition 1.1 of the manual; what its
+ *                 last digit, printed as x, stands for is not known here [am36_1_1_biss: p.21;
+ *                 am36_1_1: p.22]
+ *   also written: {model}{singleturn}/{turns}-{output}, as in edition 1.1 of the manual, with the
+ *                 hyphen of edition 1.0; what its last digit, printed as x, stands for is not known
+ *                 here [am36_1_1_biss: p.21; 5; 6]
  * On the label a hyphen and further characters follow the output; the manual does not explain them.
  * For BiSS it prints AMx36xx/xxxx and, beside register 55h, AMx36xx/4096, without a value for the
  * singleturn resolution: the values listed are those of the SSI table, and others are accepted over
  * BiSS as unlisted. They change nothing there, since the frame's widths are read from registers 56h
- * and 57h. Edition 1.1 writes the codes without the hyphen, with SCx for BiSS. Order code and
- * serial number are on the label of the body and in the delivery document; Lika asks for both in
- * every enquiry. Technical data are in the catalogue.
+ * and 57h. Edition 1.1 writes the codes without the hyphen, with SCx for BiSS; such labels are read
+ * as well. Order code and serial number are on the label of the body and in the delivery document;
+ * Lika asks for both in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
  * Erratum (settled): printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-... Used: I7; 17 is accepted
  *                    as well and shown as unlisted. [6; 6.5 p.31]
+ * Erratum (open): printed: Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1:
+ *                 AMx36xx/4096SCx-..., in a table AMM3616/4096SCx... Used: Labels of both are read,
+ *                 SCx as I7, and BG and GG without the hyphen and with a digit after them as well.
+ *                 [5; 6; am36_1_1_biss: p.21; am36_1_1: p.22]
  * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
  *                 or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1; 5.2;
  *                 amm5: 5 p.27; amm5: 5.2]
@@ -198,6 +208,7 @@ static inline const lika_am36_order_code *lika_am36_order_codes(size_t *count)
  * The order code that a label shows, for one chosen at run time; NULL where there is none.
  * Parts that the manual leaves open may have other values than the listed ones: unlisted gets their
  * bits, and the result is the first order code that agrees in the other parts.
+ * Labels that are written in one of the other ways above are read as well.
  */
 static inline const lika_am36_order_code *lika_am36_find_order_code(
     const char *label, uint32_t *unlisted)
@@ -224,7 +235,47 @@ static inline const lika_am36_order_code *lika_am36_find_order_code(
         { "AM36##/#~~~~-17", 0U, LIKA_AM36_UNLISTED_SINGLETURN | LIKA_AM36_UNLISTED_TURNS |
             LIKA_AM36_UNLISTED_OUTPUT },
         { "AMC36##/#~~~~-17", 6U, LIKA_AM36_UNLISTED_SINGLETURN | LIKA_AM36_UNLISTED_TURNS |
-            LIKA_AM36_UNLISTED_OUTPUT }
+            LIKA_AM36_UNLISTED_OUTPUT },
+        { "AM3616/4096SC~", 0U, 0U },
+        { "AM3616/4096BG~", 1U, 0U },
+        { "AM3616/4096GG~", 2U, 0U },
+        { "AM3619/4096SC~", 3U, 0U },
+        { "AM3619/4096BG~", 4U, 0U },
+        { "AM3619/4096GG~", 5U, 0U },
+        { "AMC3616/4096SC~", 6U, 0U },
+        { "AMC3616/4096BG~", 7U, 0U },
+        { "AMC3616/4096GG~", 8U, 0U },
+        { "AMC3619/4096SC~", 9U, 0U },
+        { "AMC3619/4096BG~", 10U, 0U },
+        { "AMC3619/4096GG~", 11U, 0U },
+        { "AM3616/#~~~~SC~", 0U, LIKA_AM36_UNLISTED_TURNS },
+        { "AM3619/#~~~~SC~", 3U, LIKA_AM36_UNLISTED_TURNS },
+        { "AM36##/4096SC~", 0U, LIKA_AM36_UNLISTED_SINGLETURN },
+        { "AMC3616/#~~~~SC~", 6U, LIKA_AM36_UNLISTED_TURNS },
+        { "AMC3619/#~~~~SC~", 9U, LIKA_AM36_UNLISTED_TURNS },
+        { "AMC36##/4096SC~", 6U, LIKA_AM36_UNLISTED_SINGLETURN },
+        { "AM36##/#~~~~SC~", 0U, LIKA_AM36_UNLISTED_SINGLETURN | LIKA_AM36_UNLISTED_TURNS },
+        { "AMC36##/#~~~~SC~", 6U, LIKA_AM36_UNLISTED_SINGLETURN | LIKA_AM36_UNLISTED_TURNS },
+        { "AM3616/4096-SC~", 0U, 0U },
+        { "AM3616/4096-BG~", 1U, 0U },
+        { "AM3616/4096-GG~", 2U, 0U },
+        { "AM3619/4096-SC~", 3U, 0U },
+        { "AM3619/4096-BG~", 4U, 0U },
+        { "AM3619/4096-GG~", 5U, 0U },
+        { "AMC3616/4096-SC~", 6U, 0U },
+        { "AMC3616/4096-BG~", 7U, 0U },
+        { "AMC3616/4096-GG~", 8U, 0U },
+        { "AMC3619/4096-SC~", 9U, 0U },
+        { "AMC3619/4096-BG~", 10U, 0U },
+        { "AMC3619/4096-GG~", 11U, 0U },
+        { "AM3616/#~~~~-SC~", 0U, LIKA_AM36_UNLISTED_TURNS },
+        { "AM3619/#~~~~-SC~", 3U, LIKA_AM36_UNLISTED_TURNS },
+        { "AM36##/4096-SC~", 0U, LIKA_AM36_UNLISTED_SINGLETURN },
+        { "AMC3616/#~~~~-SC~", 6U, LIKA_AM36_UNLISTED_TURNS },
+        { "AMC3619/#~~~~-SC~", 9U, LIKA_AM36_UNLISTED_TURNS },
+        { "AMC36##/4096-SC~", 6U, LIKA_AM36_UNLISTED_SINGLETURN },
+        { "AM36##/#~~~~-SC~", 0U, LIKA_AM36_UNLISTED_SINGLETURN | LIKA_AM36_UNLISTED_TURNS },
+        { "AMC36##/#~~~~-SC~", 6U, LIKA_AM36_UNLISTED_SINGLETURN | LIKA_AM36_UNLISTED_TURNS }
     };
     size_t count;
     size_t index;
@@ -347,8 +398,8 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
  * The last rising edge ends the cycle, so that a word of n bits takes up to n + 1 rising edges (13
  * bits: 14 edges). After the word the time Tm may follow at once.
  * Signals: EIA RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock. Output
- * code: by order code.
+ * The word is aligned to the left: the most significant bit comes with the first clock [5.2].
+ * Output code: by order code [5.2].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 3 MHz.
  *                 Used: Both as printed. [5.3]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3 MHz.
@@ -773,9 +824,9 @@ static inline lika_result lika_am36_reg_profile_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED 0x00U /* what profile always reads */
+#define LIKA_AM36_REG_PROFILE_ID_PROFILE_EXPECTED 0x00U /* what the manual states for profile */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_am36_reg_profile_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in)
 {
@@ -1406,7 +1457,7 @@ static inline lika_result lika_am36_write_preset(
 #define LIKA_AM36_REG_DEVICE_TYPE_LENGTH 1U /* byte */
 #define LIKA_AM36_REG_DEVICE_TYPE_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_AM36_REG_DEVICE_TYPE_DEFAULT 0x02U /* value as delivered */
-#define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /* what it always reads */
+#define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /* what the manual states for it */
 
 /* Reads Device type, 55h. */
 static inline lika_result lika_am36_read_device_type(
@@ -1557,11 +1608,12 @@ static inline lika_result lika_am36_reg_device_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_AM36_REG_DEVICE_ID_MODEL_EXPECTED "AM" /* what model always reads */
-#define LIKA_AM36_REG_DEVICE_ID_INTERFACE_CODE_EXPECTED "I7" /* what interface_code always reads */
-#define LIKA_AM36_REG_DEVICE_ID_ENCLOSURE_EXPECTED "2" /* what enclosure always reads */
+#define LIKA_AM36_REG_DEVICE_ID_MODEL_EXPECTED "AM" /* what the manual states for model */
+/* what the manual states for interface_code */
+#define LIKA_AM36_REG_DEVICE_ID_INTERFACE_CODE_EXPECTED "I7"
+#define LIKA_AM36_REG_DEVICE_ID_ENCLOSURE_EXPECTED "2" /* what the manual states for enclosure */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_am36_reg_device_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in)
 {
@@ -1629,9 +1681,9 @@ static inline lika_result lika_am36_reg_manufacturer_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what name always reads */
+#define LIKA_AM36_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what the manual states for name */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_am36_reg_manufacturer_id_is_expected(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in)
 {

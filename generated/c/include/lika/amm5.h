@@ -332,8 +332,8 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
  * The last rising edge ends the cycle, so that a word of n bits takes up to n + 1 rising edges (13
  * bits: 14 edges). After the word the time Tm may follow at once.
  * Signals: EIA RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock. Output
- * code: binary.
+ * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.28].
+ * Output code: binary [5.2 p.28].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz.
  *                 Used: Both as printed. [5.3]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
@@ -1161,7 +1161,7 @@ typedef struct lika_amm5_encoder_id_reply {
      * data ID 3 then: its ALMC tells which it is.
      */
     bool status_other_error;
-    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; another one is no fault */
+    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; a frame with another one is decoded */
 } lika_amm5_encoder_id_reply;
 
 /* Decodes 4 bytes. */
@@ -1217,9 +1217,10 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
     return LIKA_OK;
 }
 
-#define LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED 0x23U /* what encoder_id always reads */
+/* what the manual states for encoder_id */
+#define LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED 0x23U
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_amm5_encoder_id_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in)
 {
@@ -1263,7 +1264,7 @@ typedef struct lika_amm5_complete_reply {
      */
     bool status_other_error;
     uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
-    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; another one is no fault */
+    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; a frame with another one is decoded */
     uint16_t multiturn; /* ABM0, ABM1, ABM2: Number of revolutions [revolutions] */
     bool busy; /* BUSY: not ready after power-on or during a reset; all position data are 0 */
     bool st_error; /* STERR: counted and calculated data disagree */
@@ -1381,9 +1382,10 @@ static inline lika_result lika_amm5_complete_reply_encode(
     return LIKA_OK;
 }
 
-#define LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED 0x23U /* what encoder_id always reads */
+/* what the manual states for encoder_id */
+#define LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED 0x23U
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_amm5_complete_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in)
 {
@@ -2123,9 +2125,9 @@ static inline lika_result lika_amm5_reg_device_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED "AMM5" /* what name always reads */
+#define LIKA_AMM5_REG_DEVICE_ID_NAME_EXPECTED "AMM5" /* what the manual states for name */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_amm5_reg_device_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in)
 {
@@ -2193,9 +2195,9 @@ static inline lika_result lika_amm5_reg_manufacturer_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what name always reads */
+#define LIKA_AMM5_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what the manual states for name */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_amm5_reg_manufacturer_id_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in)
 {
@@ -2483,7 +2485,7 @@ static inline lika_result lika_amm5_activate_preset(
 static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
-        /* in succession, no other request in between */
+        /* data ID reset singleturn and multiturn; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0xC2U, 10U, 40U },
         /* execution takes 18 ms at most, EEPROM writing included */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
@@ -2524,7 +2526,7 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
 static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
-        /* in succession, no other request in between */
+        /* data ID reset multiturn and errors; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0x62U, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
@@ -2564,7 +2566,7 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
 static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
-        /* in succession, no other request in between */
+        /* data ID reset errors; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0xBAU, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };

@@ -328,8 +328,8 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
  * The last rising edge ends the cycle, so that a word of n bits takes up to n + 1 rising edges (13
  * bits: 14 edges). After the word the time Tm may follow at once.
  * Signals: EIA RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock. Output
- * code: by order code.
+ * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.16].
+ * Output code: by order code [5.2 p.16].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz.
  *                 Used: Both as printed. [5.3 p.17]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
@@ -665,9 +665,9 @@ static inline lika_result lika_asc85_reg_profile_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED 0x28U /* what variant always reads */
+#define LIKA_ASC85_REG_PROFILE_ID_VARIANT_EXPECTED 0x28U /* what the manual states for variant */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_asc85_reg_profile_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in)
 {
@@ -1305,9 +1305,9 @@ static inline lika_result lika_asc85_reg_device_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED "AS85" /* what name always reads */
+#define LIKA_ASC85_REG_DEVICE_ID_NAME_EXPECTED "AS85" /* what the manual states for name */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_asc85_reg_device_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in)
 {
@@ -1374,9 +1374,9 @@ static inline lika_result lika_asc85_reg_manufacturer_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what name always reads */
+#define LIKA_ASC85_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what the manual states for name */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_asc85_reg_manufacturer_id_is_expected(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in)
 {

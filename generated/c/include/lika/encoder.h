@@ -543,8 +543,8 @@ static inline bool lika_label_ends(const char *label)
 
 /*
  * How many characters of a label are this order code, 0 where it is another. Small letters will
- * do. In the code # stands for a digit, ~ for a digit or nothing, @ for a letter, % for a letter or
- * digit.
+ * do, blanks mean nothing. In the code # stands for a digit, ~ for a digit or nothing, @ for a
+ * letter, % for a letter or digit.
  */
 static inline size_t lika_label_match(const char *label, const char *code)
 {
@@ -552,7 +552,14 @@ static inline size_t lika_label_match(const char *label, const char *code)
     size_t index;
     for (index = 0U; code[index] != '\0'; index++) {
         const char wanted = code[index];
-        const char letter = label[at];
+        char letter = label[at];
+        if (wanted == ' ') {
+            continue;
+        }
+        while (letter == ' ') {
+            at++;
+            letter = label[at];
+        }
         const bool digit = lika_is_digit(letter);
         const bool either = lika_is_letter_or_digit(letter);
         bool fits;
@@ -578,6 +585,9 @@ static inline size_t lika_label_match(const char *label, const char *code)
         } else {
             /* No digit here, which this mark allows. */
         }
+    }
+    while (label[at] == ' ') {
+        at++;
     }
     return lika_label_ends(&label[at]) ? at : 0U;
 }

@@ -423,8 +423,8 @@ static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length
  * 14 edges). The master sends at least as many clocks as the word has bits. After the word the time
  * Tm may follow at once.
  * Signals: RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock. Output
- * code: by order code.
+ * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.20].
+ * Output code: by order code [5.2 p.20].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 1 MHz.
  *                 Used: Both as printed. [5.3 p.22]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1 MHz.
@@ -1451,7 +1451,7 @@ static inline lika_result lika_sma21_reg_profile_id_encode(
     return LIKA_OK;
 }
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_sma21_reg_profile_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in)
 {
@@ -1903,7 +1903,7 @@ static inline lika_result lika_sma21_write_preset_offset(
 #define LIKA_SMA21_REG_DEVICE_TYPE_LENGTH 1U /* byte */
 #define LIKA_SMA21_REG_DEVICE_TYPE_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_DEVICE_TYPE_DEFAULT 0x08U /* value as delivered */
-#define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /* what it always reads */
+#define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /* what the manual states for it */
 
 /* Reads Device type, 55h. */
 static inline lika_result lika_sma21_read_device_type(
@@ -1931,7 +1931,7 @@ static inline lika_result lika_sma21_read_device_type(
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_LENGTH 1U /* byte */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_DEFAULT 0x00U /* value as delivered */
-#define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /* what it always reads */
+#define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /* what the manual states for it */
 
 /* Reads Sine cosine resolution, 58h. */
 static inline lika_result lika_sma21_read_sine_cosine_resolution(
@@ -2036,9 +2036,9 @@ static inline lika_result lika_sma21_reg_device_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED "SM21" /* what name always reads */
+#define LIKA_SMA21_REG_DEVICE_ID_NAME_EXPECTED "SM21" /* what the manual states for name */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_sma21_reg_device_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in)
 {
@@ -2105,9 +2105,9 @@ static inline lika_result lika_sma21_reg_manufacturer_id_encode(
     return LIKA_OK;
 }
 
-#define LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what name always reads */
+#define LIKA_SMA21_REG_MANUFACTURER_ID_NAME_EXPECTED "Li" /* what the manual states for name */
 
-/* Whether it reads as it always does on this encoder. */
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
 static inline bool lika_sma21_reg_manufacturer_id_is_expected(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in)
 {
@@ -2641,7 +2641,7 @@ static inline lika_result lika_sma21_identify(
 static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
-        /* in succession, no other request in between */
+        /* data ID reset errors; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0xDAU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_ERRORS_STEPS_COUNT;
@@ -2681,7 +2681,7 @@ static inline lika_result lika_sma21_reset_errors(
 static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
-        /* in succession, no other request in between */
+        /* data ID reset position; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0x7AU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_POSITION_STEPS_COUNT;
