@@ -16,7 +16,8 @@ from .build_facts import alarm, connector, erratum, example, hardware_input, man
 from .crc import form, polynomial_text
 from .examples import check_examples
 from .expressions import Expression, ExpressionError
-from .fields import Context, Raw, bit_range, build_values
+from .fields import Context, Raw, build_values
+from .held import held_in_registers
 from .layouts import build_layout
 from .limits import bounded, bounded_width, bounds, representable
 from .model import (
@@ -36,7 +37,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     """
     definitions = _definitions(raw)
     order_code = _order_code(raw["order_code"])
-    held = _held_in_registers(raw, report)
+    held = held_in_registers(raw, report)
     variants = _variants(order_code, definitions, held)
     crcs = tuple(_crc(item) for item in raw.get("crcs", ()))
     context = Context(
@@ -121,31 +122,6 @@ def _code_value(text: str, raw: Raw) -> CodeValue:
 
 def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
     return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
-
-
-def _held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
-    """The parameters that a register holds at run time, with the value that the register has by default."""
-    found = {}
-    for name, item in raw["parameters"].items():
-        if "read_from" not in item:
-            continue
-        register_name, _, field_name = item["read_from"].partition(".")
-        register = next((entry for entry in raw.get("registers", ()) if entry["name"] == register_name), None)
-        field = next((entry for entry in register.get("fields", ()) if entry.get("name") == field_name), None) if register is not None else None
-        bounds = bit_range(field["at"]) if field is not None and "at" in field else None
-        if register is None or field is None or bounds is None or "default" not in register:
-            if register is not None and field is not None:
-                wrong = f"'{item['read_from']}' has to be placed with 'at', in a register that has a default"
-                report.add("undefined-reference", ("parameters", name, "read_from"), wrong)
-            found[name] = item.get("max", 0)
-            continue
-        high, low = bounds
-        value = register["default"] >> low & ((1 << (high - low + 1)) - 1) or field.get("zero_means", 0)
-        found[name] = value
-        if not item.get("min", 0) <= value <= item.get("max", value):
-            wrong = f"the default of '{item['read_from']}' is {value}, which is not between 'min' and 'max'"
-            report.add("default-does-not-fit", ("parameters", name), wrong)
-    return MappingProxyType(found)
 
 
 def _variants(order_code: OrderCode, definitions: Mapping[str, Expression], held: Mapping[str, int]) -> tuple[Variant, ...]:

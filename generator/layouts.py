@@ -64,7 +64,10 @@ def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, tota
     if not _covers(fields, bits, gaps, path, context, interface):
         return None
     if gaps == "zero":
-        fields = _with_zeros(fields, bits, context, interface)
+        filled = _with_zeros(fields, bits, path, context, interface)
+        if filled is None:
+            return None
+        fields = filled
     widest = _widest(bits, context, interface)
     if carried_as == "bytes":
         fields = [replace(field, pieces=pieces(field, widest // 8, low_first)) for field in fields]
@@ -279,10 +282,13 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
 
 
 def _with_places(fields: Sequence[Field], context: Context, interface: str) -> list[Field]:
-    """The fields from the lowest up; by the order code with the most bits, which shows every field."""
+    """The fields from the lowest up. One that has no bits now and then lies where its neighbour does, so that all order codes have a say."""
     sets = _sets(context, interface)
-    widest = max(sets, key=lambda parameters: sum(field.width.value(parameters) for field in fields), default={})
-    return sorted(fields, key=lambda field: field.low.value(widest))
+
+    def place(field: Field) -> tuple[int, int]:
+        return sum(field.low.value(parameters) for parameters in sets), sum(field.width.value(parameters) for parameters in sets)
+
+    return sorted(fields, key=place)
 
 
 def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
@@ -306,21 +312,33 @@ def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[tuple[Field | N
 
 
 def _covers(fields: Sequence[Field], bits: Expression, gaps: str, path: Path, context: Context, interface: str) -> bool:
+    """Whether every bit has a field, or the spec says what the others are."""
     if gaps:
         return True
-    for _below, _above, low, width in _gaps(fields, bits):
-        for parameters in _sets(context, interface):
-            if (size := width.value(parameters)) > 0:
-                first = low.value(parameters)
-                context.report.add("bits-without-field", path, f"no field covers {_bits(first + size - 1, first)}{_with(parameters, low, width)}; add one, or say 'other_bits: zero' or 'other_bits: unspecified'")
+    for parameters in _sets(context, interface):
+        position, below = 0, Expression(0)
+        present = [field for field in fields if field.width.value(parameters)]
+        for field in (*sorted(present, key=lambda item: item.low.value(parameters)), None):
+            low = field.low if field is not None else bits
+            if (first := low.value(parameters)) > position:
+                where = f"{_bits(first - 1, position)}{_with(parameters, low, below)}"
+                context.report.add("bits-without-field", path, f"no field covers {where}; add one, or say 'other_bits: zero' or 'other_bits: unspecified'")
                 return False
+            if field is not None:
+                below = field.low + field.width
+                position = below.value(parameters)
     return True
 
 
-def _with_zeros(fields: Sequence[Field], bits: Expression, context: Context, interface: str) -> list[Field]:
-    """The fields with a constant zero field in every gap, from the lowest up."""
+def _with_zeros(fields: Sequence[Field], bits: Expression, path: Path, context: Context, interface: str) -> list[Field] | None:
+    """The fields with a constant zero field in every gap, from the lowest up; None where fields change places."""
     zeros = []
     for below, above, low, width in _gaps(fields, bits):
+        for parameters in _sets(context, interface):
+            if width.value(parameters) < 0 and below is not None and above is not None:
+                wrong = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}; with 'other_bits: zero' fields keep their order"
+                context.report.add("bit-overlap", path, wrong)
+                return None
         name = f"zero_below_{above.name}" if above is not None else f"zero_above_{below.name}" if below is not None else "zero"
         zeros.append(zero_field(name, low, width, _widest(width, context, interface), (above or below or fields[0]).source))
     return _with_places([*fields, *zeros], context, interface)

@@ -1,0 +1,69 @@
+"""What a spec may well say: specs that a rule could wrongly refuse, or that were once built wrongly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from codewheel.load import load_library
+from codewheel.model import Device
+from codewheel.run_time import with_registers
+
+HERE = Path(__file__).parent
+#: A spec without a fault, to be changed in one place.
+BASE = (HERE / "ok" / "minimal.yaml").read_text(encoding="utf-8")
+MAKER = (HERE / "broken_model" / "manufacturer.yaml").read_text(encoding="utf-8")
+
+
+def load(folder: Path, *changes: tuple[str, str], more: str = "") -> tuple[Device | None, list[str]]:
+    """The device of the base spec with these changes, and the problems found in it."""
+    text = BASE
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    (folder / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
+    (folder / "minimal.yaml").write_text(text + more, encoding="utf-8")
+    devices, report = load_library([folder])
+    return (devices[0] if devices else None), [f"{item.rule}: {item.message}" for item in report.problems]
+
+
+def sound(folder: Path, *changes: tuple[str, str], more: str = "") -> Device:
+    device, problems = load(folder, *changes, more=more)
+    assert problems == [] and device is not None
+    return device
+
+
+# -- fields of a width that a register holds
+
+HELD = ("  position_bits: {meaning: Bits of the position}\n",
+        "  position_bits: {meaning: Bits of the position}\n  zero_bits: {meaning: Zeros after it, read_from: setting.zero_bits, min: 0, max: 7}\n")  # fmt: skip
+ZEROS = ("{name: position, bits: position_bits}\n", "{name: position, bits: position_bits}\n          - {name: zeros, bits: zero_bits, constant: 0}\n")
+SETTING = '  - {name: setting, address: 0x48, length: 1, access: read_write, default: DEFAULT, source: "6.3", other_bits: unspecified, fields: [FIELD]}\n'
+
+
+@pytest.mark.parametrize("field", ["{name: zero_bits, at: 3, bits: 5}", "{name: zero_bits, at: 7:3}"])
+def test_a_field_by_its_low_bit_and_its_width(tmp_path: Path, field: str) -> None:
+    """``at: 3`` with ``bits: 5`` is 7:3 for the parameter as well, not bit 3 alone."""
+    device = sound(tmp_path, HELD, ZEROS, more=SETTING.replace("DEFAULT", "0x30").replace("FIELD", field))
+    variant = device.variant("MIN12SC")
+    assert variant.parameters["zero_bits"] == 6
+    assert device.layout("single_cycle_data").place(variant.parameters).bits == 12 + 6 + 2 + 6
+
+
+def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
+    held = (HELD[0], HELD[1].replace("setting.zero_bits", "setting.setting"))
+    device = sound(tmp_path, held, ZEROS, more=SETTING.replace("DEFAULT", "5").replace(", other_bits: unspecified, fields: [FIELD]", ""))
+    assert device.variant("MIN12SC").parameters["zero_bits"] == 5
+
+
+@pytest.mark.parametrize("other_bits", ["", "        other_bits: zero\n"])
+def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) -> None:
+    """At width 0 it lies where its neighbour does, which must not change places with it."""
+    gaps = ("        fields:\n          - {name: position", f"{other_bits}        fields:\n          - {{name: position")
+    device = sound(tmp_path, HELD, ZEROS, gaps, more=SETTING.replace("DEFAULT", "0").replace("FIELD", "{name: zero_bits, at: 7:3}"))
+    layout, variant = device.layout("single_cycle_data"), device.variant("MIN16SC")
+    assert [field.name for field in layout.fields] == ["position", "zeros", "error", "warning", "crc"]
+    assert layout.place(variant.parameters).bits == 16 + 2 + 6
+    later = layout.place(with_registers(device, variant, {0x48: 7 << 3}).parameters)
+    assert [(item.name, item.low, item.width) for item in later.fields][:2] == [("position", 15, 16), ("zeros", 8, 7)]
