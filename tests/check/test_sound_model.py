@@ -59,9 +59,12 @@ def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("other_bits", ["", "        other_bits: zero\n"])
 def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) -> None:
-    """At width 0 it lies where its neighbour does, which must not change places with it."""
-    gaps = ("        fields:\n          - {name: position", f"{other_bits}        fields:\n          - {{name: position")
-    device = sound(tmp_path, HELD, ZEROS, gaps, more=SETTING.replace("DEFAULT", "0").replace("FIELD", "{name: zero_bits, at: 7:3}"))
+    """At width 0 it lies where its neighbour does, which must not change places with it; the longest frame is one without it."""
+    held = (HELD[0], f"{HELD[1]}  more_bits: {{meaning: More of the position, read_from: setting.more_bits, min: 0, max: 7}}\n")
+    position = "{name: position, bits: position_bits + more_bits + more_bits}"
+    fields = (f"        fields:\n          {ZEROS[0]}".replace("          {", "          - {"), f"{other_bits}        fields:\n          - {ZEROS[1]}".replace("{name: position, bits: position_bits}", position))
+    setting = "{name: zero_bits, at: 7:3}, {name: more_bits, at: 2:0}"
+    device = sound(tmp_path, held, fields, more=SETTING.replace("DEFAULT", "0").replace("FIELD", setting))
     layout, variant = device.layout("single_cycle_data"), device.variant("MIN16SC")
     assert [field.name for field in layout.fields] == ["position", "zeros", "error", "warning", "crc"]
     assert layout.place(variant.parameters).bits == 16 + 2 + 6
