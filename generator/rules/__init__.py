@@ -6,7 +6,7 @@ never raises. To add one: write the function into the module of its subject, nam
 
 from __future__ import annotations
 
-from . import banks, names, order_code, references, shapes, values
+from . import banks, biss, names, order_code, procedures, references, shapes, values
 from .walk import Rule
 
 #: Rules without which nothing can be built: order codes and parameters lie under every width, groups under every layout.
@@ -37,7 +37,12 @@ RULES: tuple[Rule, ...] = (
     references.erratum_references,
     references.connector_references,
     references.device_references,
+    banks.bank_named,
     banks.bank_selected,
+    biss.biss_places,
+    biss.biss_control,
+    procedures.step_access,
+    procedures.procedure_name,
     values.value_too_wide,
     values.register_range,
     values.timing_bounds,

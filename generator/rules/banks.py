@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 from ..problems import DocumentReport, quoted
-from .walk import Fields, Spec, by_name, expanded, items, mapping
+from .walk import Fields, Spec, by_name, expanded, interface_of, items, mapping
+
+
+def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A register in a bank can be reached: its interface has banks, and names the register that selects them."""
+    select = mapping(raw, "interfaces", "biss").get("bank_select")
+    for path, register in items(spec, "registers"):
+        interface = interface_of(register)
+        if "bank" not in register:
+            continue
+        if interface != "biss":
+            wrong = f"{quoted(register['name'])} is in a bank, and only BiSS has a register that selects banks; leave 'bank' out, and say in 'note' how its page is chosen"
+            report.add("bank-not-selected", (*path, "bank"), wrong, at_key=True)
+        elif select is None:
+            wrong = f"{quoted(register['name'])} is in bank {register['bank']}; name the register that selects banks with 'bank_select' under 'biss'"
+            report.add("bank-not-selected", (*path, "bank"), wrong)
 
 
 def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """A procedure writes the bank before it touches a register of it."""
     registers, select = by_name(raw, "registers"), mapping(raw, "interfaces", "biss").get("bank_select")
-    numbers = _numbers(registers.get(str(select), {}), raw)
+    if not isinstance(select, str):
+        return
+    numbers = _numbers(registers.get(select, {}), raw)
     for path, procedure in items(spec, "procedures"):
         selected: object = None
         for below, step in items(procedure, "steps"):
@@ -19,8 +36,8 @@ def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 # An argument stands for any bank.
                 selected = numbers.get(step.get("value", ""), "any")
             elif isinstance(bank, int) and selected not in (bank, "any"):
-                how = f"write that to {quoted(select)} before it" if isinstance(select, str) else "name the register that selects banks with 'bank_select' under 'biss'"
-                report.add("bank-not-selected", (*path, *below, "register"), f"{quoted(step['register'])} is in bank {bank}; {how}")
+                wrong = f"{quoted(step['register'])} is in bank {bank}; write that to {quoted(select)} before it"
+                report.add("bank-not-selected", (*path, *below, "register"), wrong)
 
 
 def _numbers(register: Spec, raw: Spec) -> dict[str, object]:

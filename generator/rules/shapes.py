@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from ..expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, listed, quoted
 from .walk import Fields, Spec, by_name, field_lists, items, mapping, measurements
 
@@ -72,12 +73,23 @@ def _check_field(fields: Fields, path: Path, field: Spec, report: DocumentReport
             report.add("layout-keys", (*path, key), f"{quoted(key)} belongs to a flag; {name} needs 'active: high' or 'active: low' with it", at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is a text; what it equals is put in quotes")
+    if _is_nothing(field.get("bits")):
+        report.add("layout-keys", (*path, "bits"), f"{name} has no bits; a field has one at least, unless its width follows from a parameter")
     if "at" in field and "top_bit" in field:
         report.add("layout-keys", (*path, "top_bit"), "'at' and 'top_bit' both give the position; keep one", at_key=True)
     elif "bits" in field and ":" in str(field.get("at", "")):
         report.add("layout-keys", (*path, "bits"), f"the range {quoted(field['at'])} already gives the width; leave 'bits' out", at_key=True)
     elif "bits" not in field and "at" not in field and not any(key in field for key in _WIDTH_FOLLOWS):
         report.add("layout-keys", path, f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6")
+
+
+def _is_nothing(bits: object) -> bool:
+    """Whether a width is a plain number, and none that a field can have."""
+    try:
+        width = Expression.parse(bits) if isinstance(bits, (int, str)) else None
+    except ExpressionError:  # Reported by the rule on expressions.
+        return False
+    return width is not None and width.is_constant and width.constant <= 0
 
 
 def _check_placing(fields: Fields, report: DocumentReport) -> None:
@@ -102,6 +114,9 @@ def _check_carriage(fields: Fields, report: DocumentReport) -> None:
         report.add("layout-keys", fields.path, f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first")
     if carried_as == "bits" and "byte_order" in layout:
         report.add("layout-keys", (*fields.path, "byte_order"), f"{name} is carried as bits, which have no byte order; leave it out", at_key=True)
+    if carried_as == "bits" and "when" in layout:
+        wrong = f"{name} is carried as bits, and only frames of bytes are told apart by 'when'; leave it out, or say 'carried_as: bytes'"
+        report.add("layout-keys", (*fields.path, "when"), wrong, at_key=True)
     if "channel" in layout and fields.interface != "biss":
         report.add("layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has several", at_key=True)
 
