@@ -6,7 +6,7 @@ never raises. To add one: write the function into the module of its subject, nam
 
 from __future__ import annotations
 
-from . import banks, biss, names, order_code, procedures, references, shapes, values
+from . import banks, biss, meanings, names, order_code, parameters, procedures, references, shapes, values
 from .walk import Rule
 
 #: Rules without which nothing can be built: order codes and parameters lie under every width, groups under every layout.
@@ -43,6 +43,10 @@ RULES: tuple[Rule, ...] = (
     biss.biss_control,
     procedures.step_access,
     procedures.procedure_name,
+    parameters.parameter_interface,
+    parameters.units,
+    meanings.printed_number,
+    meanings.interface_named,
     values.value_too_wide,
     values.register_range,
     values.timing_bounds,

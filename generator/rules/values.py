@@ -34,7 +34,7 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """What a field is said to hold fits into it, where its width does not depend on the order code."""
     for fields in field_lists(spec):
         for path, field in fields:
-            width = _constant_width(field)
+            width = constant_width(field)
             if width is None:
                 continue
             numbers: Iterator[tuple[Path, str, int]] = ((("values", name, "value"), f"the value {quoted(name)} is", item["value"]) for name, item in mapping(field, "values").items())
@@ -133,7 +133,7 @@ def _timings(spec: Spec) -> Iterator[tuple[Path, Spec]]:
     yield from items(spec, "timings")
 
 
-def _constant_width(field: Spec) -> int | None:
+def constant_width(field: Spec) -> int | None:
     """The width of a field where it is plain to see; None where it depends on something, or another rule speaks about it."""
     if isinstance(field.get("bits"), int):
         return int(field["bits"]) if field["bits"] > 0 else None

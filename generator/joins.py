@@ -1,0 +1,47 @@
+"""Joined numbers and numbers in Gray code: whether what a layout says of them can be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from .fields import Context
+from .model import Field, Layout
+from .problems import Path
+
+
+def check_joins(layout: Layout, path: Path, context: Context, sets: Sequence[Mapping[str, int]]) -> None:
+    """A joined number takes in each field once, and in a word that is sent bit by bit, most significant first, in the order of the word."""
+    fields = {field.name: field for field in layout.fields}
+    for join in layout.joins:
+        here = (*path, "join", join.name)
+        for index, name in enumerate(join.fields):
+            if name in join.fields[:index]:
+                context.report.add("join-order", (*here, index), f"'{join.name}' takes in '{name}' twice")
+        pairs = [pair for pair in zip(join.fields, join.fields[1:]) if pair[0] != pair[1] and {*pair} <= fields.keys()]
+        for index, (above, below) in enumerate(pairs, 1):
+            if layout.carried_as == "bits" and _is_above(fields[below], fields[above], sets):
+                wrong = f"'{join.name}' has '{above}' above '{below}'; in '{layout.name}' '{below}' is sent first, and with it the more significant bits"
+                context.report.add("join-order", (*here, index), wrong)
+
+
+def check_gray(layout: Layout, path: Path, context: Context, sets: Sequence[Mapping[str, int]]) -> None:
+    """What is sent in Gray code is one number of several bits in one piece."""
+    join = next((item for item in layout.joins if item.name == layout.gray_of), None)
+    names = join.fields if join is not None else (layout.gray_of,)
+    parts = [field for name in names for field in layout.fields if field.name == name]
+    here = (*path, "gray", "of")
+    other = next((field for field in parts if field.kind not in ("number", "choice")), None)
+    if other is not None or (len(parts) == 1 and parts[0].widest == 1):
+        what = f"'{parts[0].name}' has one bit" if other is None or other.kind == "flag" else f"'{other.name}' is a {other.kind}"
+        context.report.add("gray-of", here, f"{what}; only a number of several bits can be in Gray code")
+    for above, below in zip(parts, parts[1:]):
+        if any(below.low.value(values) + below.width.value(values) != above.low.value(values) for values in sets):
+            wrong = f"'{above.name}' and '{below.name}' are not next to each other; a number in Gray code is in one piece, its most significant part first"
+            context.report.add("gray-of", here, wrong)
+            return
+
+
+def _is_above(field: Field, other: Field, sets: Sequence[Mapping[str, int]]) -> bool:
+    """Whether a field lies above another, where both have bits."""
+    both = [values for values in sets if field.width.value(values) and other.width.value(values)]
+    return any(field.low.value(values) > other.low.value(values) for values in both)
