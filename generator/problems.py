@@ -5,7 +5,8 @@ Nothing raises on a broken spec. Every step adds to a :class:`Report` and goes o
 
 from __future__ import annotations
 
-import difflib
+import os
+import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -19,8 +20,12 @@ Path = tuple[str | int, ...]
 
 _LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
-#: Names among which the nearest is sought; among more it would take longer than the rest of the check.
-_MOST_CHOICES = 500
+#: Known words that a message lists.
+_FEW_CHOICES = 8
+_BETWEEN = re.compile(r"[_\s-]")
+_DIGITS = re.compile(r"[0-9]+")
+#: Units at the end of a key. Two words that differ in their unit are not one word misspelt: the number would be wrong.
+UNITS = frozenset("hz khz mhz ghz ps ns us ms s nm um mm cm m mv v ma a bits bytes".split())
 
 
 @dataclass(frozen=True, order=True, slots=True)
@@ -129,7 +134,7 @@ def listed(words: Iterable[str], last: str = "and") -> str:
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str:
-    """What to say after an unknown word: the nearest known one, or all where they are few, or nothing.
+    """What to say after an unknown word: the known one that it is a slip of, or all where they are few, or nothing.
 
     Args:
         word: What was written.
@@ -137,12 +142,56 @@ def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str
         otherwise: The word before the list of all.
     """
     choices = [item for item in dict.fromkeys(known) if item != word]
-    near = difflib.get_close_matches(word[:_LONGEST_QUOTE], choices, n=1, cutoff=0.6) if len(choices) <= _MOST_CHOICES else []
+    near = meant(word, choices)
     if near:
-        return f"; did you mean '{near[0]}'?"
-    if choices and len(choices) <= 8:
+        return f"; did you mean '{near}'?"
+    if choices and len(choices) <= _FEW_CHOICES:
         return f"; {otherwise}: {', '.join(choices)}"
     return ""
+
+
+def meant(word: str, choices: Sequence[str]) -> str:
+    """The one choice that ``word`` is a slip or an abbreviation of, or empty."""
+    if len(word) > _LONGEST_QUOTE:
+        return ""
+    for alike in (_is_spelling, _is_slip, _is_abbreviation):
+        found = [item for item in choices if alike(word, item)]
+        if found:
+            return found[0] if len(found) == 1 else ""
+    return ""
+
+
+def _is_spelling(word: str, known: str) -> bool:
+    """The same but for capitals, underscores, hyphens and spaces."""
+    return _BETWEEN.sub("", word).lower() == _BETWEEN.sub("", known).lower()
+
+
+def _is_slip(word: str, known: str) -> bool:
+    """One letter too many, missing or wrong, or two that changed places; and not another word of the trade.
+
+    Short words, first letters, digits and units are seldom slips: spi is not ssi, reset not preset, biss_4 not biss_6, min_khz not min_hz.
+    """
+    if abs(len(word) - len(known)) > 1 or not _same_sense(word, known):
+        return False
+    start = len(os.path.commonprefix([word, known]))
+    end = len(os.path.commonprefix([word[start:][::-1], known[start:][::-1]]))
+    here, there = word[start : len(word) - end], known[start : len(known) - end]
+    shortest = min(len(word), len(known))
+    if len(here) == len(there) == 2:
+        return shortest >= 4 and here == there[::-1]
+    if not start or len(here) > 1 or len(there) > 1:
+        return False
+    plural = not end and "s" in (here, there)
+    return shortest >= (3 if plural else 4 if len(here) != len(there) else 5)
+
+
+def _same_sense(word: str, known: str) -> bool:
+    units = {text.rpartition("_")[2] for text in (word, known)}
+    return _DIGITS.findall(word) == _DIGITS.findall(known) and not (len(units) == 2 and units <= UNITS)
+
+
+def _is_abbreviation(word: str, known: str) -> bool:
+    return len(word) >= 4 and known.startswith(word) and _same_sense(word, known)
 
 
 def visible(text: str) -> str:

@@ -6,9 +6,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from .problems import Path, listed, quoted, suggestion
+from .problems import Path, listed, meant, quoted, suggestion
+from .schema_hints import key_hint, number_hint
 
 _TYPES = {"integer": "a whole number", "string": "text", "object": "a map of keys", "array": "a list", "boolean": "true or false"}
+_SUM = "a whole number, or a sum such as singleturn_bits + 8"
+#: What keys take that are a number or a text of some kind.
+_NUMBER_OR_TEXT = {
+    **dict.fromkeys(("bits", "min", "max", "steps_per_turn", "turns", "step_um", "steps"), _SUM),
+    "at": "a bit number, or a range such as 7:6",
+    "equals": "a whole number, a sum such as singleturn_bits + 8, or text",
+}
 
 #: Every pattern of the two schemas in words.
 PATTERNS = {
@@ -44,6 +52,12 @@ _ITEMS = {
 }
 
 
+#: Maps in which an unknown key is no slip but something that codewheel does not do.
+_ALL_THERE_IS: dict[str | int, str] = {
+    "interfaces": "codewheel is for encoders with ssi, biss or rs485 (requests and replies of the kind of Tamagawa's T-format), and no others",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
     """A fault: the rule, the place, the message; ``at_key`` where the key is at fault, not its value."""
@@ -71,8 +85,7 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
     elif error.validator == "additionalProperties":
         for key in error.instance:
             if key not in error.schema["properties"]:
-                hint = suggestion(key, error.schema["properties"], "known are")
-                yield Finding("unknown-key", (*path, key), f"unknown key {quoted(key)}{hint}", True)
+                yield Finding("unknown-key", (*path, key), f"unknown key {quoted(key)}{_key_hint(error, path, key)}", True)
     elif error.validator == "required":
         yield from _missing(error, path, kind)
     else:
@@ -80,15 +93,31 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
         yield Finding(rule, path, message)
 
 
+def _key_hint(error: Any, path: Path, key: str) -> str:
+    known = error.schema["properties"]
+    near = meant(key, list(known))
+    if near:
+        return f"; did you mean '{near}'?"
+    if path and path[-1] in _ALL_THERE_IS:
+        return f"; {_ALL_THERE_IS[path[-1]]}"
+    if " " in key.strip():
+        return "; no key has spaces: if this belongs to a text, put the whole text in quotes"
+    return key_hint(key, error.instance[key], known) or suggestion(key, known, "known are")
+
+
 def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     """One finding for all keys that are missing here, but for those that an unknown key is a misspelling of."""
     known = error.schema["properties"]
     unknown = [key for key in error.instance if key not in known]
-    misspelt = [key for key in error.validator_value if any(f"'{key}'?" in suggestion(word, known) for word in unknown)]
+    misspelt = [key for key in error.validator_value if any(_stands_for(word, key, error.instance, known) for word in unknown)]
     missing = [f"'{key}'" for key in error.validator_value if key not in error.instance and key not in misspelt]
     if missing:
         needs = f"{listed(missing)} {'is' if len(missing) == 1 else 'are'} missing; {_owner(error, path, kind)} needs {'it' if len(missing) == 1 else 'them'}"
         yield Finding("missing-key", path, needs, bool(path) and isinstance(path[-1], str))
+
+
+def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:
+    return meant(word, list(known)) == key or f"'{key}" in key_hint(word, instance[word], known)
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:
@@ -115,10 +144,14 @@ def _subject(path: Path) -> str:
 
 def _type(error: Any, subject: str) -> tuple[str, str]:
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
-    wanted = listed([_TYPES[name] for name in types], "or")
+    key = str(error.absolute_path[-1]) if error.absolute_path else ""
+    sums = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
+    wanted = sums or listed([_TYPES[name] for name in types], "or")
     if error.instance is None:
         return "wrong-type", f"{subject} has no value; it must be {wanted}"
     hint = "; put it in quotes" if "string" in types and isinstance(error.instance, (int, float)) else ""
+    if sums or types == ["integer"]:
+        hint = number_hint(key, error.instance)
     return "wrong-type", f"{subject} must be {wanted}, not {quoted(error.instance)}{hint}"
 
 

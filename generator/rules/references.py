@@ -7,6 +7,7 @@ from typing import Any
 
 from ..expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, quoted, suggestion
+from ..schema_hints import number_hint
 from .shapes import ANGLE, LENGTH
 from .walk import (
     INTERFACE_OF_REGISTERS, Fields, Spec, bits_of, by_name, field_lists, field_names, interface_of, items, layouts, mapping, measurements,
@@ -217,7 +218,8 @@ def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         try:
             names = Expression.parse(text).parameters
         except ExpressionError as error:
-            report.add("bad-expression", path, f"{error}, as in singleturn_bits + 8".replace(", as in", "; write it as in", 1))
+            hint = number_hint(str(path[-1]), text) or (f"; write {str(text).replace('**', '^')}" if "**" in str(text) else "")
+            report.add("bad-expression", path, f"{error}{hint or '; write it as in singleturn_bits + 8'}")
             continue
         for name in names:
             _refer(report, path, "parameter", name, parameters)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from codewheel.problems import Problem, Report, listed, quoted, suggestion
 
 
@@ -64,3 +66,42 @@ def test_words() -> None:
     assert suggestion("adress", ["address", "access"]) == "; did you mean 'address'?"
     assert suggestion("zzz", ["a", "b"], "it is one of") == "; it is one of: a, b"
     assert suggestion("zzz", [f"name_{index}" for index in range(9)]) == ""
+
+
+@pytest.mark.parametrize(
+    ("word", "known"),
+    [
+        ("titel", "title"),
+        ("positon_bits", "position_bits"),
+        ("form", "from"),
+        ("bit", "bits"),
+        ("addr", "address"),
+        ("readwrite", "read_write"),
+        ("ByteOrder", "byte_order"),
+        ("numbers_of_turns", "number_of_turns"),
+    ],
+)
+def test_slip_gets_a_hint(word: str, known: str) -> None:
+    assert suggestion(word, [known, "something_else"]) == f"; did you mean '{known}'?"
+
+
+@pytest.mark.parametrize(
+    ("word", "known"),
+    [
+        ("spi", "ssi"),
+        ("rs422", "rs485"),
+        ("biss_4", "biss_6"),
+        ("reset", "preset"),
+        ("biss", "bits"),
+        ("inactive", "active"),
+        ("min_khz", "min_hz"),
+        ("at_least_ms", "at_least_us"),
+        ("step_nm", "step_um"),
+    ],
+)
+def test_another_word_of_the_trade_is_no_slip(word: str, known: str) -> None:
+    assert suggestion(word, [known, "something_else"]) == f"; known: {known}, something_else"
+
+
+def test_of_two_words_that_are_as_near_none_is_guessed() -> None:
+    assert suggestion("turn_1s", ["turn_1", "turn_1st"]) == "; known: turn_1, turn_1st"
