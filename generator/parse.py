@@ -14,6 +14,8 @@ from typing import Any
 import yaml
 
 from .problems import Path, quoted
+from .slips import Mended
+from .syntax import explain
 
 MAX_BYTES = 4 * 2**20
 #: Values in a spec, those that aliases repeat counted each time. The largest manuals come to some 20,000.
@@ -23,10 +25,12 @@ MAX_DEPTH = 60
 #: Digits of a number. 64 bits need 20.
 MAX_DIGITS = 40
 
-# Besides what YAML forbids: line breaks of YAML 1.1 that are none in 1.2 (they would shift the line numbers), and characters that
-# reorder the text around them (they would make a spec, and the comments made from it, read other than it is).
-FORBIDDEN = re.compile("[^\t\n\r\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]|[\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff]")
+# Besides what YAML forbids: line breaks of YAML 1.1 that are none in 1.2 (they would shift the line numbers), characters that reorder
+# the text around them, and those that nobody sees (a spec, and the comments made from it, would read other than they are).
+_UNSEEN = "\\u00ad\\u061c\\u180e\\u200b\\u200e\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff\\ufff9-\\ufffb\\U000e0000-\\U000e0fff"
+FORBIDDEN = re.compile(f"[^\t\n\r\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]|[{_UNSEEN}]")
 
+LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _NULL = frozenset(("", "~", "null", "Null", "NULL"))
@@ -87,18 +91,22 @@ def parse(text: str, complain: Callable[[Refused], None], stand_in: Callable[[Pa
     try:
         return _Parser(text, complain, stand_in).document()
     except yaml.MarkedYAMLError as error:
-        raise _syntax(error, text) from None
+        raise Refused(*explain(error, text)) from None
     except yaml.YAMLError as error:
         raise Refused(1, 1, "yaml-syntax", f"this is no YAML: {str(error).splitlines()[0]}") from None
 
 
 class _Parser:
     def __init__(self, text: str, complain: Callable[[Refused], None], stand_in: Callable[[Path], None]) -> None:
-        self._events: Iterator[Any] = iter(yaml.parse(text, Loader=_LOADER))
         self._complain = complain
+        lines = LINE_BREAK.split(text)
+        self._events = iter(Mended(iter(yaml.parse(text, Loader=_LOADER)), lines, lambda scalar: isinstance(_resolved(scalar), str), self._refuse))
         self._stand_in = stand_in
         self._anchors: dict[str, _Value | None] = {}
         self._count = 0
+
+    def _refuse(self, event: Any, rule: str, message: str) -> None:
+        self._complain(_refused(event, rule, message))
 
     def document(self) -> tuple[dict[str, Any], Mark]:
         next(self._events)  # The start of the stream.
@@ -252,30 +260,3 @@ def _short(tag: str) -> str:
 
 def _refused(event: Any, rule: str, message: str) -> Refused:
     return Refused(event.start_mark.line + 1, event.start_mark.column + 1, rule, message)
-
-
-def _syntax(error: yaml.MarkedYAMLError, text: str) -> Refused:
-    """A syntax error in words of use to someone who is transcribing. PyYAML's own words differ between its two parsers."""
-    mark = error.problem_mark or error.context_mark
-    problem = error.problem or "not understood"
-    keyless = problem == "could not find expected ':'" and error.context_mark is not None
-    if keyless:  # The mark of the problem is wherever the search for the colon ended.
-        mark = error.context_mark
-    line, column = (1, 1) if mark is None else (mark.line + 1, mark.column + 1)
-    lines = text.splitlines() or [""]
-    character = lines[line - 1][column - 1 : column] if line <= len(lines) else ""
-    if keyless:
-        message = "a key without a colon, or a text that goes on without being indented"
-    elif character == "\t":
-        message = "a tab cannot indent; use spaces"
-    elif character in ("@", "`") or (character == "%" and "token" in problem):
-        message = f"an unquoted text cannot begin with '{character}'; put it in quotes"
-    elif "mapping values are not allowed" in problem:
-        message = "a colon and a space inside an unquoted text; put the text in quotes, or check the indentation"
-    elif "undefined alias" in problem:
-        message = "there is no anchor of this name before this alias"
-    elif line > len(lines) or (line == len(lines) and not character) or "end of stream" in problem:
-        message = f"the text ends in the middle of something ({problem}); a quote or bracket may be left open"
-    else:
-        message = f"{problem}; check the indentation, quotes and brackets here and just above"
-    return Refused(line, column, "yaml-syntax", message)

@@ -15,10 +15,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from .parse import FORBIDDEN, MAX_BYTES, Mark, Refused, parse
+from .parse import FORBIDDEN, LINE_BREAK, MAX_BYTES, Mark, Refused, parse
 from .problems import Path, Report
 
-_LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _SUFFIXES = (".yaml", ".yml")
 #: Keys by which an item of a list is called, the first that it has.
 _ITEM_KEYS = ("name", "id", "revision", "contact")
@@ -126,10 +125,10 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
         report.add_at(file, line, 1, "not-text", _not_text(content, f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"))
         return None
     text = text.removeprefix("\ufeff")
-    lines = tuple(_LINE_BREAK.split(text))
+    lines = tuple(LINE_BREAK.split(text))
     forbidden = FORBIDDEN.search(text)
     if forbidden is not None:
-        before = _LINE_BREAK.split(text[: forbidden.start()])
+        before = LINE_BREAK.split(text[: forbidden.start()])
         message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} has no place in a text; remove it")
         report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text="" if "\0" in text else lines[len(before) - 1])
         return None

@@ -117,6 +117,23 @@ def test_file_that_is_no_spec(tmp_path: pathlib.Path, content: bytes, expected: 
     assert [problem.splitlines()[0] for problem in problems] == [expected]
 
 
+@pytest.mark.parametrize("character", "\u00ad\u061c\u180e\u200b\u200e\u200f\u202a\u202e\u2060\u2066\u2069\ufeff\U000e0001\U000e0041\U000e0100", ids=ascii)
+@pytest.mark.parametrize("escaped", [False, True], ids=["as it is", "as an escape"])
+def test_what_nobody_sees_or_turns_a_text_around_is_refused(tmp_path: pathlib.Path, character: str, escaped: bool) -> None:
+    written = f"\\U{ord(character):08X}" if escaped else character
+    _, problems = read(tmp_path, f'a: 1\nb: "x{written}y"\n')
+    assert [problem.splitlines()[0] for problem in problems] == [
+        f"spec.yaml:2:{4 if escaped else 6}: not-text: the character U+{ord(character):04X} has no place in a text; remove {'its escape' if escaped else 'it'}"
+    ]
+
+
+def test_letters_of_other_scripts_are_text(tmp_path: pathlib.Path) -> None:
+    text = "Lärm, \u0645\u06cc\u200c\u062e\u0648\u0627\u0647\u0645, 幅, 𝄞, µm, ½"
+    document, problems = read(tmp_path, f'a: "{text}"\n')
+    assert problems == []
+    assert document is not None and document.data == {"a": text}
+
+
 def first_lines(report: Report, folder: pathlib.Path) -> list[str]:
     return [problem.format().splitlines()[0].replace(f"{folder}{os.sep}", "") for problem in report.problems]
 
