@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from . import codec
-from .build_facts import alarm, connector, erratum, example, hardware_input, manual, sources, table, timing
+from .build_facts import alarm, connector, erratum, example, hardware_input, manual, sources, supply, table, timing
 from .crc import form, polynomial_text
 from .examples import check_examples
 from .expressions import Expression, ExpressionError
@@ -83,6 +83,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
             FieldGroup(item["name"], item.get("printed_name", ""), item.get("names", {}), item["bits"], item.get("note", ""), sources(item))
             for item in raw.get("field_groups", ())
         ),
+        supply=supply(raw),
     )
     _check_control_bytes(device, report)
     device = replace(device, procedures=_procedures(raw, device))
@@ -103,7 +104,7 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
 
 def _order_code(raw: Raw) -> OrderCode:
     parts = tuple(
-        CodePart(part["name"], part["meaning"], part.get("open", ""), tuple(_code_value(text, value or {}) for text, value in part["values"].items()), sources(part), _only(part, "open_only_with"))
+        CodePart(part["name"], part["meaning"], part.get("open", ""), tuple(_code_value(text, value or {}, part) for text, value in part["values"].items()), sources(part), _only(part, "open_only_with"))
         for part in raw["parts"]
     )
     spellings = tuple(_spelling(item) for item in raw.get("also_written", ()))
@@ -115,9 +116,9 @@ def _spelling(raw: Raw) -> Spelling:
     return Spelling(raw["pattern"], raw["where"], tuple(values), raw.get("then", ""), sources(raw))
 
 
-def _code_value(text: str, raw: Raw) -> CodeValue:
+def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
     sets = MappingProxyType(dict(raw.get("sets", {})))
-    return CodeValue(text, raw.get("meaning", ""), raw.get("interface", ""), sets, _only(raw, "only_with"), sources(raw))
+    return CodeValue(text, raw.get("meaning", ""), raw.get("interface", ""), sets, _only(raw, "only_with"), sources(raw), supply(raw, sources(part)))
 
 
 def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
@@ -149,7 +150,7 @@ def _parameter_sets(
 
 def _parameter(name: str, raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]) -> Parameter:
     largest = max((variant.parameters.get(name, 0) for variant in variants), default=0)
-    bounds = (raw.get("read_from", ""), raw.get("min"), raw.get("max"), raw.get("interface", ""))
+    bounds = (raw.get("read_from", ""), raw.get("min"), raw.get("max"), raw.get("interface", ""), raw.get("hexadecimal", False))
     return Parameter(name, raw["meaning"], raw.get("unit", ""), definitions.get(name), largest, sources(raw), *bounds)
 
 

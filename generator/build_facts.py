@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from .fields import Raw
 from .model import (
-    Alarm, Connector, Contact, Edition, Erratum, Example, Input, Manual, Manufacturer, Revision, Source, Sources, Table, Timing, Write,
+    Alarm, Connector, Contact, Edition, Erratum, Example, Input, Manual, Manufacturer, Revision, Source, Sources, Supply, Table, Timing, Write,
 )
 
 _SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
@@ -57,6 +57,12 @@ def manual(raw: Raw) -> Manual:
 def timing(raw: Raw) -> Timing:
     bounds = {key: raw.get(key) for key in ("at_least_us", "typical_us", "at_most_us")}
     return Timing(raw["name"], raw.get("symbol", ""), raw["meaning"], source=sources(raw), **bounds)
+
+
+def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
+    """The supply of a device or of a value of its order code."""
+    found = raw.get("supply")
+    return None if found is None else Supply(found["min_mv"], found["max_mv"], sources(found) or sources(raw) or inherited)
 
 
 def hardware_input(raw: Raw) -> Input:

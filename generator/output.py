@@ -91,6 +91,7 @@ class _Dump:
             "examples": self.plain(device.examples, ()),
             "errata": self.plain(device.errata, ()),
             "lost_figures": self.plain(device.lost_figures, ()),
+            "supply": self.plain(device.supply, ()),
         }
 
     def plain(self, value: Any, inherited: Sources) -> Any:

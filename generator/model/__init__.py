@@ -48,6 +48,7 @@ from .facts import (
     Revision as Revision,
     Source as Source,
     Sources as Sources,
+    Supply as Supply,
     Table as Table,
     Timeout as Timeout,
     Timing as Timing,

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from ..expressions import Expression
 from .facts import (
     Alarm, CableLength, Characteristic, Connector, Document, Erratum, Input, Led, LostFigure, Manual, Manufacturer, MemoryAccess, Network, Port,
-    Sources, Table, Timeout, Timing,
+    Sources, Supply, Table, Timeout, Timing,
 )
 from .layout import Crc, DataId, Field, Layout, Value
 
@@ -29,6 +29,7 @@ class Parameter:
     min: int | None = None
     max: int | None = None
     interface: str = ""
+    hexadecimal: bool = False
 
     @property
     def register(self) -> str:
@@ -48,6 +49,7 @@ class CodeValue:
     sets: Mapping[str, int]
     only_with: Mapping[str, tuple[str, ...]]
     source: Sources
+    supply: Supply | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,6 +375,7 @@ class Device:
     inputs: tuple[Input, ...] = ()
     tables: tuple[Table, ...] = ()
     field_groups: tuple[FieldGroup, ...] = ()
+    supply: Supply | None = None
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
@@ -408,6 +411,14 @@ class Device:
     def measurement_of(self, interface: str) -> Measurement | None:
         """What the position counts over this interface."""
         return self.interface(interface).measurement or self.measurement
+
+    def supply_of(self, variant: Variant) -> Supply | None:
+        """The supply that an order code needs; None where the manual does not give it, as of an unlisted value of the part that tells it."""
+        telling = [part for part in self.order_code.parts if any(value.supply is not None for value in part.values)]
+        if not telling:
+            return self.supply
+        chosen = (value.supply for part in telling for value in part.values if variant.parts.get(part.name) == value.text)
+        return next((item for item in chosen if item is not None), None)
 
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)

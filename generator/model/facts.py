@@ -90,6 +90,15 @@ class MemoryAccess:
 
 
 @dataclass(frozen=True, slots=True)
+class Supply:
+    """Supply voltage that an encoder needs, tolerance included."""
+
+    min_mv: int
+    max_mv: int
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
 class CableLength:
     shorter_than_m: int
     below_hz: int

@@ -51,6 +51,7 @@ RULES: tuple[Rule, ...] = (
     values.register_range,
     values.timing_bounds,
     values.clock_range,
+    values.supply_range,
     values.timeout_mismatch,
     values.bad_source,
     shapes.byte_order_missing,

@@ -76,6 +76,22 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add("clock-range", ("interfaces", interface, "clock", "min_hz"), f"'min_hz' is {clock['min_hz']}, above 'max_hz', which is {clock['max_hz']}")
 
 
+def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The lowest supply voltage is not above the highest, and stands either with the device or with values of its order code."""
+    device = mapping(spec, "supply")
+    supplies: list[tuple[Path, Spec]] = [(("supply",), device)] if device else []
+    for path, part in items(spec, "order_code", "parts"):
+        for text, value in mapping(part, "values").items():
+            if value and "supply" in value:
+                here = (*path, "values", text, "supply")
+                supplies.append((here, value["supply"]))
+                if device:
+                    report.add("supply-range", here, "the device has a 'supply' of its own; say it in one place only", at_key=True)
+    for path, supply in supplies:
+        if supply["min_mv"] > supply["max_mv"]:
+            report.add("supply-range", (*path, "min_mv"), f"'min_mv' is {supply['min_mv']}, above 'max_mv', which is {supply['max_mv']}")
+
+
 def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """The time-outs that a manual works out are what its rule gives, to the nearest nanosecond."""
     path: Path = ("interfaces", "biss", "timeout")
