@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -100,6 +101,7 @@ def _parser() -> argparse.ArgumentParser:
     master.add_argument(
         "--register", action="append", default=[], metavar="ADDRESS=BYTE", help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)"
     )
+    master.add_argument("--cable", type=_metres, metavar="METRES", help="choose the clocks for a cable of this length")
     _add_spec_option(master)
     master.set_defaults(run=_master)
 
@@ -114,6 +116,17 @@ def _parser() -> argparse.ArgumentParser:
     new.add_argument("-o", dest="output", type=Path, metavar="FILE", help="where to write it (default: NAME.yaml in this folder)")
     new.set_defaults(run=_new)
     return parser
+
+
+def _metres(text: str) -> int:
+    """A length of cable: a whole number of metres, or what is rounded up to one."""
+    try:
+        metres = math.ceil(float(text))
+    except (ValueError, OverflowError):
+        metres = 0
+    if not 0 < metres <= 100_000:
+        raise argparse.ArgumentTypeError(f"'{text}' is no length in metres, such as 30")
+    return metres
 
 
 def _add_spec_option(parser: argparse.ArgumentParser) -> None:
@@ -338,7 +351,7 @@ def _master(chosen: argparse.Namespace) -> int:
     device, match = _find(_load(chosen.specs), chosen.order_code)
     try:
         variant = with_registers(device, match.variant, _held(chosen.register))
-        found = record(device, variant, as_delivered=not chosen.register)
+        found = record(device, variant, not chosen.register, chosen.cable)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     except NoRecord as error:

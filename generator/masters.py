@@ -47,7 +47,7 @@ class Master:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One thing to set. ``value`` is None where it is unknown, and ``text`` says why; ``bound`` is ``at_least``, ``at_most`` or empty."""
+    """One thing to set. ``value`` is None where it is unknown, and ``text`` says why; ``bound`` is ``at_least``, ``at_most``, ``below`` or empty."""
 
     name: str
     at: str
@@ -186,7 +186,16 @@ def _setting(item: Raw, master: Master, record: Record) -> Setting:
     except _Unknown as reason:
         value, text, bound = None, f"unknown: {reason}", ""
     name, at = _filled(item["name"], record), _filled(item.get("at", ""), record)
-    return Setting(name, at, value, text, bound, item.get("standing", master.standing), item["source"], item.get("note", ""))
+    note = " ".join(filter(None, [item.get("note", ""), _cable_note(item, value, record)]))
+    return Setting(name, at, value, text, bound, item.get("standing", master.standing), item["source"], note)
+
+
+def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:
+    """Which cables the clock of a setting is for; nothing where it was chosen for one."""
+    if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & item.keys():
+        return ""
+    chosen = _best_listed(item, record)["hz"] if "clocks" in item else _best_of_any(item["any_clock"], record)
+    return record.cables.about(chosen)
 
 
 def _value(item: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
@@ -243,29 +252,49 @@ def _bounds(record: Record) -> tuple[int, int]:
 
 
 def _listed_clock(item: Raw, record: Record) -> tuple[int | str, str, str]:
-    """The fastest of the master's clocks that the encoder takes."""
-    slowest, fastest = _bounds(record)
-    fitting = [clock for clock in item["clocks"] if slowest <= clock["hz"] <= fastest]
-    if not fitting:
-        raise _Refused(f"{item['name']}: none of its clocks lies between {hertz(slowest)} and {hertz(fastest)}, which the encoder takes")
-    best = max(fitting, key=lambda clock: clock["hz"])
+    best = _best_listed(item, record)
     shown, value = hertz(best["hz"]), best["set"]
     return value, shown if str(value) == shown else f"{value} ({shown})", ""
 
 
-def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
+def _best_listed(item: Raw, record: Record) -> Raw:
+    """The fastest of the master's clocks that the encoder takes."""
     slowest, fastest = _bounds(record)
-    best = min(fastest, clock.get("at_most_hz", fastest))
+    fitting = [clock for clock in item["clocks"] if slowest <= clock["hz"] <= fastest]
+    if not fitting:
+        with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
+        raise _Refused(f"{item['name']}: none of its clocks lies between {hertz(slowest)} and {_fastest(record)}, which the encoder takes{with_cable}")
+    found: Raw = max(fitting, key=lambda clock: clock["hz"])
+    return found
+
+
+def _fastest(record: Record) -> str:
+    """The highest clock in words; a table of cable lengths gives one that is not reached."""
+    row = record.cable_row
+    return hertz(row.hz if row is not None else record.known["clock_max_hz"])
+
+
+def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
+    best, bound, unit = _best_of_any(clock, record), "at_most", clock["unit"]
+    row = record.cable_row
+    if row is not None and row.is_below and best == row.highest_hz:
+        best, bound = row.hz, "below"
+    if unit not in _UNITS:
+        return best, hertz(best), bound
+    number = f"{best / _UNITS[unit]:g}" if best % _UNITS[unit] else str(best // _UNITS[unit])
+    shown = f"{number} Hz ({hertz(best)})" if unit == "Hz" else f"{number} {unit}"
+    return (int(number) if number.isdigit() else number), shown, bound
+
+
+def _best_of_any(clock: Raw, record: Record) -> int:
+    """The fastest clock that both take, of a master that can be set to any."""
+    slowest, fastest = _bounds(record)
+    best = min(fastest, int(clock.get("at_most_hz", fastest)))
     if best < max(slowest, clock.get("at_least_hz", 0)):
         most, least = clock.get("at_most_hz"), clock.get("at_least_hz")
         own = f"clocks of at most {hertz(most)}" if most is not None and most < slowest else f"clocks of at least {hertz(least or 0)}"
-        raise _Refused(f"It gives {own}; the encoder takes {hertz(slowest)} to {hertz(fastest)}")
-    unit = clock["unit"]
-    if unit not in _UNITS:
-        return best, hertz(best), "at_most"
-    number = f"{best / _UNITS[unit]:g}" if best % _UNITS[unit] else str(best // _UNITS[unit])
-    shown = f"{number} Hz ({hertz(best)})" if unit == "Hz" else f"{number} {unit}"
-    return (int(number) if number.isdigit() else number), shown, "at_most"
+        raise _Refused(f"It gives {own}; the encoder takes {hertz(slowest)} to {_fastest(record)}")
+    return best
 
 
 def _text(text: str, record: Record) -> str:

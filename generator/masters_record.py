@@ -7,8 +7,9 @@ it says so, and invents nothing.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from .masters_cable import CableRow, CableTable, cable_table
 from .model import Crc, Device, Field, Interface, Layout, Measurement, PlacedField, PlacedLayout, Register, Variant
 from .relevant import needed_parameters
 from .words import hertz, timeout_words
@@ -46,6 +47,8 @@ NUMBERS: Mapping[str, str] = {
     "counts_per_turn": "counts in a revolution",
     "turns": "revolutions that are told apart",
     "step_um": "length of a count, in µm",
+    "supply_min_mv": "lowest supply voltage that the encoder takes, in mV",
+    "supply_max_mv": "highest supply voltage that the encoder takes, in mV",
 }
 
 
@@ -66,7 +69,10 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """What masters ask of one order code; ``parts`` stand in sending order, ``notes`` are whole sentences."""
+    """What masters ask of one order code; ``parts`` stand in sending order, ``notes`` are whole sentences.
+
+    ``cable_m`` is the length of cable that the highest clock is chosen for, ``cable_row`` the row of the table that says it; None without one.
+    """
 
     code: str
     family: str
@@ -74,8 +80,10 @@ class Record:
     numbers: Mapping[str, int | None]
     parts: tuple[Part, ...]
     timeout: str
-    cables: tuple[str, ...]
+    cables: CableTable
     notes: tuple[str, ...]
+    cable_m: int | None = None
+    cable_row: CableRow | None = None
 
     @property
     def known(self) -> Mapping[str, int]:
@@ -83,16 +91,18 @@ class Record:
         return {name: value for name, value in self.numbers.items() if value is not None}
 
 
-def record(device: Device, variant: Variant, as_delivered: bool = True) -> Record:
+def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m: int | None = None) -> Record:
     """The record of one order code.
 
     Args:
         device: The family.
         variant: The order code, with the parameters that registers hold.
         as_delivered: Whether those are the defaults of the registers.
+        cable_m: Length of the cable in metres, for which the highest clock is chosen; without it, it is that of the interface.
 
     Raises:
-        NoRecord: It has no BiSS or SSI interface, or its frame is not of the common form: padding, position, padding, status, CRC.
+        NoRecord: It has no BiSS or SSI interface, or its frame is not of the common form: padding, position, padding, status, CRC;
+            or no clock is known for so long a cable.
     """
     if variant.interface not in WORDS["interface"]:
         raise NoRecord(f"{variant.code} has the interface {device.interface(variant.interface).title}; only SSI and BiSS C-mode have masters to set up")
@@ -111,11 +121,29 @@ def record(device: Device, variant: Variant, as_delivered: bool = True) -> Recor
         "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
     }
     widths = _widths(parts)
-    numbers = widths | _crc_numbers(crc) | _times(interface) | _measured(measurement, variant, widths["multiturn_bits"] or 0)
-    cables = tuple(f"shorter than {item.shorter_than_m} m: below {hertz(item.below_hz)}" for item in interface.cable_lengths)
+    numbers = widths | _crc_numbers(crc) | _times(interface) | _measured(measurement, variant, widths["multiturn_bits"] or 0) | _supply(device, variant)
+    cables = cable_table(device, interface)
     timeout = timeout_words(interface.timeout) if interface.timeout is not None else ""
-    notes = tuple(_notes(device, interface, placed, parts, as_delivered))
-    return Record(variant.code, device.name, words, {name: numbers[name] for name in NUMBERS}, parts, timeout, cables, notes)
+    notes = (*_clock_notes(numbers, cables, cable_m), *_notes(device, interface, placed, parts, as_delivered))
+    found = Record(variant.code, device.name, words, {name: numbers[name] for name in NUMBERS}, parts, timeout, cables, notes)
+    return found if cable_m is None else _with_cable(found, cable_m)
+
+
+def _with_cable(found: Record, metres: int) -> Record:
+    """The record with the highest clock for a cable of this length."""
+    row = found.cables.row_of(metres)
+    if row is None:
+        longest = max((item.metres for item in found.cables.rows), default=0)
+        wrong = f"the table of {found.cables.origin} ends at {longest} m" if longest else "neither the manual nor a public table says what clock a cable allows"
+        raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
+    slowest, fastest = found.numbers["clock_min_hz"], found.numbers["clock_max_hz"]
+    highest = min(row.highest_hz, fastest if fastest is not None else row.highest_hz)
+    if slowest is not None and highest < slowest:
+        raise NoRecord(
+            f"{found.code}, cable of {metres} m: the table of {found.cables.origin} has {row.text}; the encoder takes {hertz(slowest)} at least"
+        )
+    limited = row if highest == row.highest_hz else None
+    return replace(found, numbers={**found.numbers, "clock_max_hz": highest}, cable_m=metres, cable_row=limited)
 
 
 def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
@@ -247,6 +275,11 @@ def _times(interface: Interface) -> dict[str, int | None]:
     }
 
 
+def _supply(device: Device, variant: Variant) -> dict[str, int | None]:
+    found = device.supply_of(variant)
+    return {"supply_min_mv": found.min_mv if found is not None else None, "supply_max_mv": found.max_mv if found is not None else None}
+
+
 def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
     found = {"counts_per_turn": measurement.steps_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
     known = {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
@@ -256,6 +289,11 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
     return known
 
 
+def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
+    if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
+        yield "The clocks shown are the fastest that encoder and master take, whatever the cable; codewheel master --cable METRES chooses them for one."
+
+
 def _notes(device: Device, interface: Interface, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool) -> Iterator[str]:
     for what, names in (("widths", set(placed.layout.bits.parameters)), ("code", {placed.layout.gray_when} - {""})):
         needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
@@ -263,8 +301,6 @@ def _notes(device: Device, interface: Interface, placed: PlacedLayout, parts: Se
         if held:
             given = "as delivered; other contents need other settings" if as_delivered else "as given"
             yield f"Registers decide on the {what}: {', '.join(held)}. What is said here is for these registers {given}."
-    if interface.clock_max_hz is not None:
-        yield "The clocks shown are the fastest that encoder and master take; the cable may need a slower one."
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, a bit that a master takes for a status bit that says nothing."

@@ -11,7 +11,7 @@ from .masters_record import Record
 from .order_codes import Match
 from .render import wrapped
 from .show_parts import WIDTH, counted, pairs
-from .words import hertz, microseconds
+from .words import hertz, microseconds, volts
 
 VERSION = 1
 
@@ -33,16 +33,32 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     yield "Code", {"binary": "binary", "gray": "Gray"}[record.words["coding"]]
     yield "CRC", _crc(record)
     slowest, fastest = number["clock_min_hz"], number["clock_max_hz"]
-    limits = (f"at least {hertz(slowest)}" if slowest is not None else "", f"at most {hertz(fastest)}" if fastest is not None else "")
+    row = record.cable_row
+    highest = f"below {hertz(row.hz)}" if row is not None and row.is_below else f"at most {hertz(fastest)}" if fastest is not None else ""
+    limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
     yield "Clock", ", ".join(filter(None, limits)) or NOT_SAID
-    if record.cables:
-        yield "Cable", "; ".join(record.cables)
+    if record.cables.rows:
+        yield "Clock by cable", _cables(record)
     if record.words["interface"] == "biss":
         yield "Time-out", record.timeout or NOT_SAID
         # The protocol description, p. 18, has no longer one.
         yield "Busy time", _time(number["busy_us"], "at most") if number["busy_us"] is not None else f"{NOT_SAID}; BiSS C allows 40 µs"
     else:
         yield "Pause", _time(number["pause_us"], "at least")
+    yield "Supply", _supply(record)
+
+
+def _cables(record: Record) -> str:
+    """The table, the cable that was asked for, and the errata."""
+    table = record.cables
+    chosen = f"the clocks shown are for a cable of {record.cable_m} m; " if record.cable_m is not None else ""
+    errata = f"; errata {', '.join(table.errata)}" if table.errata else ""
+    return f"{chosen}{'; '.join(row.text for row in table.rows)} (table of {table.origin}{errata})"
+
+
+def _supply(record: Record) -> str:
+    lowest, highest = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
+    return f"{volts(lowest)} to {volts(highest)}" if lowest is not None and highest is not None else NOT_SAID
 
 
 def _time(value: int | None, bound: str) -> str:
@@ -168,7 +184,10 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
             **record.numbers,
             "frame": [asdict(part) for part in record.parts],
             "timeout": record.timeout,
-            "cable_lengths": list(record.cables),
+            "cable_m": record.cable_m,
+            "cable_lengths": [asdict(row) for row in record.cables.rows],
+            "cable_lengths_from": record.cables.origin if record.cables.rows else "",
+            "cable_errata": list(record.cables.errata),
             "notes": list(record.notes),
         },
         "masters": [

@@ -21,6 +21,11 @@ def hertz(value: int) -> str:
     return f"{value} Hz"
 
 
+def volts(millivolts: int) -> str:
+    """A voltage."""
+    return f"{millivolts / 1000:g} V"
+
+
 def microseconds(value: int) -> str:
     """A time in the unit in which it is a whole number."""
     for factor, unit in ((1_000_000, "s"), (1_000, "ms")):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..markdown import code, text
+from ..markdown import code, link, text
 from ..masters import Master, Refusal, Setting, Sheet, sheet
 from ..masters_record import NoRecord, Record, record
 from ..masters_text import bound, facts, legend, mark
@@ -35,7 +35,7 @@ def page_values(device: Device, masters: Sequence[Master]) -> dict[str, Any]:
     """What the template of the page is filled with."""
     parts = [(item, groups) for item in device.interfaces if (groups := _groups(device, item))]
     sheets = [sheet(master, group.record) for _, groups in parts for group in groups for master in masters]
-    return {"device": device, "legend": text(legend(masters, sheets)), "interfaces": [_interface(item, groups, masters) for item, groups in parts]}
+    return {"device": device, "legend": text(legend(masters, sheets)), "interfaces": [_interface(device, item, groups, masters) for item, groups in parts]}
 
 
 def _groups(device: Device, interface: Interface) -> list[Group]:
@@ -53,7 +53,7 @@ def _groups(device: Device, interface: Interface) -> list[Group]:
     return [Group(tuple(codes), records[key]) for key, codes in found.items()]
 
 
-def _interface(interface: Interface, groups: Sequence[Group], masters: Sequence[Master]) -> dict[str, Any]:
+def _interface(device: Device, interface: Interface, groups: Sequence[Group], masters: Sequence[Master]) -> dict[str, Any]:
     same, head, rows = _split([(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups])
     codes = [] if rows else [("Order codes", ", ".join(group.label for group in groups))]
     return {
@@ -62,6 +62,7 @@ def _interface(interface: Interface, groups: Sequence[Group], masters: Sequence[
         "facts": [*codes, *((text(name), value) for name, value in same)],
         "head": ["Order codes", *map(text, head)],
         "rows": rows,
+        "cable_errata": ", ".join(link(code(name), f"{device.name}.md#erratum-{name}") for name in groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
         "masters": [_master(master, groups) for master in masters if interface.kind in master.takes],
         "silent": [text(master.title) for master in masters if interface.kind not in master.takes],

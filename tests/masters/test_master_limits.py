@@ -50,20 +50,29 @@ def test_limits(masters: dict[str, Master], record_of: RecordOf, master: str, wi
 )
 def test_the_fastest_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf, slowest: int, fastest: int, clock: int) -> None:
     found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest))
-    assert {item.name: item.value for item in found.settings}["Clock Frequency"] == clock
+    assert {item.name: item.value for item in found.settings}["Clock Frequency, EL5042"] == clock
 
 
 def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf) -> None:
     sound = record_of("AMM5A17/1SC1")
     slow = sheet(masters["beckhoff_el5042"], changed(sound, clock_min_hz=50_000, clock_max_hz=249_999))
-    assert [item.reason for item in slow.refusals] == ["Clock Frequency: none of its clocks lies between 50 kHz and 249.999 kHz, which the encoder takes."]
+    assert [item.reason for item in slow.refusals] == [
+        f"Clock Frequency, {item}: none of its clocks lies between 50 kHz and 249.999 kHz, which the encoder takes." for item in ("EL5042", "EJ5042")
+    ]
     fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
     assert [item.reason for item in fast.refusals] == ["It gives clocks of at most 1 MHz; the encoder takes 2 MHz to 10 MHz."]
 
 
+@pytest.mark.parametrize(("fastest", "clock"), [(9_999_999, 2), (2_499_999, 17), (250_000, 19)])
+def test_the_module_with_fewer_clocks(masters: dict[str, Master], record_of: RecordOf, fastest: int, clock: int) -> None:
+    """The EJ5042 has no 5 MHz, 2 MHz and 1 MHz."""
+    found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=50_000, clock_max_hz=fastest))
+    assert {item.name: item.value for item in found.settings}["Clock Frequency, EJ5042"] == clock
+
+
 def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> None:
     found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_max_hz=None))
-    clock = next(item for item in found.settings if item.name == "Clock Frequency")
+    clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042")
     assert (clock.value, clock.text) == (None, "unknown: not in the manual of the encoder: fastest clock that the encoder takes, in Hz")
 
 

@@ -29,7 +29,7 @@ def test_every_item(record_of: RecordOf) -> None:
         "status_bits": 2, "data_and_status_bits": 26, "crc_bits": 6, "frame_bits": 32,
         "crc_polynomial": 67, "crc_polynomial_without_top_bit": 3, "crc_polynomial_without_last_1": 33, "crc_start": 0, "crc_inverted": 1,
         "clock_min_hz": 200_000, "clock_max_hz": 10_000_000, "timeout_us": 16, "busy_us": None, "pause_us": None,
-        "counts_per_turn": None, "turns": None, "step_um": 50,
+        "counts_per_turn": None, "turns": None, "step_um": 50, "supply_min_mv": 4750, "supply_max_mv": 5250,
     }
     assert [(part.name, part.role, part.bits, part.active) for part in found.parts] == [
         ("padding", "padding", 4, ""), ("position", "singleturn", 20, ""), ("error", "status", 1, "low"), ("warning", "status", 1, "low"), ("crc", "crc", 6, ""),
@@ -50,6 +50,11 @@ def test_every_item(record_of: RecordOf) -> None:
         ("AM3616/4096-I7", "singleturn_bits", 20),
         ("AM3616/4096-BG", "singleturn_bits", 16),
         ("AM3616/4096-I7", "turns", 65536),
+        ("AM3616/4096-I7", "supply_min_mv", 10_000),
+        ("AM3616/4096-I7", "supply_max_mv", 30_000),
+        ("SMA21-SC4-0050", "supply_min_mv", 5_000),
+        ("ASC8525/SC2", "supply_min_mv", 10_000),
+        ("ASC8525/BG1", "supply_max_mv", 5_250),
     ],
 )
 def test_items(record_of: RecordOf, code: str, item: str, value: int | None) -> None:
@@ -68,7 +73,8 @@ def test_registers_are_named(devices: tuple[Device, ...], record_of: RecordOf) -
     notes = record_of("AM3616/4096-I7").notes
     assert any("(56h)" in note and "(57h)" in note and "widths" in note and "as delivered" in note for note in notes)
     assert any("(49h)" in note and "code" in note for note in notes)
-    assert record_of("AMM5A23/65KSC1").notes == ("The clocks shown are the fastest that encoder and master take; the cable may need a slower one.",)
+    whatever_cable = "The clocks shown are the fastest that encoder and master take, whatever the cable; codewheel master --cable METRES chooses them for one."
+    assert record_of("AMM5A23/65KSC1").notes == (whatever_cable,)
     device = device_of(devices, "am36")
     variant = find(device, "AM3616/4096-I7").variant
     # 0Ch = 12 bits of turns, 10h = 16 bits of position; bit 5 of the configuration cleared is Gray code.

@@ -31,7 +31,9 @@ from codewheel.masters import Sheet
 Told = Callable[[str, str], dict[str, Any]]
 
 # Beckhoff: bits as they are; zero bits on the right are "Offset LSB"; clock 0 is 10 MHz, 9 is 1 MHz, 4 is 2 MHz, the most for SSI.
-BECKHOFF_BISS = {"Mode": 0, "Disable Status Bits": False, "CRC Invert": True, "CRC Polynomial": 0x43, "Clock Frequency": 0, "Coding": 0}
+# The EJ5042 has 0, 2, 3, 17 (500 kHz) and 19 only.
+BECKHOFF_BISS = {"Mode": 0, "Disable Status Bits": False, "CRC Invert": True, "CRC Polynomial": 0x43, "Coding": 0}
+BECKHOFF_CLOCKS = {"Clock Frequency, EL5042": 0, "Clock Frequency, EJ5042": 0}
 BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
 
 
@@ -49,7 +51,9 @@ BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
 )
 def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, offset: int) -> None:
     bits = {"Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
-    assert told("beckhoff_el5042", code) == {**BECKHOFF_BISS, **bits}
+    # AM36 needs 10 V at least; all others here take 5 V.
+    supply = {} if code.startswith("AM36") else {"Supply Voltage": 50}
+    assert told("beckhoff_el5042", code) == {**BECKHOFF_BISS, **BECKHOFF_CLOCKS, **bits, **supply}
 
 
 @pytest.mark.parametrize(
@@ -61,8 +65,21 @@ def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, o
     ],
 )
 def test_beckhoff_ssi(told: Told, code: str, coding: int, clock: int, multiturn: int, singleturn: int, offset: int) -> None:
-    bits = {"Coding": coding, "Clock Frequency": clock, "Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
-    assert told("beckhoff_el5042", code) == {**BECKHOFF_SSI, **bits}
+    bits = {"Coding": coding, "Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
+    clocks = {"Clock Frequency, EL5042": clock, "Clock Frequency, EJ5042": 17}
+    supply = {} if code.startswith("AM36") else {"Supply Voltage": 50}
+    assert told("beckhoff_el5042", code) == {**BECKHOFF_SSI, **bits, **clocks, **supply}
+
+
+def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
+    """The terminals give 5 V or 9 V: AM36, 10 V to 30 V, cannot be fed by them; SMA21-SC4, 5 V to 30 V, and ASC85/SC1 can; ASC85/SC2 cannot."""
+    for code, is_fed in (("AM3616/4096-I7", False), ("AM3619/4096-GG", False), ("SMA21-SC4-0050", True), ("ASC8525/SC1", True), ("ASC8525/SC2", False)):
+        found = sheet_of("beckhoff_el5042", code)
+        assert [item.value for item in found.settings if item.name == "Supply Voltage"] == ([50] if is_fed else []), code
+        assert any("cannot feed this encoder" in note for note in found.notes) is not is_fed, code
+    # 32EF:02: 0 is 5 V, 2 is 11 V, which AM36 takes.
+    for code, value in (("AM3616/4096-I7", 2), ("ASC8525/SC1", 0), ("ASC8525/SC2", 2), ("SMA21-SC4-0050", 0)):
+        assert [item.value for item in sheet_of("beckhoff_ax8000", code).settings if item.name == "Power supply"] == [value], code
 
 
 # iC-MB: SDLEN is data and status bits less 1. 24 + 2 - 1 = 25, 25 + 2 - 1 = 26, 17 + 2 - 1 = 18, 39 + 2 - 1 = 40, 36 + 2 - 1 = 37, 26 + 2 - 1 = 27.
@@ -119,8 +136,9 @@ def test_hostmot2(told: Told, code: str, text: str, kilohertz: int) -> None:
     [("SMA21-SC1-0002", 32, 24, 24, 8), ("SMA21-SC1-0050", 32, 24, 24, 8), ("AMM5A23/65KSC1", 47, 39, 23, 8), ("ASC8525/SC1", 34, 25, 25, 9)],
 )
 def test_novanta(told: Told, code: str, size: int, position: int, single: int, start: int) -> None:
-    expected = {"Frame size": size, "Frame type": "3 (BiSS-C BP3)", "Position bits": position, "Single-turn bits": single, "Position start bit": start}
-    assert told("novanta", code) == {**expected, "Protocol": 0, "Baud rate": 10_000, "CRC polynomial": 0x43, "CRC bits": 6, "CRC seed": 0}
+    expected = {"Frame size": size, "Frame type": 3, "Position bits": position, "Single-turn bits": single, "Position start bit": start}
+    # Nothing of a CRC and of Gray code: the document has neither.
+    assert told("novanta", code) == {**expected, "Protocol": 0, "Baud rate": 10_000, "Wait cycles": 0}
 
 
 @pytest.mark.parametrize(
@@ -156,6 +174,11 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
         # Total 23, of which one status bit after the data; 25 MHz / (2 * 13) = 961.5 kHz is the fastest below 1 MHz, 27 MHz / (2 * 14) = 964.3 kHz.
         ("galil_ssi", "SMA21-GG1-0010", {"si0": 1, "si1": 23, "si2": 22, "si3": 1, "p (Optima, Econo)": 12, "p (Accelera)": 13, "q": 2}),
         ("galil_ssi", "AMM5A21/65KBG1", {"si1": 37, "si2": 21, "si3": 0, "q": 1}),
+        # Bit 0 is the first: 22 bits of position, then the error bit; 12 + 19 = 31 bits, turns first. 1 MHz is 5, 2 MHz is 7.
+        ("omron_nx", "SMA21-GG1-0010", {"Baud Rate": 5, "Valid Data Length": 23, "Single-turn Data Start Bit": 0, "Single-turn Data Length": 22, "Leading Bits": 0}),
+        ("omron_nx", "SMA21-GG1-0010", {"Status Data Start Bit": 22, "Status Data Length": 1, "Coding Method": "gray code", "Encoder Resolution": 0}),
+        ("omron_nx", "AM3619/4096-BG", {"Baud Rate": 7, "Valid Data Length": 31, "Multi-turn Data Start Bit": 0, "Multi-turn Data Length": 12, "Status Data Length": 0}),
+        ("omron_nx", "AM3619/4096-BG", {"Single-turn Data Start Bit": 12, "Single-turn Data Length": 19, "Coding Method": "binary code"}),
         # The position lies above the error bit, bit 0: 1 to 22.
         ("siemens_posinput", "SMA21-GG1-0010", {"Frame length": 23, "Bit number of LSB of the position value": 1, "Bit number of MSB of the position value": 22}),
         ("siemens_posinput", "SMA21-GG1-0010", {"Code type": "Gray", "Parity": "none"}),
@@ -179,6 +202,9 @@ def test_example_of_siemens(told: Told) -> None:
         ("ic_mb", "SMA21-GG1-0010", "Only BiSS C-mode is described for this master; SMA21-GG1-0010 sends SSI."),
         ("keb_f5", "ASC8525/SC1", "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1."),
         ("keb_f6", "ASC8525/SC1", "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1."),
+        # 16 + 23 bits; 16 + 17 are one too many.
+        ("omron_nx", "AMM5A23/65KBG1", "All data of a frame together have 32 bits at most. Here: frame bits 39."),
+        ("omron_nx", "AMM5A17/65KBG1", "All data of a frame together have 32 bits at most. Here: frame bits 33."),
         ("keb_f5", "SMA21-SC1-0002", "The data word is made of turns and the position within one. Here: movement linear."),
     ],
 )
@@ -186,6 +212,17 @@ def test_refusals(sheet_of: Callable[[str, str], Sheet], master: str, code: str,
     found = sheet_of(master, code)
     assert [item.reason for item in found.refusals] == [reason]
     assert found.settings == () and found.notes == ()
+
+
+def test_the_example_of_omron(told: Told) -> None:
+    """p. 249, 12 bits of turns and 13 of one: valid 25, single-turn 12 and 13, multi-turn 0 and 12; ours with 12 and 16."""
+    found = told("omron_nx", "AM3616/4096-BG")
+    names = ("Valid Data Length", "Single-turn Data Start Bit", "Single-turn Data Length", "Multi-turn Data Start Bit", "Multi-turn Data Length")
+    assert tuple(found[name] for name in names) == (28, 12, 16, 0, 12)
+
+
+def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], Sheet]) -> None:
+    assert any("the iC-MB3 does not carry out a register access of BiSS C by itself" in note for note in sheet_of("ic_mb", "AMM5A17/1SC1").notes)
 
 
 def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], Sheet]) -> None:
