@@ -6,6 +6,7 @@ from its place in that schema:
 * an object is an element; a list of objects is an element that holds one element for each, named after its type;
 * running text (``text`` in the schema) is an element, every other single value an attribute, a list of words or numbers an attribute with spaces;
 * a map is an element of ``entry`` elements with a name each;
+* a number with the form ``hexadecimal`` in the schema, and a parameter that is one, is written as ``0x11``, every other in decimal;
 * what is null, empty, an empty list, or what the schema calls its default is left out;
 * ``source`` elements cite the manual; what has none has those of the element around it.
 
@@ -28,6 +29,7 @@ NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _INTEGER = re.compile(r"-?[0-9]+")
+_HEXADECIMAL = re.compile(r"0x[0-9A-F]+")
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 Shape = Mapping[str, Any]
@@ -100,7 +102,14 @@ def clean(text: str) -> str:
     return _NOT_XML.sub("\ufffd", text)
 
 
-def _scalar(value: object) -> str:
+def is_hexadecimal(shape: Shape) -> bool:
+    """Whether a number of this shape is written in hexadecimal."""
+    return shape.get("x-form") == "hexadecimal"
+
+
+def _scalar(value: object, hexadecimal: bool = False) -> str:
+    if hexadecimal and isinstance(value, int):
+        return f"0x{value:02X}"
     return str(value).lower() if isinstance(value, bool) else clean(str(value))
 
 
@@ -109,7 +118,8 @@ def to_xml(dump: Mapping[str, Any]) -> str:
     namespaces: Any = {None: NAMESPACE, "xsi": _XSI}
     root = etree.Element(_tag("device_description"), nsmap=namespaces)
     root.set(f"{{{_XSI}}}schemaLocation", f"{NAMESPACE} {XSD_NAME}")
-    _write(root, dump, show_schema(), ())
+    codes = frozenset(item["name"] for item in dump["parameter_definitions"] if item["hexadecimal"])
+    _write(root, dump, show_schema(), (), codes)
     text: str = etree.tostring(root, pretty_print=True, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n<!-- Made by codewheel from the spec. {XSD_NAME} beside this file says what each element is. -->\n{text}'
 
@@ -119,7 +129,8 @@ def _sources(item: Mapping[str, Any]) -> tuple[tuple[tuple[str, Any], ...], ...]
     return tuple(tuple(source.items()) for source in listed)
 
 
-def _write(element: Any, item: Mapping[str, Any], shape: Shape, inherited: tuple[Any, ...]) -> None:
+def _write(element: Any, item: Mapping[str, Any], shape: Shape, inherited: tuple[Any, ...], codes: frozenset[str]) -> None:
+    """The members of an object; ``codes`` are the parameters that are written in hexadecimal."""
     own = inherited
     if "source" in shape["properties"]:
         own = _sources(item)
@@ -130,16 +141,16 @@ def _write(element: Any, item: Mapping[str, Any], shape: Shape, inherited: tuple
         if value is None or value == "" or (isinstance(value, (list, dict)) and not value) or _is_default(member, value):
             continue
         if member.kind == "attribute":
-            element.set(member.name, _scalar(value))
+            element.set(member.name, _scalar(value, is_hexadecimal(member.shape)))
         elif member.kind == "list":
-            element.set(member.name, " ".join(map(_scalar, value)))
+            element.set(member.name, " ".join(_scalar(one, is_hexadecimal(member.shape)) for one in value))
         elif member.kind == "object":
-            _write(etree.SubElement(element, _tag(member.name)), value, member.shape, own)
+            _write(etree.SubElement(element, _tag(member.name)), value, member.shape, own, codes)
         else:
-            _write_inside(etree.SubElement(element, _tag(member.name)), value, member, own)
+            _write_inside(etree.SubElement(element, _tag(member.name)), value, member, own, codes)
 
 
-def _write_inside(element: Any, value: Any, member: Member, own: tuple[Any, ...]) -> None:
+def _write_inside(element: Any, value: Any, member: Member, own: tuple[Any, ...], codes: frozenset[str]) -> None:
     if member.kind == "text":
         element.text = clean(value)
     elif member.kind == "texts":
@@ -148,12 +159,12 @@ def _write_inside(element: Any, value: Any, member: Member, own: tuple[Any, ...]
     elif member.kind == "map":
         for key, inner in value.items():
             entry = etree.SubElement(element, _tag("entry"), {"name": _scalar(key)})
-            entry.text = " ".join(map(_scalar, inner)) if isinstance(inner, list) else _scalar(inner)
+            entry.text = " ".join(map(_scalar, inner)) if isinstance(inner, list) else _scalar(inner, key in codes and _types(member) == ("integer",))
             if len(_types(member)) > 1:
                 entry.set("type", {bool: "boolean", int: "integer", str: "string"}[type(inner)])
     else:
         for inner in value.values() if member.kind == "keyed" else value:
-            _write(etree.SubElement(element, _tag(member.type_name)), inner, member.shape, own)
+            _write(etree.SubElement(element, _tag(member.type_name)), inner, member.shape, own, codes)
 
 
 def _is_default(member: Member, value: object) -> bool:
@@ -225,4 +236,6 @@ def _value(text: str | None, types: tuple[str, ...]) -> Any:
         return text == "true"
     if "integer" in types and _INTEGER.fullmatch(text):
         return int(text)
+    if "integer" in types and "string" not in types and _HEXADECIMAL.fullmatch(text):
+        return int(text, 16)
     return text

@@ -12,12 +12,13 @@ from typing import Any
 
 from lxml import etree
 
-from .description import NAMESPACE, XSD_NAME, Member, Shape, members, show_schema
+from .description import NAMESPACE, XSD_NAME, Member, Shape, is_hexadecimal, members, show_schema
 
 _XS = "http://www.w3.org/2001/XMLSchema"
 _ABOUT = """Full description of an absolute encoder, version 1, by the project codewheel. It is no format of iC-Haus or of any maker.
 The root is device_description. Elements and attributes have the names of what codewheel show --json prints.
-Numbers are decimal and bit 0 is the least significant. Where a position or a limit depends on the order code it is a sum of numbers, parameters, powers of two and products of these,
+Numbers are decimal, but addresses, IDs, banks, polynomials and bytes, which are hexadecimal as in 0x11. Bit 0 is the least significant.
+Where a position or a limit depends on the order code it is a sum of numbers, parameters, powers of two and products of these,
 such as 48 - singleturn_bits; each order_code gives the value of every parameter.
 What is left out has the default of this schema, or else is not said by the manual or does not apply. A source element cites the manual; what has none has those of the element around it.
 This file is made from show.schema.json by: python -m codewheel.xsd generator/spec/device-description.xsd"""
@@ -59,7 +60,11 @@ def _add_word_types(root: Any) -> None:
     expression = _add(root, "simpleType", name="expression")
     _document(expression, show_schema()["$defs"]["expression"]["description"])
     _add(_add(expression, "restriction", base="xs:string"), "pattern", value=_EXPRESSION)
-    for name, base in (("words", "xs:token"), ("numbers", "xs:integer")):
+    hexadecimal = _add(root, "simpleType", name="hexadecimal")
+    _document(hexadecimal, "A whole number in hexadecimal, such as 0x11; a parameter that is written so has the attribute hexadecimal.")
+    _add(_add(hexadecimal, "restriction", base="xs:token"), "pattern", value="0x[0-9A-F]{2,}")
+    _add(_add(root, "simpleType", name="number"), "union", memberTypes="xs:integer hexadecimal")
+    for name, base in (("words", "xs:token"), ("numbers", "number")):
         _add(_add(root, "simpleType", name=name), "list", itemType=base)
 
 
@@ -101,7 +106,7 @@ def _add_element(inside: Any, member: Member, description: str) -> None:
 def _entry_type(member: Member) -> str:
     if len(member.types) > 1:
         return "xs:string"
-    return {"integer": "xs:integer", "array": "words"}.get(member.types[0], "xs:string")
+    return {"integer": "number", "array": "words"}.get(member.types[0], "xs:string")
 
 
 def _enumerate(parent: Any, values: Any) -> None:
@@ -122,7 +127,8 @@ def _add_attribute(made: Any, member: Member, description: str) -> None:
     if member.kind == "list":
         attribute.set("type", "numbers" if types == ["integer"] else "words")
     elif not values:
-        attribute.set("type", "expression" if len(types) > 1 else f"xs:{types[0]}")
+        single = "hexadecimal" if is_hexadecimal(member.shape) else f"xs:{types[0]}"
+        attribute.set("type", "expression" if len(types) > 1 else single)
     if "const" in member.shape:
         attribute.set("fixed", str(member.shape["const"]))
     _document(attribute, description)

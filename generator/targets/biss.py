@@ -109,7 +109,7 @@ _MANUFACTURER_NOTE = (
     "Inferred: Range counts the bits of the 64-bit identity that device ID (78h to 7Dh) and manufacturer ID (7Eh, 7Fh) form, high byte first: "
     "bit 63 is the highest of 78h, bit 0 the lowest of 7Fh. Publicly it is seen with the 16-bit profile ID only.\n"
     "Inferred: a Device inside a Device refines it, so that all Id on the way down have to hold, and the SCDS on the way describe one data channel.\n"
-    "Inferred: Label names maker and device, its pieces joined in the order of Pos. Publicly it is seen with names of profiles only."
+    "Inferred: Label of a Device names maker and device, the second beginning with a comma. Publicly it is seen with names of profiles only."
 )
 
 
@@ -131,7 +131,7 @@ def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
     manual = device.manual
     notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
     polynomial = f"0x{crc.poly_with_top_bit:02X}"
-    inner = () if run_time_widths(device, layout) else _by_length(device, layout, ids, lengths) or _by_profile(device, layout, lengths)
+    inner = () if run_time_widths(device, layout) else _by_length(device, layout, ids, lengths)
     return Node(ids, f", {device.title}", 1, notes, (_to_tell(device, layout, crc, lengths, ids),), polynomial, devices=inner)
 
 
@@ -150,21 +150,10 @@ def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[in
     return {number: min(found) for number, found in sizes.items()} if len(sizes) > 1 and all(len(found) == 1 for found in sizes.values()) else {}
 
 
-def _by_profile(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> tuple[Node, ...]:
-    """A length for each profile ID, where the profile ID tells the models apart."""
-    profiles = profile_ids(device)
-    nodes: list[Node] = []
-    for number, length in _length_by_profile(device, lengths).items():
-        bits = IdBits(15, 0, number, "16-bit profile ID, registers 42h and 43h")
-        notes = (*((_PROFILE_NOTE,) if not nodes else ()), ", ".join(profiles[number]))
-        nodes.append(Node((bits,), notes=notes, notes_of_data=() if nodes else (_LENGTH_NOTE,), length=length, data_label=_data_label(device, layout)))
-    return tuple(nodes)
-
-
 def _data_label(device: Device, layout: Layout) -> str:
-    """What the data channel carries, as the last piece of the name."""
+    """What the data channel carries; without the comma with which labels of devices begin."""
     measurement = device.measurement_of("biss")
-    return f", {measurement.of if measurement is not None else plain(layout.name.replace('_', ' '))}"
+    return f"{measurement.of if measurement is not None else plain(layout.name.replace('_', ' '))}"
 
 
 _LENGTH_NOTE = (
@@ -173,14 +162,14 @@ _LENGTH_NOTE = (
     "Inferred: the Label beside it, which is seen in this place, names what the data channel carries."
 )
 _PROFILE_NOTE = (
-    "One device ID stands for all models; the profile ID tells them apart. Range counts its 16 bits, as in profilebiss.xml. "
-    "Inferred: that such an Id can stand below those that count the 64-bit identity, whose bits 15:0 are the manufacturer ID."
+    "Not listed as inner Devices: an Id for the profile ID would have Range 15:0 as in profilebiss.xml, which counts the manufacturer ID further up; "
+    "both could not hold."
 )
 
 
 def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLength], ids: Sequence[IdBits]) -> str:
     """What the master has to be told besides, as the lines of a comment."""
-    lines = [_about_length(device, layout, lengths)]
+    lines = [_about_length(device, layout, lengths), *_lengths_by_profile(device, lengths)]
     for item in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
         lines.append(f"  {', '.join(item.codes)}: {parts} = {item.data_bits} bits; with status bits {item.with_status}; with CRC {item.total}")
@@ -198,6 +187,13 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     lines += [f"  erratum of the manual, {item.name} ({item.status}). Printed: {sentence(item.printed)} Used: {sentence(item.used)}" for item in errata]
     lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
+
+
+def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
+    """The length for each profile ID, where the profile ID tells the models apart."""
+    found, profiles = _length_by_profile(device, lengths), profile_ids(device)
+    lines = [f"  profile ID {number:04X}h, registers 42h and 43h ({', '.join(profiles[number])}): {length} bits" for number, length in found.items()]
+    return [*lines, f"  {_PROFILE_NOTE}"] if lines else []
 
 
 def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
@@ -240,7 +236,7 @@ def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength])
     if len(sizes) == 1:
         return "Besides what stands here the master must be told, by order code:"
     if _length_by_profile(device, lengths):
-        return f"One device ID stands for {len(sizes)} data lengths; the profile ID tells which. Besides, the master must be told, by order code:"
+        return f"No Length: one device ID stands for {len(sizes)} data lengths; the profile ID tells which. The master must be told the one of the order code:"
     return f"No Length: one device ID stands for {len(sizes)} data lengths. The master must be told the one of the order code:"
 
 

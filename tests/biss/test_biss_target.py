@@ -77,7 +77,7 @@ def test_each_id_names_the_identity_that_it_counts(library: Library) -> None:
         assert str(behind.text).strip().startswith(start) and value in str(behind.text), behind.text
 
 
-def test_each_inferred_place_says_so(library: Library) -> None:
+def test_each_inferred_place_says_so(library: Library, device: Device) -> None:
     """Section 1.3 and 1.4 of what is publicly known: the wrapper, what Range counts, that inner devices refine, labels, and what Length counts."""
     root = check_format(generate(library)[NAME])
     maker = root.find("Profile/Device")
@@ -87,10 +87,10 @@ def test_each_inferred_place_says_so(library: Library) -> None:
         return " ".join(" ".join(str(item.text).split()) for item in element if item.tag is etree.Comment)
 
     assert "Inferred: Profile is the only parent of Device that is publicly known" in comments(root)
-    for words in ("Inferred: Range counts the bits of the 64-bit identity", "Inferred: a Device inside a Device refines it", "Inferred: Label names maker and device"):
+    for words in ("Inferred: Range counts the bits of the 64-bit identity", "Inferred: a Device inside a Device refines it", "Inferred: Label of a Device names maker"):
         assert words in comments(maker)
-    first = next(item.getparent().getparent() for item in root.iter("Length"))
-    assert "Inferred: that such an Id can stand below those that count the 64-bit identity" in comments(first)
+    one_length = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    first = next(check_format(generate(Library((dataclasses.replace(device, variants=one_length),)))[NAME]).iter("Length")).getparent().getparent()
     assert "Inferred: Length counts all bits of data on the line" in comments(first) and "Inferred: the Label beside it" in comments(first)
 
 
@@ -99,13 +99,34 @@ def known(root: Any, name: str) -> Any:
     return next(item for item in root.iter("Device") if name in (item.findtext("Label") or ""))
 
 
-def test_a_length_for_each_profile_id(library: Library) -> None:
+def test_a_length_for_each_profile_id_stands_in_the_comment(library: Library) -> None:
     """SMA21, 6.4 p.28: 2814h, 2816h, 2817h and 2818h have 24 bits of position and zeros above it, 2819h has 25."""
-    sma21 = known(check_format(generate(library)[NAME]), "SMA21")
+    text = generate(library)[NAME]
+    sma21 = known(check_format(text), "SMA21")
     assert [(item.get("Range"), int(item.text or "", 2)) for item in sma21.findall("Id")] == [("63:32", 0x534D3231)]
-    found = {int(item.findtext("Id") or "", 2): int(item.findtext("SCDS/Length") or "") for item in sma21.findall("Device")}
-    assert found == {0x2814: 24, 0x2816: 24, 0x2817: 24, 0x2818: 24, 0x2819: 25}
-    assert {item.get("Range") for item in sma21.findall("Device/Id")} == {"15:0"}
+    assert sma21.findall("Device") == [] and list(sma21.iter("Length")) == []
+    found = re.findall(r"profile ID ([0-9A-F]{4})h, registers 42h and 43h \(SMA21[^)]*\): ([0-9]+) bits", " ".join(text.split()))
+    assert found == [("2814", "24"), ("2816", "24"), ("2817", "24"), ("2818", "24"), ("2819", "25")]
+
+
+def test_no_two_ids_on_the_way_down_contradict_each_other(library: Library, device: Device) -> None:
+    """All Id from the outermost Device to an inner one can hold of one encoder: of the same bits they say the same."""
+    only = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    for made in (generate(library), generate(Library((dataclasses.replace(device, variants=only),)))):
+        for inner in check_format(made[NAME]).iter("Device"):
+            held: dict[int, str] = {}
+            for item in [found for part in (inner, *inner.iterancestors("Device")) for found in part.findall("Id")]:
+                high = int(item.get("Range", "").partition(":")[0])
+                for place, bit in enumerate((item.text or "").removeprefix("0b")):
+                    assert held.setdefault(high - place, bit) == bit, (item.get("Range"), item.text)
+
+
+def test_the_label_of_data_has_no_comma(device: Device) -> None:
+    """In profilebiss.xml the label of a Device below another begins with a comma (", Sensor"), that of an SCDS does not ("Data")."""
+    only = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    root = check_format(generate(Library((dataclasses.replace(device, variants=only),)))[NAME])
+    assert [(item.get("Pos"), item.text) for item in root.iterfind(".//SCDS/Label")] == [("1", "position")]
+    assert [(item.text or "")[:2] for item in root.iterfind("Profile/Device/Device/Label")] == [", "]
 
 
 def test_no_length_where_the_identity_does_not_tell_it(library: Library) -> None:

@@ -30,6 +30,23 @@ def test_every_device_validates_and_comes_back(devices: tuple[Device, ...]) -> N
         assert from_xml(made.encode()) == dump
 
 
+def test_addresses_and_ids_are_hexadecimal(devices: tuple[Device, ...]) -> None:
+    """As manuals write them: the preset of AMM5 is at 11h to 17h, Lika's ID is 4C69h, SMA21's profile 2814h; what counts stays decimal."""
+    made = {device.name: read_xml(to_xml(device_dump(device)).encode()) for device in devices}
+    space = {"d": "urn:codewheel:device-description:1"}
+    preset = made["amm5"].find("d:registers/d:register[@name='preset']", space)
+    assert preset is not None and (preset.get("address"), preset.get("last_address"), preset.get("length")) == ("0x11", "0x17", "7")
+    assert made["amm5"].xpath("string(d:manufacturer/@biss_id)", namespaces=space) == "0x4C69"
+    assert made["amm5"].xpath("string(//d:crc[@name='biss_6']/@poly_with_top_bit)", namespaces=space) == "0x43"
+    entries = "//d:order_code[@code='SMA21-SC1-0050']/d:parameters/d:entry"
+    found = {item.get("name"): item.text for item in made["sma21"].iterfind(entries.replace("//", ".//"), space)}
+    assert (found["profile_id"], found["resolution_um"], found["position_bits"]) == ("0x2814", "50", "20")
+    for root in made.values():
+        values = [item.get(name) for item in root.iter() for name in ("address", "last_address") if isinstance(item.tag, str) and item.get(name) is not None and "memory" not in item.tag]
+        assert values and all(str(value).startswith("0x") for value in values)
+        assert [int(str(value), 16) for value in values] == [int(str(value), 0) for value in values]
+
+
 CODES = ["AMM5A21/65KSC1", "AMM5B17/1BG1-X", "AMM5A23/65KJP1/S123", "SMA21-SC4-0050", "AMC3616/4096-GG", "AM3619/4096-I7", "ASC8525/SC2"]
 
 

@@ -1,4 +1,4 @@
-"""docs/example/decode_from_xml.py: twenty lines, an XML parser, and the description of a device are enough to decode its frames."""
+"""docs/example/decode_from_xml.py: some twenty lines, an XML parser, and the description of a device are enough to decode its frames."""
 
 from __future__ import annotations
 
@@ -14,15 +14,19 @@ ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "docs" / "example" / "decode_from_xml.py"
 
 
-def run(device: str, code: str, layout: str, frame: str, script: Path = SCRIPT) -> dict[str, int]:
+def output(device: str, code: str, layout: str, frame: str) -> list[str]:
     xml = ROOT / "generated" / "biss" / f"lika-{device}.xml"
-    done = subprocess.run([sys.executable, str(script), str(xml), code, layout, frame], capture_output=True, text=True, check=True)
-    return {name: int(value) for name, value in map(str.split, done.stdout.splitlines())}
+    done = subprocess.run([sys.executable, str(SCRIPT), str(xml), code, layout, frame], capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
+
+
+def run(device: str, code: str, layout: str, frame: str) -> dict[str, int]:
+    return {line.split()[0]: int(line.split()[1]) for line in output(device, code, layout, frame) if not line.startswith("note:")}
 
 
 def test_it_is_short_and_needs_nothing_but_lxml() -> None:
     text = SCRIPT.read_text(encoding="utf-8")
-    assert len([line for line in text.splitlines() if line.strip()]) <= 20
+    assert len([line for line in text.splitlines() if line.strip()]) <= 23
     names = [item.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for item in node.names]
     modules = [node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
     assert (names, modules) == (["re", "sys"], ["lxml"])
@@ -47,6 +51,34 @@ def test_it_is_short_and_needs_nothing_but_lxml() -> None:
 def test_frames_of_every_family(device: str, code: str, layout: str, frame: str, expected: dict[str, int]) -> None:
     found = run(device, code, layout, frame)
     assert {name: found.get(name, 0) for name in expected} == expected
+
+
+@pytest.mark.parametrize(
+    ("device", "code", "layout", "frame", "lines"),
+    [
+        # nE and nW are 0 when active (6.2); 1 is no error.
+        ("amm5", "AMM5A21/65KSC1", "single_cycle_data", f"0b{0:037b}10{0:06b}", ["error 1 not active", "warning 0 active"]),
+        # A flag that is 1 when active, and two bits that never say anything.
+        ("amm5", "AMM5A23/65KJP1", "singleturn_reply", "02 20 C7 D1 6A 5E", ["status_st_error 0 not active", "status_other_error 1 active"]),
+        ("am36", "AM3616/4096-I7", "single_cycle_data", f"0b{0:036b}11{0:06b}", ["error 1", "warning 1"]),
+    ],
+)
+def test_flags_say_whether_they_are_active(device: str, code: str, layout: str, frame: str, lines: list[str]) -> None:
+    assert set(lines) <= set(output(device, code, layout, frame))
+
+
+@pytest.mark.parametrize(("code", "is_gray"), [("AM3619/4096-GG", True), ("AM3619/4096-BG", False)])
+def test_gray_code_is_said(code: str, is_gray: bool) -> None:
+    """All ones are no position of 2^31 - 1 where the code is Gray."""
+    notes = [line for line in output("am36", code, "ssi_word", "0x7FFFFFFF") if line.startswith("note:")]
+    assert notes == (["note: position is in Gray code; its bits are shown as they are sent"] if is_gray else [])
+
+
+def test_the_page_shows_what_it_prints() -> None:
+    page = (ROOT / "docs" / "biss-xml.md").read_text(encoding="utf-8")
+    shown = re.search(r"\$ python docs/example/decode_from_xml\.py \S*lika-(\S+)\.xml (\S+) (\S+) (\S+)\n(.*?)```", page, re.DOTALL)
+    assert shown is not None
+    assert output(*shown.groups()[:4]) == shown[5].splitlines()
 
 
 def test_the_line_in_its_docstring_runs(monkeypatch: pytest.MonkeyPatch) -> None:
