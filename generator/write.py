@@ -1,7 +1,8 @@
 """Writing: the only module that touches the output folder.
 
-Each target owns one folder of the output. Its new content is put together beside the old one, in full, and only when every target is
-complete do the folders change places. Files of a target folder that are not ours are kept; a list in the folder names those that are.
+Each target owns one folder of the output. Its new content is put together in a stage beside the old one, in full, and only when every
+target is complete do the folders change places. Files and folders of a target folder that are not ours are kept; a list in the folder
+names those that are ours. Nothing else is ever overwritten or removed, unless the user asks for it.
 """
 
 from __future__ import annotations
@@ -12,18 +13,24 @@ import re
 import shutil
 import stat
 import tempfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 
-_LIST = ".codewheel"
+LIST = ".codewheel"
 _LIST_HEAD = "# Written by codewheel generate, which removes files of this list that it no longer writes.\n"
+_LIST_SIGN = b"# Written by codewheel generate"
+#: The first file in a stage, so that a later run knows the stage of a killed one from a folder of the user's.
+_MARK = ".codewheel-stage"
+_MARK_TEXT = "codewheel generate put files together here; its next run removes this folder.\n"
+_A_FOLDER = ", a folder where a file belongs"
 _SAFE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._-]*)*")
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 
 
 class WriteError(Exception):
-    """The output could not be written or compared; the old files are as they were."""
+    """The output could not be written or compared; the message says whether anything has changed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,50 +58,137 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
     return sorted(found, key=lambda item: item.path)
 
 
-def write(folder: Path, targets: Mapping[str, Mapping[str, str]]) -> list[Change]:
+def write(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool = False) -> list[Change]:
     """Make the folders of ``targets`` hold exactly their files, besides files that are not ours.
 
+    Args:
+        folder: The output folder.
+        targets: The files of each target, by its name.
+        force: Overwrite files that are in the way and not ours.
+
     Raises:
-        WriteError: Something could not be written. Nothing has changed then.
+        WriteError: A file that is not ours is in the way, or something could not be written. Nothing has changed then, or the message
+            names the targets that were written before.
     """
-    done: list[Change] = []
-    stages: list[tuple[Path, Path]] = []
+    found = {target: changes(folder, target, files) for target, files in targets.items()}
+    to_write = [name for name in targets if any(item.what != "unchanged" for item in found[name]) or _ours(folder, name) != sorted(targets[name])]
+    _refuse_what_is_in_the_way(folder, {name: targets[name] for name in to_write}, found, force)
+    stages: list[_Stage] = []
+    written: list[str] = []
     try:
-        for target, files in targets.items():
-            found = changes(folder, target, files)
-            done += found
-            if any(item.what != "unchanged" for item in found) or _ours(folder, target) != sorted(files):
-                folder.mkdir(parents=True, exist_ok=True)
-                _clear(folder, target)
-                stage = Path(tempfile.mkdtemp(prefix=f".{target}-", dir=folder))
-                stages.append((stage, folder / target))
-                _fill(stage, folder, target, files, {item.path for item in found if item.what == "unchanged"})
-        while stages:
-            stage, place = stages[0]
-            _exchange(stage, place)
-            stages.pop(0)
-            shutil.rmtree(stage, ignore_errors=True)
+        _clear(folder, targets)
+        for target in to_write:
+            folder.mkdir(parents=True, exist_ok=True)
+            stages.append(_Stage(Path(tempfile.mkdtemp(prefix=f".{target}-", dir=folder)), folder / target))
+            stages[-1].fill(targets[target], {item.path for item in found[target] if item.what == "unchanged"})
+        for stage in stages:
+            _exchange(stage.new, stage.place)
+            written.append(stage.place.name)
     except OSError as error:
-        raise WriteError(f"cannot write {error.filename or folder}: {error.strerror or error}") from None
+        place = _shown(error, stages, folder)
+        raise WriteError(f"cannot write {place}: {error.strerror or error}; {_state(written)}") from None
     finally:
-        for stage, _ in stages:
-            shutil.rmtree(stage, ignore_errors=True)
-    return done
+        for stage in stages:
+            _remove(stage.folder)
+    return [change for changed in found.values() for change in changed]
 
 
-def _clear(folder: Path, target: str) -> None:
-    """Remove what a killed run has left behind."""
-    for left in folder.glob(f".{target}-????????*"):
-        if left.is_dir() and not left.is_symlink():
-            shutil.rmtree(left, ignore_errors=True)
+def _shown(error: OSError, stages: Iterable[_Stage], folder: Path) -> str:
+    """The path of an error as the user knows it: no path of a stage."""
+    path = str(error.filename or folder)
+    for stage in stages:
+        for inside in (stage.new, stage.folder):
+            if Path(path).is_relative_to(inside):
+                return (stage.place / Path(path).relative_to(inside)).as_posix()
+    return path
+
+
+def _state(written: list[str]) -> str:
+    return f"written before that: {', '.join(written)}; the rest is as it was" if written else "nothing has changed"
+
+
+def _clear(folder: Path, targets: Iterable[str]) -> None:
+    """Remove what a killed run has left behind: stages of ours by name and by mark, nothing else."""
+    name_of_a_stage = re.compile(rf"\.({'|'.join(map(re.escape, targets))})-[a-z0-9_]{{8}}")
+    with suppress(FileNotFoundError), os.scandir(folder) as entries:
+        for entry in list(entries):
+            if name_of_a_stage.fullmatch(entry.name) and entry.is_dir(follow_symlinks=False):
+                with suppress(OSError, WriteError):
+                    if _read(Path(entry.path, _MARK)) == _MARK_TEXT.encode():
+                        _remove(Path(entry.path))
+
+
+def _remove(stage: Path) -> None:
+    """Remove a stage, its mark last, so that a run that is killed here leaves one that can still be known."""
+    for root, folders, _ in os.walk(stage):
+        for name in folders:
+            with suppress(OSError):
+                if not os.path.islink(os.path.join(root, name)):
+                    os.chmod(os.path.join(root, name), 0o700)  # It may be a folder of the old content in which nothing can be removed.
+    shutil.rmtree(stage / "new", ignore_errors=True)
+    with suppress(OSError):
+        (stage / _MARK).unlink()
+        stage.rmdir()
 
 
 def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> None:
     for path in files:
         if not _SAFE.fullmatch(path) or ".." in path.split("/") or path.split("/")[0] != target:
             raise WriteError(f"the target '{target}' asks for the path '{path}', which is not one inside its folder '{target}/'")
-    if (folder / target).is_symlink():
-        raise WriteError(f"{folder / target} is a link; the output goes into real folders only")
+    place = folder / target
+    if place.is_symlink():
+        raise WriteError(f"{place} is a link; the output goes into real folders only")
+    for needed in (folder, place):
+        if _kind_of(needed) == "file":
+            raise WriteError(f"{needed} is a file, and a folder of this name is needed; nothing has changed")
+
+
+def _refuse_what_is_in_the_way(folder: Path, targets: Mapping[str, Mapping[str, str]], found: Mapping[str, list[Change]], force: bool) -> None:
+    """Refuse to overwrite what no list of ours names; ``force`` takes files, but no folder with all that is in it.
+
+    Raises:
+        WriteError: It names everything that is in the way of any target.
+    """
+    blocked: list[str] = []
+    for target, files in targets.items():
+        differing = {item.path for item in found[target] if item.what == "written"}
+        for path, why in _in_the_way(folder, target, files, differing):
+            if not force or why == _A_FOLDER:
+                blocked.append(f"\n  {(folder / path).as_posix()}{why}")
+    if blocked:
+        remedy = "move it away" if all(line.endswith(_A_FOLDER) for line in blocked) else "move it away, or overwrite files with --force"
+        raise WriteError(f"not written by codewheel and in its way; nothing has changed; {remedy}:{''.join(blocked)}")
+
+
+def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
+    """Everything that stands where one of ``files`` or a folder of theirs belongs, and was not written by us, with a word on it."""
+    ours = set(_ours(folder, target))
+    folders = {parent.as_posix() for path in files for parent in Path(path).parents} - {".", target}
+    for path in sorted(folders - ours):
+        if _kind_of(folder / path) in ("file", "link"):
+            yield path, ", where a folder belongs"
+    for path in sorted(differing):
+        kind = _kind_of(folder / path)
+        if kind == "folder":
+            yield path, _A_FOLDER
+        elif kind and path not in ours:
+            yield path, ""
+    path = f"{target}/{LIST}"
+    if _kind_of(folder / path) == "folder":
+        yield path, _A_FOLDER
+    elif _kind_of(folder / path) and not (_read(folder / path) or b"").startswith(_LIST_SIGN):
+        yield path, ""
+
+
+def _kind_of(place: Path) -> str:
+    """``folder``, ``link`` or ``file``, whatever else it may be; empty where there is nothing."""
+    try:
+        mode = os.lstat(place).st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return ""
+    except OSError as error:
+        raise WriteError(f"cannot read {place}: {error.strerror}") from None
+    return "folder" if stat.S_ISDIR(mode) else "link" if stat.S_ISLNK(mode) else "file"
 
 
 def _read(path: Path) -> bytes | None:
@@ -110,32 +204,74 @@ def _read(path: Path) -> bytes | None:
 
 def _ours(folder: Path, target: str) -> list[str]:
     """The paths that the folder's list names; what is not a path inside the folder is passed over."""
-    text = _read(folder / target / _LIST) or b""
+    text = _read(folder / target / LIST) or b""
     lines = text.decode("utf-8", "replace").splitlines()
     return sorted(f"{target}/{line}" for line in lines if _SAFE.fullmatch(line) and ".." not in line.split("/"))
 
 
-def _fill(stage: Path, folder: Path, target: str, files: Mapping[str, str], unchanged: set[str]) -> None:
-    """Put into ``stage`` all that the target's folder shall hold; what stays as it is becomes a second name of the same file."""
-    ours = set(_ours(folder, target)) | set(files)
-    stage.chmod(0o777 & ~_umask())
-    for path, text in files.items():
-        place = stage / path.removeprefix(f"{target}/")
-        place.parent.mkdir(parents=True, exist_ok=True)
-        if path in unchanged:
-            _same(folder / path, place)
-        else:
-            with open(place, "x", encoding="utf-8", newline="\n") as file:
-                file.write(text)
-    (stage / _LIST).write_text(_LIST_HEAD + "".join(f"{path.removeprefix(f'{target}/')}\n" for path in sorted(files)), encoding="utf-8", newline="\n")
-    for root, folders, names in os.walk(folder / target):
-        here = Path(root).relative_to(folder / target)
-        names += [name for name in folders if (Path(root) / name).is_symlink()]
-        for name in names:
-            path = (here / name).as_posix()
-            if f"{target}/{path}" not in ours and path != _LIST and not (stage / path).exists():
-                (stage / path).parent.mkdir(parents=True, exist_ok=True)
-                _same(Path(root) / name, stage / path)
+@dataclass(frozen=True, slots=True)
+class _Stage:
+    """Where the new content of a target's folder is put together: ``folder`` with a mark, and ``new`` in it."""
+
+    folder: Path
+    place: Path
+    _modes: dict[Path, int] = field(default_factory=dict)
+
+    @property
+    def new(self) -> Path:
+        return self.folder / "new"
+
+    def fill(self, files: Mapping[str, str], unchanged: set[str]) -> None:
+        """Put in all that the target's folder shall hold; what stays as it is becomes a second name of the same file."""
+        (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
+        self._make(Path())
+        inside = {Path(path).relative_to(self.place.name): path for path in files}
+        for path, name in inside.items():
+            self._make(path.parent)
+            if name in unchanged:
+                _same(self.place / path, self.new / path)
+            else:
+                with open(self.new / path, "x", encoding="utf-8", newline="\n") as file:
+                    file.write(files[name])
+        self._carry_over({Path(path).relative_to(self.place.name) for path in _ours(self.place.parent, self.place.name)})
+        listed = "".join(f"{path.as_posix()}\n" for path in sorted(inside, key=Path.as_posix))
+        (self.new / LIST).write_text(_LIST_HEAD + listed, encoding="utf-8", newline="\n")
+        for made, mode in reversed(self._modes.items()):
+            if mode & 0o700 != 0o700:
+                made.chmod(mode)
+
+    def _carry_over(self, ours: set[Path]) -> None:
+        """Take along what is not ours, empty folders included; a folder that held files of ours alone goes with them."""
+        for root, folders, names in os.walk(self.place, onerror=_raise) if self.place.is_dir() else ():
+            here = Path(root).relative_to(self.place)
+            for name in (*names, *(name for name in folders if (Path(root) / name).is_symlink())):
+                path = here / name
+                if path not in ours and path != Path(LIST) and not os.path.lexists(self.new / path):
+                    self._make(here)
+                    _same(Path(root) / name, self.new / path)
+            if not names and not folders:
+                self._make(here)
+
+    def _make(self, path: Path) -> None:
+        """Make a folder of the new content, with owner and mode of the old one of that name."""
+        made, old = self.new / path, self.place / path
+        if made in self._modes:
+            return
+        if path != Path():
+            self._make(path.parent)
+        made.mkdir()
+        self._modes[made] = 0o700
+        if old.is_dir() and not old.is_symlink():
+            was = old.stat()
+            with suppress(OSError, AttributeError):  # Only its owner can give it away, and not on every system.
+                os.chown(made, was.st_uid, was.st_gid)
+            shutil.copystat(old, made)
+            self._modes[made] = stat.S_IMODE(was.st_mode)
+            made.chmod(self._modes[made] | 0o700)
+
+
+def _raise(error: OSError) -> None:
+    raise error
 
 
 def _same(old: Path, new: Path) -> None:
@@ -143,12 +279,6 @@ def _same(old: Path, new: Path) -> None:
         os.link(old, new, follow_symlinks=False)
     except OSError:
         shutil.copy2(old, new, follow_symlinks=False)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _exchange(stage: Path, place: Path) -> None:
@@ -163,7 +293,7 @@ def _exchange(stage: Path, place: Path) -> None:
     except (AttributeError, OSError, TypeError):
         pass
     # No exchange here: two renames, and back again if the second one fails.
-    old = stage.with_name(stage.name + "-old")
+    old = stage.parent.with_name(stage.parent.name + "-old")
     os.rename(place, old)
     try:
         os.rename(stage, place)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -64,7 +65,7 @@ def test_a_list_cannot_name_files_outside(tmp_path: Path) -> None:
     victim = tmp_path / "victim"
     victim.write_text("precious")
     (tmp_path / "out/python").mkdir(parents=True)
-    (tmp_path / "out/python/.codewheel").write_text("../../victim\n/etc/passwd\n")
+    (tmp_path / "out/python/.codewheel").write_text(module._LIST_HEAD + "../../victim\n/etc/passwd\n")
     write(tmp_path / "out", {"python": FILES})
     assert victim.read_text() == "precious"
 
@@ -84,17 +85,147 @@ def test_a_full_disk_leaves_the_old_tree_whole(tmp_path: Path, monkeypatch: pyte
         return real_open(path, mode, *rest, **named)  # type: ignore[call-overload]
 
     monkeypatch.setattr(module, "open", full, raising=False)
-    with pytest.raises(WriteError, match="No space left on device"):
+    with pytest.raises(WriteError, match=r"cannot write .*/(python|c)/\w[\w./]*: No space left on device; nothing has changed"):
         write(tmp_path, {"python": {name: "new" for name in FILES}, "c": {"c/x.h": "new"}})
     assert tree(tmp_path) == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c", "python"]
 
 
-def test_what_a_killed_run_left_is_cleared(tmp_path: Path) -> None:
+class Killed(BaseException):
+    """Stands for a kill: what comes after is not run."""
+
+
+@pytest.mark.parametrize("moment", ["_exchange", "_same", "_remove"])
+def test_what_a_killed_run_left_is_cleared_by_the_next(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str) -> None:
     write(tmp_path, {"python": FILES})
+    (tmp_path / "python/mine.txt").write_text("mine")
+
+    def killed(*_: object) -> None:
+        raise Killed
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module, moment, killed)
+        patch.setattr(module, "_remove", killed)
+        with pytest.raises(Killed):
+            write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}})
+    left = [path.name for path in tmp_path.iterdir()]
+    assert len(left) == 2 and "python" in left
+    files = {"python/a.py": (tmp_path / "python/a.py").read_text(), "python/pkg/b.py": "b\n"}
+    assert {item.what for item in write(tmp_path, {"python": files})} == {"unchanged"}
+    assert [path.name for path in tmp_path.iterdir()] == ["python"]
+    assert tree(tmp_path) == {**files, "python/mine.txt": "mine"}
+
+
+def test_hidden_folders_of_the_user_are_left_alone(tmp_path: Path) -> None:
+    kept = [".python-virtualenv", ".python-drafts-2024", ".python-packages", ".python-abcd1234-old", ".python-abcd1234"]
+    for name in kept:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "x").write_text("precious")
+    (tmp_path / ".python-abcd1234" / ".codewheel-stage").write_text("mine as well")
+    for text in ("a", "b"):
+        write(tmp_path, {"python": {"python/a.py": text}})
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*kept, "python"])
+    assert all((tmp_path / name / "x").read_text() == "precious" for name in kept)
+
+
+def test_check_removes_nothing_of_a_run_under_way(tmp_path: Path) -> None:
     (tmp_path / ".python-abcd1234").mkdir()
+    (tmp_path / ".python-abcd1234/.codewheel-stage").write_text(module._MARK_TEXT)
+    changes(tmp_path, "python", FILES)
+    assert (tmp_path / ".python-abcd1234/.codewheel-stage").is_file()
+
+
+def test_folders_keep_their_modes_and_empty_ones_stay(tmp_path: Path) -> None:
+    write(tmp_path, {"python": FILES})
+    (tmp_path / "python/empty/below").mkdir(parents=True)
+    (tmp_path / "python/secret").mkdir()
+    (tmp_path / "python/secret/x").write_text("x")
+    modes = {"python": 0o2775, "python/secret": 0o500, "python/pkg": 0o770, "python/empty/below": 0o700}
+    for name, mode in modes.items():
+        (tmp_path / name).chmod(mode)
+    write(tmp_path, {"python": {"python/a.py": "new\n", "python/pkg/c.py": "c\n"}})
+    assert {name: (tmp_path / name).stat().st_mode & 0o7777 for name in modes} == modes
+    assert [path.name for path in tmp_path.iterdir()] == ["python"]
+    (tmp_path / "python/secret").chmod(0o700)
+
+
+def test_a_folder_that_held_files_of_ours_alone_goes_with_them(tmp_path: Path) -> None:
+    write(tmp_path, {"python": FILES})
+    write(tmp_path, {"python": {"python/a.py": "a\n"}})
+    assert not (tmp_path / "python/pkg").exists()
+
+
+def test_a_git_repository_in_a_target_folder_survives(tmp_path: Path) -> None:
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a@b", *arguments], cwd=place, capture_output=True, text=True, check=True).stdout
+
+    write(tmp_path, {"python": FILES})
+    place = tmp_path / "python"
+    for command in (("init", "-q"), ("add", "-A"), ("commit", "-qm", "x"), ("gc", "-q")):
+        git(*command)
+    write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}})
+    assert git("status", "--short") == " M a.py\n"
+
+
+def test_files_of_the_users_in_the_way_are_named_and_nothing_is_written(tmp_path: Path) -> None:
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/README.md").write_text("my own text")
+    (tmp_path / "python").mkdir()
+    (tmp_path / "python/pkg").write_text("my own file")
+    (tmp_path / "python/.codewheel").write_text("my own list")
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c/x.h").symlink_to(tmp_path / "docs/README.md")
+    before = tree(tmp_path)
+    targets = {"python": FILES, "c": {"c/x.h": "x"}, "docs": {"docs/README.md": "ours"}}
+    with pytest.raises(WriteError) as caught:
+        write(tmp_path, targets)
+    assert str(caught.value) == (
+        "not written by codewheel and in its way; nothing has changed; move it away, or overwrite files with --force:\n"
+        f"  {tmp_path}/python/pkg, where a folder belongs\n  {tmp_path}/python/.codewheel\n  {tmp_path}/c/x.h\n  {tmp_path}/docs/README.md"
+    )
+    assert tree(tmp_path) == before and sorted(path.name for path in tmp_path.iterdir()) == ["c", "docs", "python"]
+    write(tmp_path, targets, force=True)
+    assert tree(tmp_path) == {**FILES, "c/x.h": "x", "docs/README.md": "ours"}
+
+
+def test_a_folder_in_the_way_is_named_and_never_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "python/a.py").mkdir(parents=True)
+    for force in (False, True):
+        with pytest.raises(WriteError) as caught:
+            write(tmp_path, {"python": FILES}, force=force)
+        assert str(caught.value).endswith(f"; nothing has changed; move it away:\n  {tmp_path}/python/a.py, a folder where a file belongs")
+    assert [path.name for path in tmp_path.rglob("*")] == ["python", "a.py"]
+
+
+def test_a_file_that_is_the_same_already_is_taken_over(tmp_path: Path) -> None:
+    (tmp_path / "python").mkdir()
+    (tmp_path / "python/a.py").write_text("a\n")
+    assert Change("python/a.py", "unchanged") in write(tmp_path, {"python": FILES})
     write(tmp_path, {"python": {"python/a.py": "new\n"}})
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["python"]
+    assert tree(tmp_path) == {"python/a.py": "new\n"}
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_a_file_with_the_name_of_a_target_is_kept(tmp_path: Path, force: bool) -> None:
+    (tmp_path / "python").write_text("mine")
+    with pytest.raises(WriteError, match="python is a file, and a folder of this name is needed; nothing has changed"):
+        write(tmp_path, {"c": {"c/x.h": "x"}, "python": FILES}, force=force)
+    assert [path.name for path in tmp_path.iterdir()] == ["python"] and (tmp_path / "python").read_text() == "mine"
+
+
+def test_a_failure_after_the_first_target_says_what_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = module._exchange
+
+    def busy(stage: Path, place: Path) -> None:
+        if place.name == "c":
+            raise OSError(errno.EBUSY, os.strerror(errno.EBUSY), str(stage))
+        real(stage, place)
+
+    monkeypatch.setattr(module, "_exchange", busy)
+    with pytest.raises(WriteError) as caught:
+        write(tmp_path, {"python": FILES, "c": {"c/x.h": "x"}, "docs": {"docs/x.md": "x"}})
+    assert str(caught.value) == f"cannot write {tmp_path}/c: Device or resource busy; written before that: python; the rest is as it was"
+    assert tree(tmp_path) == FILES and [path.name for path in tmp_path.iterdir()] == ["python"]
 
 
 def test_works_without_an_exchange_of_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
