@@ -1,17 +1,19 @@
 """The command line: arguments in, text and exit code out.
 
-Exit codes: 0 done; 1 problems in the input, a difference found, or a frame with a fault; 2 wrong usage, unknown order code, or a frame
-that cannot be read.
+Exit codes: 0 done; 1 problems in the input, a difference found, a frame with a fault, or a register that holds another value than the
+encoder's; 2 wrong usage, unknown order code, or a frame that cannot be read; 3 a sound frame whose position is not usable. Of several frames
+the worst decides: 2, then 1, then 3.
 """
 
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import math
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
     from .model import Device
     from .order_codes import Match
 
+#: Of several frames the worst decides: text that is no frame, a fault, a position that is not usable.
+_WORST_FIRST = (2, 1, 3)
 _DESCRIPTION = "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."
 JSON_VERSION = 1
 
@@ -35,19 +39,24 @@ class Stop(Exception):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; ``arguments`` default to those of the process."""
     chosen = _parser().parse_args(arguments)
+    code: int = 0
     try:
-        code: int = chosen.run(chosen)
+        code = chosen.run(chosen)
         sys.stdout.flush()
         return code
     except Stop as stop:
         print(f"codewheel: {stop}", file=sys.stderr)
         return stop.code
     except BrokenPipeError:
-        # The reader of our output has left; give the interpreter nothing more to flush.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        _nobody_reads()
+        return code
     except KeyboardInterrupt:
         return 130
+
+
+def _nobody_reads() -> None:
+    """The reader of our output has left: give the interpreter nothing more to flush."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -365,36 +374,64 @@ def _master(chosen: argparse.Namespace) -> int:
 
 
 def _decode(chosen: argparse.Namespace) -> int:
-    from .decode import FrameTextError, decode_register_text, decode_text, decoded_data, explain, why_text
+    from .decode import decode_register_text, decode_text, decoded_data, explain, why_text
+    from .findings import compare_held, findings, fixed_addresses
+    from .frame_text import FrameTextError
     from .run_time import RegisterError, with_registers
 
-    devices = _load(chosen.specs)
-    device, match = _find(devices, chosen.order_code)
+    device, match = _find(_load(chosen.specs), chosen.order_code)
+    held, fixed = _held(chosen.register), fixed_addresses(device, match.variant)
     try:
-        match = replace(match, variant=with_registers(device, match.variant, _held(chosen.register)))
+        changing = {address: value for address, value in held.items() if address not in fixed}
+        match = replace(match, variant=with_registers(device, match.variant, changing))
     except RegisterError as error:
         raise Stop(str(error), 2) from None
-    lines = (line for line in sys.stdin if line.strip()) if chosen.frame == ["-"] else [" ".join(chosen.frame)]
-    code = 0
+    others = compare_held(device, match.variant, held)
+    codes = {1} if others else set()
     first = True
-    for line in lines:
+    for number, text in _frames(chosen.frame):
         try:
             if chosen.register_name is not None:
-                decoded, why = decode_register_text(device, match.variant, chosen.register_name, line), None
+                decoded, why = decode_register_text(device, match.variant, chosen.register_name, text), None
             else:
-                decoded = decode_text(device, match.variant, chosen.sender, line, chosen.layout)
-                why = why_text(device, match.variant, chosen.sender, line, decoded)
+                decoded = decode_text(device, match.variant, chosen.sender, text, chosen.layout)
+                why = why_text(device, match.variant, chosen.sender, text, decoded)
         except (FrameTextError, RegisterError) as error:
-            print(f"codewheel: {error}", file=sys.stderr)
-            code = 2
+            print(f"codewheel: {f'line {number}: ' if number is not None else ''}{error}", file=sys.stderr)
+            codes.add(2)
             continue
-        if decoded.problems:
-            code = max(code, 1)
+        said = findings(device, match.variant, decoded)
+        said = replace(said, differences=(*others, *said.differences))
+        codes.add(1 if decoded.problems or any(item.of_register for item in said.differences) else 3 if said.verdict == "not_usable" else 0)
         if chosen.json:
             # One object a line for a stream of frames, so that a reader need not wait for the end.
-            data = decoded_data(match.variant, chosen.sender, decoded, why)
-            print(json.dumps(data, ensure_ascii=False) if chosen.frame == ["-"] else json.dumps(data, indent=2, ensure_ascii=False))
+            data = decoded_data(match.variant, chosen.sender, decoded, said, why, number)
+            made = json.dumps(data, indent=2 if number is None else None, ensure_ascii=False)
         else:
-            print(("" if first else "\n") + explain(device, match, chosen.sender, decoded, why))
+            made = ("" if first else "\n") + explain(device, match, chosen.sender, decoded, said, why, number)
         first = False
-    return code
+        try:
+            print(made, flush=number is not None)
+        except BrokenPipeError:
+            _nobody_reads()
+            break
+    return next((code for code in _WORST_FIRST if code in codes), 0)
+
+
+def _frames(given: Sequence[str]) -> Iterator[tuple[int | None, str]]:
+    """The frame that the arguments make up; or those of standard input, each with its line number, without comments and empty lines.
+
+    Raises:
+        Stop: There is no standard input; exit code 2.
+    """
+    if list(given) != ["-"]:
+        yield None, " ".join(given)
+        return
+    if sys.stdin is None:
+        raise Stop("standard input is closed, so there is no frame to read", 2)
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(errors="replace")
+    for number, line in enumerate(sys.stdin, 1):
+        text = line.partition("#")[0].strip()
+        if text:
+            yield number, text

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from . import codec
+from .findings import Findings, Report
+from .frame_text import FrameTextError, checked, frame_bytes, frame_number
 from .model import Device, Layout, PlacedLayout, Variant
 from .order_codes import Match
 from .relevant import parameters_of
 from .render import wrapped
 from .run_time import decode_register
-from .why import BitText, Explanation, Why, explain_bits, explain_bytes
+from .why import Explanation, Why, explain_bits, explain_bytes
+from .words import WORTH, sentence
 
-_HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
-#: Far above any frame; it keeps a line of megabytes from being worked on.
-_LONGEST_TEXT = 4096
 VERSION = 1
-
-
-class FrameTextError(ValueError):
-    """The text is no frame; the message says what one looks like."""
 
 
 def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
@@ -36,20 +31,18 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
     Raises:
         FrameTextError: The text cannot be read as a frame, or there is no such layout.
     """
-    text = text.strip()
-    if not text or len(text) > _LONGEST_TEXT:
-        raise FrameTextError("the frame is empty" if not text else "the frame is longer than any frame can be")
+    text = checked(text)
     layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
     if not layouts:
         raise FrameTextError(f"over {device.interface(variant.interface).title} the {sender} sends no frame that the manual describes")
     if layout is None:
         if layouts[0].carried_as == "bytes":
-            return codec.decode_bytes(device, variant, sender, _bytes(text))
+            return codec.decode_bytes(device, variant, sender, frame_bytes(text))
         return _decode_bits(device, layouts[0].place(variant.parameters), text)
     placed = next((item.place(variant.parameters) for item in layouts if item.name == layout), None)
     if placed is None:
         raise FrameTextError(f"{variant.code} has no layout '{layout}' from the {sender}; it has: {', '.join(item.name for item in layouts)}")
-    return codec.decode_placed(device, placed, _bytes(text)) if placed.layout.carried_as == "bytes" else _decode_bits(device, placed, text)
+    return codec.decode_placed(device, placed, frame_bytes(text)) if placed.layout.carried_as == "bytes" else _decode_bits(device, placed, text)
 
 
 def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
@@ -59,35 +52,11 @@ def decode_register_text(device: Device, variant: Variant, name: str, text: str)
         FrameTextError: The text is no hex bytes.
         RegisterError: There is no such register, or it has another length.
     """
-    if len(text) > _LONGEST_TEXT:
-        raise FrameTextError("this is longer than any register can be")
-    return decode_register(device, variant, name, _bytes(text))
-
-
-def _bytes(text: str) -> bytes:
-    digits = ""
-    for piece in text.replace(",", " ").split():
-        if not _HEX.fullmatch(piece):
-            raise FrameTextError(f"'{piece[:20]}' is not hex; write the bytes as in: 02 00 12 34 00 24")
-        piece = piece[2:] if piece[:2] in ("0x", "0X") else piece
-        digits += piece.zfill(2) if len(piece) == 1 else piece
-    if len(digits) % 2:
-        raise FrameTextError("the frame has an odd number of hex digits; a byte has two")
-    return bytes.fromhex(digits)
-
-
-def _bit_text(placed: PlacedLayout, text: str) -> BitText:
-    compact = re.sub(r"[\s_]", "", text)
-    if re.fullmatch(r"0[bB][01]+", compact):
-        return BitText(int(compact, 2), len(compact) - 2, exact=True)
-    if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact):
-        number = int(compact, 16)
-        return BitText(number, number.bit_length(), exact=False)
-    raise FrameTextError(f"'{text[:20]}' is no frame of bits; write 0b and all {placed.bits} bits, first sent first, or 0x and hex digits")
+    return decode_register(device, variant, name, frame_bytes(checked(text)))
 
 
 def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decoded:
-    given = _bit_text(placed, text)
+    given = frame_number(placed, text)
     if given.exact and given.bits != placed.bits:
         wrong = f"'{placed.name}' has {placed.bits} bits; this has {given.bits}"
         return codec.Decoded(placed, given.number, (), None, (codec.Problem("length", "", wrong),))
@@ -100,20 +69,28 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     if placed is not None and not any(item.kind in ("crc", "length") for item in decoded.problems):
         return None
     if placed is not None and placed.layout.carried_as == "bits":
-        return explain_bits(device, variant, placed, _bit_text(placed, text.strip()))
-    return explain_bytes(device, variant, sender, placed, _bytes(text.strip()))
+        return explain_bits(device, variant, placed, frame_number(placed, text.strip()))
+    return explain_bytes(device, variant, sender, placed, frame_bytes(text.strip()))
 
 
-def decoded_data(variant: Variant, sender: str, decoded: codec.Decoded, why: Why | None = None) -> dict[str, Any]:
-    """The result as plain data, in the shape of ``decode.schema.json``."""
+def decoded_data(variant: Variant, sender: str, decoded: codec.Decoded, said: Findings, why: Why | None = None, line: int | None = None) -> dict[str, Any]:
+    """The result as plain data, in the shape of ``decode.schema.json``; ``line`` is that of standard input, if the frame came from there."""
     return {
         "version": VERSION,
+        "line": line,
         "order_code": variant.code,
         "layout": decoded.layout.name if decoded.layout is not None else None,
         "direction": sender,
         "fields": [{"name": item.name, "raw": item.raw, "value": item.value, "unit": item.unit or None, "meaning": item.meaning} for item in decoded.fields],
         "crc": {"received": decoded.crc.received, "computed": decoded.crc.computed, "ok": decoded.crc.ok} if decoded.crc is not None else None,
         "problems": [{"kind": item.kind, "field": item.field or None, "message": item.message} for item in decoded.problems],
+        "reports": [
+            {"field": item.field, "meaning": item.meaning, "remedy": item.remedy or None, "makes_position": item.makes_position or None} for item in said.reports
+        ],
+        "verdict": said.verdict or None,
+        "differences": [
+            {"field": item.field, "found": item.found, "documented": item.documented, "message": item.message} for item in said.differences
+        ],
         "why": _why_data(why) if why is not None else None,
     }
 
@@ -130,11 +107,14 @@ def _why_data(why: Why) -> dict[str, Any]:
     }
 
 
-def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded, why: Why | None = None) -> str:
+def explain(
+    device: Device, match: Match, sender: str, decoded: codec.Decoded, said: Findings = Findings(), why: Why | None = None, line: int | None = None
+) -> str:
     """The result for a person, at most 80 columns wide."""
     variant = match.variant
     is_frame = decoded.layout is None or decoded.layout.layout.sender != ""
-    lines = [f"{variant.code}, {device.interface(variant.interface).title}" + (f", from the {sender}" if is_frame else "")]
+    start = f"line {line}: " if line is not None else ""
+    lines = [f"{start}{variant.code}, {device.interface(variant.interface).title}" + (f", from the {sender}" if is_frame else "")]
     held = [item for item in parameters_of(device, variant.interface) if item.read_from]
     if held:
         state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in held)
@@ -151,6 +131,9 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded, w
         lines.append(f"{title}, {_size(decoded.layout)}{channel}")
     if decoded.fields:
         lines += ["", *_table(decoded)]
+        # An angle in degrees looks too good for a position that is not to be used.
+        measured = _measured(device, variant, decoded) if is_frame and not decoded.problems and said.verdict not in ("", "not_usable") else ""
+        lines += ["", measured] if measured else []
     crc = decoded.crc
     if crc is not None:
         parameters = device.crc(crc.name)
@@ -158,15 +141,55 @@ def explain(device: Device, match: Match, sender: str, decoded: codec.Decoded, w
         inverted = f", start value {parameters.init:#x}" if parameters.init else ""
         inverted += ", sent inverted" if parameters.xorout == parameters.mask else ""
         lines += ["", wrapped(f"CRC {crc.received:#04x}: {verdict} ({parameters.polynomial}{inverted})", 80, "  ", "")]
-    if decoded.problems:
-        lines.append("")
-        lines += [wrapped(f"{item.kind} fault: {item.message}", 80, "  ", "") for item in decoded.problems]
-        lines += _why_lines(why) if why is not None else []
-    elif crc is None and decoded.layout is not None and decoded.layout.layout.sender:
-        lines += ["", "no fault; this frame carries no CRC"]
-    else:
-        lines += ["", "no fault"]
+    lines.append("")
+    lines += [wrapped(f"{item.kind} fault: {item.message}", 80, "  ", "") for item in decoded.problems]
+    lines += [wrapped(f"not as documented: {item.message}", 80, "  ", "") for item in said.differences]
+    if not decoded.problems:
+        lines += _last_words(decoded, said)
+    lines += _why_lines(why) if why is not None else []
     return "\n".join(lines)
+
+
+def _last_words(decoded: codec.Decoded, said: Findings) -> list[str]:
+    """How the text on a sound frame or register ends: what the encoder reports, or that nothing is wrong."""
+    if said.reports:
+        lines = ["the encoder reports:", *(wrapped(_reported(item), 80, " " * 6, "  - ") for item in said.reports)]
+        return [*lines, f"so {WORTH[said.verdict]}"] if said.verdict else lines
+    if decoded.layout is not None and decoded.layout.layout.sender and decoded.crc is None:
+        unchecked = ["this frame carries no CRC"]
+    else:
+        unchecked = []
+    unchecked += [WORTH["not_told"]] if said.verdict == "not_told" else []
+    return [wrapped("; ".join(["no other fault" if said.differences else "no fault", *unchecked]), 80, "  ", "")]
+
+
+def _reported(report: Report) -> str:
+    name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
+    return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}".rstrip() if report.remedy else f"{name}: {report.meaning}"
+
+
+def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
+    """The position in degrees or micrometres; of a frame with the angle alone, that."""
+    measurement = device.measurement_of(variant.interface)
+    if measurement is None:
+        return ""
+    name = measurement.of
+    if name not in decoded.values:
+        joins = (join for layout in device.interface(variant.interface).layouts for join in layout.joins if join.name == name)
+        name = next((join.fields[-1] for join in joins), name)
+    value = decoded.values.get(name)
+    if not isinstance(value, int):
+        return ""
+    step, per_turn, turns = (
+        item.value(variant.parameters) if item is not None else 0 for item in (measurement.step_um, measurement.steps_per_turn, measurement.turns)
+    )
+    if step:
+        return f"{name}: {value * step:,} µm"
+    if per_turn < 1:
+        return ""
+    turn, counts = divmod(value, per_turn)
+    degrees = f"{counts * 360 / per_turn:.{len(str(per_turn // 360))}f}°"
+    return f"{name}: {degrees}" + (f" of revolution {turn:,}" if turns > 1 and name == measurement.of else "")
 
 
 def _why_lines(why: Why) -> list[str]:
@@ -194,7 +217,8 @@ def _one_in(number: int) -> str:
 
 
 def _size(placed: PlacedLayout) -> str:
-    return f"{placed.bits // 8} bytes" if placed.layout.carried_as == "bytes" else f"{placed.bits} bits"
+    count, unit = (placed.bits // 8, "byte") if placed.layout.carried_as == "bytes" else (placed.bits, "bit")
+    return f"{count} {unit}{'' if count == 1 else 's'}"
 
 
 def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:

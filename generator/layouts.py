@@ -260,6 +260,8 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
             active_low=raw.get("active") == "low",
             when_active=raw.get("when_active", ""),
             when_inactive=raw.get("when_inactive", ""),
+            makes_position=raw.get("makes_position", ""),
+            sums_up=tuple(raw.get("sums_up", ())),
             values=values(raw, context, interface),
             crc=raw.get("crc", ""),
             parity_of=raw.get("parity_of", ""),

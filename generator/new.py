@@ -187,8 +187,8 @@ interfaces:
         # In the order in which they are sent; the first is the most significant.
         fields:
           - {name: position, bits: singleturn_bits, unit: counts, meaning: Position within one revolution}
-          - {name: error, active: low, when_active: an error is active}
-          - {name: warning, active: low, when_active: a warning is active}
+          - {name: error, active: low, makes_position: not_usable, when_active: an error is active}
+          - {name: warning, active: low, makes_position: usable_with_warning, when_active: a warning is active}
           - {name: crc, crc: biss_6}
 
 # --------------------------------------------------------------------------------------------------------------- registers

@@ -10,7 +10,7 @@ from .expressions import Expression
 from .markdown import cited, code, joined, link, table, text
 from .model import Alarm, Device, Field, Interface, Layout, PlacedLayout, Register, Value
 from .pictures import Strip, bit_strip, byte_strip, draw, group_strip, register_strip
-from .words import number
+from .words import WORTH, number
 
 _BIT, _BYTE_BIT = 15.0, 10.5
 #: More named values than this are listed in a table of their own.
@@ -112,6 +112,8 @@ def field_meaning(field: Field, in_register: bool = False) -> str:
         yes, no = (0, 1) if field.active_low else (1, 0)
         if field.when_active or field.when_inactive or field.implemented:
             parts.append(f"{yes}: {text(field.when_active) or 'yes'}; {no}: {text(field.when_inactive) or 'no'}")
+        parts.append(f"the sum of {', '.join(map(code, field.sums_up))}" if field.sums_up else "")
+        parts.append(f"while active, {WORTH[field.makes_position]}" if field.makes_position else "")
     elif field.kind == "constant" and not re.search(rf"always ({field.constant}|zero)\b", field.meaning.lower()):
         parts.append(f"always {hexadecimal(field.constant)}" if field.constant > 1 else f"always {field.constant}")
     elif field.kind == "crc":

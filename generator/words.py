@@ -5,6 +5,13 @@ from __future__ import annotations
 from .model import Timeout
 
 _RULE = {"follows_clock": "follows the clock", "fixed": "fixed"}
+#: What the position is worth, by the word of the spec language, and of a frame that does not tell.
+WORTH = {
+    "not_usable": "the position is not usable",
+    "usable_with_warning": "the position is usable, with a warning",
+    "usable": "the position is usable",
+    "not_told": "nothing in this frame tells whether the position is usable",
+}
 _LANGUAGES = {"de": "German", "en": "English", "es": "Spanish", "fr": "French", "it": "Italian", "ja": "Japanese", "zh": "Chinese"}
 
 

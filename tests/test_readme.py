@@ -10,6 +10,8 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -22,18 +24,32 @@ def test_its_python(generated_python: tuple[Path, ModuleType]) -> None:
     assert test.examples and doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
 
 
-def test_its_commands() -> None:
-    block = re.search(r"```\n(\$ .venv.*?)```", README, re.DOTALL)
-    assert block is not None
-    commands = [line for line in block[1].splitlines() if line.startswith("$ ")]
-    for line in commands:
-        command = [sys.executable, "-m", "codewheel", *shlex.split(line)[2:]]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-    shown = block[1].split(commands[-1])[1].strip().splitlines()
-    made = done.stdout.splitlines()
-    # Dots stand for lines left out; empty lines are not compared.
-    wanted = [line for line in shown if line and line != "..."]
-    assert wanted and [line for line in made if line in wanted] == wanted
+def _commands() -> list[tuple[str, list[str]]]:
+    """Each command of the README with the lines that it shows of what is printed."""
+    found: list[tuple[str, list[str]]] = []
+    for block in re.findall(r"^```\n(\$ .venv.*?)^```", README, re.DOTALL | re.MULTILINE):
+        for line in block.splitlines():
+            if line.startswith("$ "):
+                found.append((line.removeprefix("$ "), []))
+            else:
+                found[-1][1].append(line)
+    return found
+
+
+@pytest.mark.parametrize(("command", "shown"), _commands(), ids=lambda value: value if isinstance(value, str) else "")
+def test_its_commands(command: str, shown: list[str]) -> None:
+    done = subprocess.run([sys.executable, "-m", "codewheel", *shlex.split(command)[1:]], capture_output=True, text=True, cwd=ROOT)
+    fails = "not usable" in "".join(shown)
+    assert (done.returncode, done.stderr) == (3 if fails else 0, "")
+    # Three dots stand for lines left out, and nothing else is.
+    pieces = "".join(f"{line}\n" for line in shown).split("...\n")
+    assert not shown or re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout)
+
+
+def test_it_has_commands() -> None:
+    shown = [lines for _, lines in _commands() if lines]
+    assert len(_commands()) >= 4 and len(shown) >= 2
+    assert "no fault" in shown[0][-1]
 
 
 def test_its_links() -> None:

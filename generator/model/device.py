@@ -420,6 +420,13 @@ class Device:
         chosen = (value.supply for part in telling for value in part.values if variant.parts.get(part.name) == value.text)
         return next((item for item in chosen if item is not None), None)
 
+    def position_names(self, interface: str) -> frozenset[str]:
+        """The fields and joins that are the position over this interface or a part of it: what is measured, else those named ``position``."""
+        measurement = self.measurement_of(interface)
+        of = measurement.of if measurement is not None else "position"
+        joins = (join.fields for layout in self.interface(interface).layouts for join in layout.joins if join.name == of)
+        return frozenset({of}.union(*joins))
+
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)
 

@@ -6,7 +6,7 @@ never raises. To add one: write the function into the module of its subject, nam
 
 from __future__ import annotations
 
-from . import banks, biss, meanings, names, order_code, parameters, procedures, references, shapes, values
+from . import banks, biss, flags, meanings, names, order_code, parameters, procedures, references, shapes, values
 from .walk import Rule
 
 #: Rules without which nothing can be built: order codes and parameters lie under every width, groups under every layout.
@@ -47,6 +47,8 @@ RULES: tuple[Rule, ...] = (
     parameters.units,
     meanings.printed_number,
     meanings.interface_named,
+    flags.makes_position_missing,
+    flags.flag_sums,
     values.value_too_wide,
     values.register_range,
     values.timing_bounds,

@@ -68,7 +68,7 @@ def _check_field(fields: Fields, path: Path, field: Spec, report: DocumentReport
     kinds = [key for key in _KINDS if key in field]
     if len(kinds) > 1:
         report.add("layout-keys", (*path, kinds[1]), f"{listed(map(quoted, kinds))} do not go together; a field is one of them", at_key=True)
-    for key in ("when_active", "when_inactive"):
+    for key in ("when_active", "when_inactive", "makes_position", "sums_up"):
         if key in field and "active" not in field:
             report.add("layout-keys", (*path, key), f"{quoted(key)} belongs to a flag; {name} needs 'active: high' or 'active: low' with it", at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:

@@ -14,6 +14,7 @@ import pytest
 from codewheel.build_facts import parse_sources
 from codewheel.codec import decode_bytes
 from codewheel.decode import decoded_data
+from codewheel.findings import findings
 from codewheel.expressions import Expression, ExpressionError
 from codewheel.model import Device
 from codewheel.order_codes import find
@@ -63,7 +64,7 @@ def test_decode_has_the_shape(device: Device) -> None:
         if example.kind == "frame" and example.bytes:
             variant = find(device, example.order_code).variant
             decoded = decode_bytes(device, variant, example.sender, example.bytes)
-            assert faults(checker, decoded_data(variant, example.sender, decoded)) == []
+            assert faults(checker, decoded_data(variant, example.sender, decoded, findings(device, variant, decoded))) == []
 
 
 def items(value: Any) -> Iterator[dict[str, Any]]:

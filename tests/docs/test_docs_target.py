@@ -66,6 +66,7 @@ WORDS = {
     "output_code", "active", "do", "request", "bytes", "default_bytes", "bits", "status", "severity", "refused", "above_max", "reserved", "movement", "language",
     "document", "section", "python_package", "version", "polynomial", "from", "purpose", "url", "equals_text", "low", "high", "width", "address", "parts",
     "equals", "min", "max", "steps_per_turn", "turns", "step_um", "steps", "clear_values", "sets", "data", "values", "biss_id", "order_code", "code", "affects",
+    "makes_position",
 }
 
 

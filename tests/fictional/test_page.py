@@ -23,7 +23,7 @@ SPEC = (EXAMPLE / "tolvarn" / "tv62.yaml").read_text(encoding="utf-8")
 SLIPS = {
     "padding": ("padded_to: 31", "padded_to: 32", "example 'ssi_before_preset' does not hold: 'ssi_word' has 33 bits; this has 32"),
     "length": ("    length: 4\n    byte_order: high_byte_first\n    access: read_write", "    length: 5\n    byte_order: high_byte_first\n    access: read_write",
-               "duplicate-address: address 0x04 overlaps 'preset' on line 163, which has addresses 0x00 to 0x04"),
+               "duplicate-address: address 0x04 overlaps 'preset' on line 166, which has addresses 0x00 to 0x04"),
     "signed": ("padded_to: 31\n            signed: true\n", "padded_to: 31\n", "example 'ssi_before_preset' does not hold: position is 33553432, not -1000"),
     "no_order": ("    byte_order: high_byte_first\n    access: read_write\n", "    access: read_write\n",
                  "byte-order-missing: 'preset' has 4 bytes, so it needs 'byte_order': low_byte_first or high_byte_first"),
@@ -32,6 +32,8 @@ SLIPS = {
     "top_bit": ("poly: 0x05", "poly: 0x25", "crc-impossible: the polynomial 0x25 does not fit into 5 bits; leave the top bit out: 0x5"),
     "start": ("init: 0x5A3C", "init: 0", "example 'position_channel' does not hold: the CRC is 0x4587; over these bits it has to be 0x5e9a"),
     "bank": ("      - {do: write, register: bank, value: position}\n", "", "bank-not-selected: 'preset' is in bank 1; write that to 'bank' before it"),
+    "worth": ("            makes_position: usable_with_warning\n", "",
+              "makes-position-missing: 'warning' comes in a frame with the position; say what the position is worth while it is active"),
     "bits_from_1": ("at: 2:1, values", "at: 3:2, values", ""),
 }
 

@@ -44,10 +44,12 @@ def test_the_same_spec_has_no_difference(tmp_path: Path) -> None:
     [
         ("address: 0x48", "address: 0x4A", ("registers.command.address", "changed", 0x48, 0x4A, "breaking")),
         ("min_hz: 200000,", "min_hz: 100000,", ("interfaces.biss.clock.min_hz", "changed", 200000, 100000, "compatible")),
+        ("makes_position: not_usable", "makes_position: usable_with_warning",
+         ("layouts.single_cycle_data.fields.error.makes_position", "changed", "not_usable", "usable_with_warning", "breaking")),
         ("max_hz: 10000000", "max_hz: 5000000", ("interfaces.biss.clock.max_hz", "changed", 10000000, 5000000, "breaking")),
         ("at_least_ms: 30", "at_least_ms: 40", ("procedures.set_preset.steps.3.microseconds", "changed", 30000, 40000, "breaking")),
         ("xorout: 0x3F", "xorout: 0", ("crcs.biss_6.xorout", "changed", 0x3F, 0, "breaking")),
-        ("active: low, when_active: an error is active", "active: high, when_active: an error is active",
+        ("active: low, makes_position: not_usable", "active: high, makes_position: not_usable",
          ("layouts.single_cycle_data.fields.error.active", "changed", "low", "high", "breaking")),
         ("meaning: Saves what was written", "meaning: Saves all", ("registers.command.fields.function.values.save.meaning", "changed", "Saves what was written", "Saves all", "compatible")),
         ("save: {value: 1,", "save: {value: 2,", ("registers.command.fields.function.values.save.value", "changed", 1, 2, "breaking")),

@@ -144,7 +144,7 @@ def test_the_words_fit_a_terminal(devices: Mapping[str, Device]) -> None:
             for plant in maker(encoder, source):
                 decoded = decode_text(device, match.variant, "encoder", plant.text)
                 found = why_text(device, match.variant, "encoder", plant.text, decoded)
-                text = explain(device, match, "encoder", decoded, found)
+                text = explain(device, match, "encoder", decoded, why=found)
                 assert [line for line in text.splitlines() if len(line) > 80] == []
                 assert found is None or "by coincidence in 1 of" in text or "less than 1 of" in text or "Nothing usual" in text
 

@@ -571,6 +571,13 @@ class SsiWord(NamedTuple):
 # battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery alarm and MT error.
 # Used: Each as printed, none derived from another.
 #
+# Erratum position_under_error, open (6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44). Printed:
+# BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning alone: the
+# position is kept. What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
+# error, ST error or MT error, latched ones until they are reset. Usable with a warning with the warning bit or the
+# battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes it not usable, unless the frame
+# carries these four as well (data ID 3): then they decide.
+#
 # Erratum biss_min_clock, open (6.5 p.40; prot: p.18). Printed: Clock of 50 kHz at least; the time-out is worked out for
 # 50 kHz as well. Used: 50 kHz.
 
@@ -659,6 +666,13 @@ class SingleCycleData(NamedTuple):
     1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn
     system, or battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery alarm
     and MT error. Used: Each as printed, none derived from another.
+
+    Erratum position_under_error, open (6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44).
+    Printed: BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning
+    alone: the position is kept. What the other errors do to the position is not said. Used: Not usable with an error,
+    BUSY, PS error, ST error or MT error, latched ones until they are reset. Usable with a warning with the warning bit
+    or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes it not usable, unless the
+    frame carries these four as well (data ID 3): then they decide.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1128,7 +1142,7 @@ class SingleturnReply(NamedTuple):
     Erratum crc_example_frame, settled (7.6). Printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF,
     SF, DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for its length.
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms.
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1230,7 +1244,7 @@ class MultiturnReply(NamedTuple):
     alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has
     been read.
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms.
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1328,7 +1342,8 @@ class EncoderIdReply(NamedTuple):
     Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one
     is decoded, and the other one reported.
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, busy_and_errors_in_one_bit.
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error,
+    busy_and_errors_in_one_bit.
 
     Attributes:
         status_st_error: True: ST error; False: no ST error; high active.
@@ -1424,8 +1439,8 @@ class CompleteReply(NamedTuple):
     Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one
     is decoded, and the other one reported.
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, busy_and_errors_in_one_bit,
-    battery_alarm_reset, busy_clear.
+    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error,
+    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -3726,6 +3741,34 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "leds.led_2_warning",
         ),
         source="6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51",
+    ),
+    Erratum(
+        name="position_under_error",
+        printed=(
+            "BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning "
+            "alone: the position is kept. What the other errors do to the position is not said."
+        ),
+        used=(
+            "Not usable with an error, BUSY, PS error, ST error or MT error, latched ones until they are reset. "
+            "Usable with a warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, "
+            "battery alarm and MT error, makes it not usable, unless the frame carries these four as well (data ID "
+            "3): then they decide."
+        ),
+        why=(
+            "PS error and ST error are faults of the counting itself, and the position may have been counted wrongly "
+            "before the error was seen. Where EE_1 is all there is, the position may be the 0 of BUSY. The warning "
+            "bit also stands for an error in the magnetic multiturn system, so that the number of revolutions may be "
+            "wrong with it; the manual calls it a warning all the same."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "field_groups.status_field",
+            "field_groups.alarm_field",
+            "interfaces.biss.single_cycle_data.error",
+            "interfaces.biss.single_cycle_data.warning",
+        ),
+        source="6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44",
     ),
     Erratum(
         name="preset_limit",

@@ -432,6 +432,9 @@ class SsiWord(NamedTuple):
 # the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning; all
 # are active errors.
 #
+# Erratum position_under_error, open (6.2.1 p.20; 6.4 p.29). Printed: nE and nW tell of an active error or warning; what
+# the position is worth then is not said. Used: Not usable with an error; usable with a warning with a warning.
+#
 # Erratum biss_timeout, open (6.5 p.32; prot: p.18; amm5: 6.5 p.40). Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10
 # MHz). Used: The one value; no rule for other clocks.
 
@@ -507,6 +510,9 @@ class SingleCycleData(NamedTuple):
     Erratum warning_sources, open (6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42). Printed: For the active warning refer to
     the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning;
     all are active errors.
+
+    Erratum position_under_error, open (6.2.1 p.20; 6.4 p.29). Printed: nE and nW tell of an active error or warning;
+    what the position is worth then is not said. Used: Not usable with an error; usable with a warning with a warning.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -2394,6 +2400,19 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.biss.single_cycle_data.warning",
         ),
         source="6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42",
+    ),
+    Erratum(
+        name="position_under_error",
+        printed="nE and nW tell of an active error or warning; what the position is worth then is not said.",
+        used="Not usable with an error; usable with a warning with a warning.",
+        why=(
+            "The errors of the error register concern the signals, the conversion and the configuration, from all of "
+            "which the position is made."
+        ),
+        status="open",
+        severity="omission",
+        affects=("interfaces.biss.single_cycle_data.error", "interfaces.biss.single_cycle_data.warning"),
+        source="6.2.1 p.20; 6.4 p.29",
     ),
     Erratum(
         name="position_register_bits",

@@ -490,6 +490,11 @@ class SelectPresetOffset(IntEnum):
 #
 # Erratum ssi_cable_50_m, open (5.3 p.22). Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1
 # MHz. Used: Both as printed.
+#
+# Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
+# right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be frozen,
+# wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE, ea1 or an
+# alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=1_000_000, source="5.3 p.22"),
@@ -541,6 +546,11 @@ class SsiWord(NamedTuple):
 
     Erratum gray_scope, open (5.2 p.20; 6.4 p.31). Printed: The output code can be binary or Gray, without saying which
     bits of the frame it covers. Used: The position alone; error and warning bit and the CRC are sent as they are.
+
+    Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
+    right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be
+    frozen, wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE,
+    ea1 or an alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -605,6 +615,11 @@ class SsiWord(NamedTuple):
 #
 # Erratum biss_timeout, open (6.5 p.34; prot: p.18; asc85: 6.5 p.32). Printed: The BiSS time-out adapts itself to the
 # clock, 16 µs at most, without saying how. Used: At most 16 µs.
+#
+# Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
+# right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be frozen,
+# wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE, ea1 or an
+# alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.5 p.34"),
@@ -689,6 +704,11 @@ class SingleCycleData(NamedTuple):
 
     Erratum warning_level, open (6.2 p.26; 9.1). Printed: Warning, nW, without saying which level means a warning. Used:
     0 is a warning, as with the error bit.
+
+    Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
+    right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be
+    frozen, wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE,
+    ea1 or an alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -907,8 +927,8 @@ class PositionReply(NamedTuple):
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level,
-    unimplemented_alarms.
+    Of its parts, see ERRATA: control_field_structure, alarm_storage, position_under_error, data_id_5_example_status,
+    error_bit_level, unimplemented_alarms.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1064,7 +1084,8 @@ class WidePositionReply(NamedTuple):
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, error_bit_level, unimplemented_alarms.
+    Of its parts, see ERRATA: control_field_structure, alarm_storage, position_under_error, error_bit_level,
+    unimplemented_alarms.
 
     Attributes:
         status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
@@ -1160,8 +1181,8 @@ class IdentificationReply(NamedTuple):
     Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
     marked as the order of transmission. Used: ABS0 first.
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, data_id_5_example_status, error_bit_level,
-    unimplemented_alarms.
+    Of its parts, see ERRATA: control_field_structure, alarm_storage, position_under_error, data_id_5_example_status,
+    error_bit_level, unimplemented_alarms.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -4003,6 +4024,32 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity="wording",
         affects=("field_groups.status_field.status_alarm", "field_groups.alarm_field"),
         source="7.3.2 p.38; 7.3.3",
+    ),
+    Erratum(
+        name="position_under_error",
+        printed=(
+            "ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor "
+            "has to stop. nE: the last valid position may be frozen, wrong data may be sent. What single alarms and "
+            "nW do to the position is not said."
+        ),
+        used=(
+            "Not usable with nE, ea1 or an alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 "
+            "sums up, or nW."
+        ),
+        why=(
+            "ea1 does not tell which of the three it is. An error in the EEPROM alone may leave the position right; "
+            "nobody says so. nW is for Lika's technicians, and nothing is known against a position with it."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "field_groups.status_field",
+            "field_groups.alarm_field",
+            "interfaces.ssi.ssi_word.error",
+            "interfaces.biss.single_cycle_data.error",
+            "interfaces.biss.single_cycle_data.warning",
+        ),
+        source="6.2 p.26; 7.3.2 p.38; 9 p.47",
     ),
     Erratum(
         name="abs_range_48",

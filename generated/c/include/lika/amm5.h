@@ -518,6 +518,14 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
  *                 alarm and MT error. Used: Each as printed, none derived from another. [6.2.1
  *                 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
+ * Erratum (open): printed: BUSY: all position data are 0. A spent battery: the encoder cannot
+ *                 operate. A low one, with the warning alone: the position is kept. What the other
+ *                 errors do to the position is not said. Used: Not usable with an error, BUSY, PS
+ *                 error, ST error or MT error, latched ones until they are reset. Usable with a
+ *                 warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS
+ *                 error, battery alarm and MT error, makes it not usable, unless the frame carries
+ *                 these four as well (data ID 3): then they decide. [6.2.1 p.32; 6.2.1 p.33; 4.3.1
+ *                 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
  */
 typedef struct lika_amm5_single_cycle_data {
     uint16_t multiturn; /* Number of revolutions [revolutions] */
@@ -660,6 +668,14 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
  *                 alarm and MT error. Used: Each as printed, none derived from another. [6.2.1
  *                 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
+ * Erratum (open): printed: BUSY: all position data are 0. A spent battery: the encoder cannot
+ *                 operate. A low one, with the warning alone: the position is kept. What the other
+ *                 errors do to the position is not said. Used: Not usable with an error, BUSY, PS
+ *                 error, ST error or MT error, latched ones until they are reset. Usable with a
+ *                 warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS
+ *                 error, battery alarm and MT error, makes it not usable, unless the frame carries
+ *                 these four as well (data ID 3): then they decide. [6.2.1 p.32; 6.2.1 p.33; 4.3.1
+ *                 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
  * Erratum (open): printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error. Used: One
  *                 flag, status_other_error; the position beside it is not to be trusted until ALMC
  *                 has been read. [7.3.2 p.42; 7.4.1 p.44]

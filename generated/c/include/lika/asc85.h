@@ -474,6 +474,9 @@ static inline lika_result lika_asc85_ssi_word_encode(
  * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
  *                 called errors. Used: No bit of the error register is taken as a warning; all are
  *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
+ * Erratum (open): printed: nE and nW tell of an active error or warning; what the position is worth
+ *                 then is not said. Used: Not usable with an error; usable with a warning with a
+ *                 warning. [6.2.1 p.20; 6.4 p.29]
  */
 typedef struct lika_asc85_single_cycle_data {
     /* Position: Position within one revolution, most significant bit first [counts] */

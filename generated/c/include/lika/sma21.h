@@ -473,6 +473,12 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
  * Erratum (open): printed: The output code can be binary or Gray, without saying which bits of the
  *                 frame it covers. Used: The position alone; error and warning bit and the CRC are
  *                 sent as they are. [5.2 p.20; 6.4 p.31]
+ * Erratum (open): printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error
+ *                 in the position, or the motor has to stop. nE: the last valid position may be
+ *                 frozen, wrong data may be sent. What single alarms and nW do to the position is
+ *                 not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up; usable with
+ *                 a warning with ea0, an alarm that ea0 sums up, or nW. [6.2 p.26; 7.3.2 p.38; 9
+ *                 p.47]
  */
 typedef struct lika_sma21_ssi_word {
     uint32_t position; /* Position in counts; times the resolution it is a length [counts] */
@@ -590,6 +596,12 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  * Erratum (open): printed: Warning, nW, without saying which level means a warning. Used: 0 is a
  *                 warning, as with the error bit. [6.2 p.26; 9.1]
+ * Erratum (open): printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error
+ *                 in the position, or the motor has to stop. nE: the last valid position may be
+ *                 frozen, wrong data may be sent. What single alarms and nW do to the position is
+ *                 not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up; usable with
+ *                 a warning with ea0, an alarm that ea0 sums up, or nW. [6.2 p.26; 7.3.2 p.38; 9
+ *                 p.47]
  */
 typedef struct lika_sma21_single_cycle_data {
     /* Posizione: Position in counts; times the resolution it is a length [counts] */
@@ -696,6 +708,12 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
  * Erratum (settled): printed: Five bits cc0 to cc4 as ID code. Used: cc0 to cc3 are the data ID,
  *                    cc4 is its even parity bit. [7.3.1 p.38; 7.2.2 p.37; stmbl:
  *                    src/comps/smartabs.c]
+ * Erratum (open): printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error
+ *                 in the position, or the motor has to stop. nE: the last valid position may be
+ *                 frozen, wrong data may be sent. What single alarms and nW do to the position is
+ *                 not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up; usable with
+ *                 a warning with ea0, an alarm that ea0 sums up, or nW. [6.2 p.26; 7.3.2 p.38; 9
+ *                 p.47]
  * Erratum (open): printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are 0, as 7.3.2 has
  *                 it; the example checks the CRC only, and as a reply it is refused for its
  *                 constant. [7.3.4; 7.3.2 p.38]
