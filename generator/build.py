@@ -20,6 +20,7 @@ from .fields import Context, Raw, build_values
 from .held import held_in_registers
 from .layouts import build_layout
 from .limits import bounded, bounded_width, bounds, representable
+from .measured import check_measurements
 from .model import (
     Argument, CableLength, Characteristic, CodePart, CodeValue, ControlField, Crc, DataId, Device, Document, FieldGroup, Interface, Led,
     LedState, LostFigure, Manufacturer, Measurement, MemoryAccess, Network, OrderCode, Parameter, Port, PrintedTimeout, Procedure, Register,
@@ -27,11 +28,12 @@ from .model import (
 )
 from .order_codes import combinations
 from .problems import DocumentReport, Path
+from .reach import check_reach
 from .run_time import resolve_parameters
 
 
-def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device:
-    """The family that a checked device file describes.
+def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
+    """The family that a checked device file describes, or None where an expression has no value.
 
     What could not be built is missing from the result; the caller uses it only when nothing was reported.
     """
@@ -49,6 +51,8 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
         data_ids=MappingProxyType({kind: _data_ids(item) for kind, item in raw["interfaces"].items()}),
         sources=sources,
     )
+    if not check_reach(raw, context, variants):
+        return None
     interfaces = tuple(_interface(kind, item, context) for kind, item in raw["interfaces"].items())
     registers = _registers(raw, context)
     device = Device(
@@ -87,6 +91,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     )
     _check_control_bytes(device, report)
     device = replace(device, procedures=_procedures(raw, device))
+    check_measurements(device, report)
     check_examples(device, report)
     return device
 

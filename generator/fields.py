@@ -26,12 +26,9 @@ class Context:
     sources: Any
 
     def expression(self, text: int | str) -> Expression | None:
-        """The expression over parameters that order codes set, or None when it is none or names one that does not exist."""
+        """The expression over parameters that order codes set, or None when it is none."""
         try:
-            found = Expression.parse(text).substitute(self.definitions)
-            for parameters in next(iter(self.parameter_sets.values()), ())[:1]:
-                found.value(parameters)
-            return found
+            return Expression.parse(text).substitute(self.definitions)
         except ExpressionError:
             return None  # reported by the rules on references and expressions
 

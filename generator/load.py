@@ -66,6 +66,8 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
             report.add("undefined-reference", document, ("manufacturer",), f"there is no manufacturer file for '{data['manufacturer']}'{known}")
             continue
         device = build_device(data, maker, report.for_document(document))
+        if device is None:
+            continue
         _compare_with_others(device, devices, document, report)
         devices.append(device)
     devices.sort(key=lambda item: item.name)

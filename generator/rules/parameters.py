@@ -25,16 +25,16 @@ _MEASURED = {"steps_per_turn": "counts", "turns": "revolutions", "step_um": "mic
 def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """A parameter that holds over one interface is not used for another."""
     parameters = mapping(raw, "parameters")
-    for path, interface, text in _uses(spec, raw):
-        for name in dict.fromkeys(_all_parameters(text, parameters)):
+    for path, interface, text in uses(spec, raw):
+        for name in dict.fromkeys(all_parameters(text, parameters)):
             of = mapping(parameters, name).get("interface")
             if isinstance(of, str) and of != interface:
                 report.add("parameter-interface", path, f"{quoted(name)} holds over {of} only, by its 'interface'; this is {interface}")
 
 
-def _uses(spec: Spec, raw: Spec) -> Iterator[tuple[Path, str, object]]:
+def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Where an interface uses expressions and parameters: the place, the interface, and the text."""
-    groups = by_name(raw, "field_groups")
+    groups = by_name(raw if raw is not None else spec, "field_groups")
     registers = (Fields("register", register, path, interface_of(register)) for path, register in items(spec, "registers"))
     for fields in (*layouts(spec), *registers):
         for path, field in expanded(fields, groups):
@@ -54,7 +54,7 @@ def _uses(spec: Spec, raw: Spec) -> Iterator[tuple[Path, str, object]]:
         yield from (((*here, key), kind, measurement[key]) for key in (*ANGLE, *LENGTH) if key in measurement)
 
 
-def _all_parameters(text: object, parameters: Spec) -> Iterator[str]:
+def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
     """The parameters in an expression, and those from which they follow."""
     names, seen = _factors(text), set()
     while names:

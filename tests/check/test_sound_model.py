@@ -70,3 +70,37 @@ def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) ->
     assert layout.place(variant.parameters).bits == 16 + 2 + 6
     later = layout.place(with_registers(device, variant, {0x48: 7 << 3}).parameters)
     assert [(item.name, item.low, item.width) for item in later.fields][:2] == [("position", 15, 16), ("zeros", 8, 7)]
+
+
+# -- what a position can hold
+
+POSITION = "{name: position, bits: position_bits}"
+FRAME_BITS = (HELD[0], "  position_bits: {meaning: Bits of the position}\n  frame_bits: {meaning: Bits of the frame}\n")
+TWO_SETS = ("12: {sets: {position_bits: 12}}\n        \"16\": {sets: {position_bits: 16}}",
+            "12: {sets: {position_bits: 12, frame_bits: 13}}\n        \"16\": {sets: {position_bits: 16, frame_bits: 25}}")  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "measurement"),
+    [
+        ((), "steps_per_turn: 2^position_bits"),
+        (((POSITION, "{name: position, bits: 12}"),), "steps_per_turn: 3600"),
+        (((POSITION, "{name: position, bits: 24}"),), "steps_per_turn: 4096"),
+        (((POSITION, "{name: position, bits: 48, signed: true}"),), "steps_per_turn: 2^position_bits, turns: 16"),
+        (((POSITION, "{name: position, bits: position_bits, padded_to: 24}"),), "steps_per_turn: 2^position_bits, turns: 1"),
+        ((FRAME_BITS, TWO_SETS, (POSITION, "{name: position, bits: frame_bits}")), "steps_per_turn: 2^position_bits"),
+        (((POSITION, "{name: position, bits: position_bits + 4}"),), "steps_per_turn: 2^position_bits, turns: 10"),
+        (((POSITION, "{name: turns, bits: 4}\n          - {name: angle, bits: position_bits}"), ("crc: biss_6}\n", "crc: biss_6}\n        join: {position: [turns, angle]}\n")),
+         "steps_per_turn: 2^position_bits, turns: 10"),
+    ],
+)  # fmt: skip
+def test_steps_and_turns_that_fit(tmp_path: Path, changes: tuple[tuple[str, str], ...], measurement: str) -> None:
+    """Steps need be no power of two, and a position may be wider than it needs: by a fixed width, by padding, by a parameter of its own."""
+    sound(tmp_path, *changes, more=f'measurement: {{of: position, {measurement}, source: "6.1"}}\n')
+
+
+def test_turns_that_a_register_holds(tmp_path: Path) -> None:
+    """255 turns are the highest count of a byte and no slip, where a user may set any number."""
+    held = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
+    more = SETTING.replace("DEFAULT", "255").replace(", other_bits: unspecified, fields: [FIELD]", "")
+    sound(tmp_path, held, (POSITION, "{name: position, bits: position_bits + 8}"), more=more + 'measurement: {of: position, steps_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n')

@@ -1,0 +1,34 @@
+"""Whether the expressions of a spec have a value: a power of two is out of reach where its exponent is below 0 or beyond all encoders."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from .expressions import Expression, ExpressionError
+from .fields import Context, Raw
+from .model import Variant
+from .rules.parameters import all_parameters, uses
+
+
+def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
+    """Reports each expression without a value: what an interface uses for each of its order codes, a parameter where no code gives it one."""
+    before = len(context.report)
+    for path, interface, text in uses(dict(raw)):
+        behind = [raw["parameters"][name]["equals"] for name in all_parameters(text, raw["parameters"]) if "equals" in raw["parameters"][name]]
+        faults = (_fault(item, parameters) for parameters in context.parameter_sets.get(interface, ()) for item in (text, *behind))
+        wrong = next(filter(None, faults), "")
+        if wrong:
+            context.report.add("bad-expression", path, wrong)
+    for name, item in raw["parameters"].items():
+        found = [_fault(item["equals"], variant.parameters) for variant in variants] if "equals" in item else []
+        if found and all(found):
+            context.report.add("bad-expression", ("parameters", name, "equals"), found[0])
+    return len(context.report) == before
+
+
+def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
+    try:
+        Expression.parse(text).value(parameters)
+    except ExpressionError as error:
+        return str(error)
+    return ""
