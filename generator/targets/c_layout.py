@@ -286,8 +286,8 @@ class LayoutSource:
             fixed = f"{width}{'' if width.endswith('bits') else ' bits'}, those above always 0"
         if field.signed:
             fixed = "two's complement"
-        if isinstance(field.equals, Expression) and field.equals.is_constant:
-            fixed = f"{field.equals.constant:#x} by the manual, not enforced"
+        if isinstance(field.equals, int):
+            fixed = f"{field.equals:#x} by the manual, not enforced"
         explains = field.kind == "constant" and not field.name.startswith("zero_") and not field.padding_of
         outside = () if self.is_member(field) else (printed(field),)
         return "; ".join(part for part in (*outside, fixed, field.meaning if explains and "always" not in field.meaning.lower() else "") if part)

@@ -143,8 +143,7 @@ class CodecBuilder(EncodeText):
 
     def _usual(self, item: Field) -> str:
         """The number that the manual states for a field of a frame; empty where it states none."""
-        stated = item.equals if self.register is None else None
-        return number_text(stated.constant) if isinstance(stated, Expression) and stated.is_constant else ""
+        return number_text(item.equals) if self.register is None and isinstance(item.equals, int) else ""
 
     def _selector(self, item: Field, name: str, local: str, raw: str, meaning: str, ranges: list[Check]) -> Iterable[Attribute]:
         selects = self.layout.selects
@@ -209,11 +208,9 @@ class CodecBuilder(EncodeText):
             yield "RangeError", "A field holds a value without meaning."
 
     def _expected(self, value: Expression | int | str | None) -> str:
-        if isinstance(value, Expression) and value.is_constant:
-            return number_text(value.constant)
         if isinstance(value, Expression):
             return operand(self._text(value, "self.variant"))
-        return quoted(value) if isinstance(value, str) else str(value)
+        return quoted(value) if isinstance(value, str) else number_text(value or 0)
 
     # ------------------------------------------------------------------------------------------------------------- joins and more
 
@@ -270,8 +267,8 @@ class CodecBuilder(EncodeText):
 def _stated(value: Expression | int | str | None) -> str:
     """What the manual states for a field, in words."""
     if isinstance(value, Expression):
-        return number_text(value.constant) if value.is_constant else value.render()
-    return repr(value)
+        return value.render()
+    return number_text(value) if isinstance(value, int) else repr(value)
 
 
 def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:

@@ -302,6 +302,58 @@ int main(void)
     ]  # fmt: skip
 
 
+def test_another_encoder_id_is_decoded_and_not_as_expected(include: Path, tmp_path: Path) -> None:
+    """AMM5 7.4 p.43 prints ENID 23h; T-format encoders of 23 bits usually have 17h."""
+    code = """#include "lika/amm5.h"
+#include <stdio.h>
+int main(void)
+{
+    static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KJP1;
+    static uint8_t other[11] = { 0x1A, 0x00, 0xA5, 0xA5, 0x00, 0x17, 0x88, 0x88, 0x00, 0x00, 0x0D };
+    static const uint8_t alone[4] = { 0x92, 0x00, 0x23, 0xB1 };
+    lika_amm5_complete_reply reply;
+    lika_amm5_encoder_id_reply id;
+    printf("%d", (int)lika_amm5_complete_reply_decode(&encoder, other, sizeof other, &reply));
+    printf(" %lx %x %x", (unsigned long)reply.singleturn, (unsigned)reply.multiturn, (unsigned)reply.encoder_id);
+    printf(" %d", (int)lika_amm5_complete_reply_is_expected(&encoder, &reply));
+    printf(" %d", (int)lika_amm5_encoder_id_reply_decode(&encoder, alone, sizeof alone, &id));
+    printf(" %d", (int)lika_amm5_encoder_id_reply_is_expected(&encoder, &id));
+    other[0] ^= 0x01U;
+    other[10] ^= 0x01U;
+    printf(" %d\\n", (int)lika_amm5_complete_reply_decode(&encoder, other, sizeof other, &reply) == LIKA_FAULT_CONSTANT);
+    return 0;
+}
+"""
+    program = compile_c(["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"], code, tmp_path, include)
+    printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
+    assert printed == ["0", "a5a5", "8888", "17", "0", "0", "1", "1"]
+
+
+def test_labels_of_edition_1_1_are_found(include: Path, tmp_path: Path) -> None:
+    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...; SMA21 cover: SMA21 -BGx-..., with a blank."""
+    wanted = {
+        "AM3616/4096SC1": "AM3616/4096-I7", "amc3619/4096-SC-x": "AMC3619/4096-I7", "AM3616/4096BG2": "AM3616/4096-BG",
+        "AM3616/4096SCX": "-", "AM3616/4096I7": "-",
+    }  # fmt: skip
+    calls = "".join(f'    code = lika_am36_find_order_code("{label}", &unlisted);\n    puts(code == NULL ? "-" : code->text);\n' for label in wanted)
+    code = f"""#include "lika/am36.h"
+#include "lika/sma21.h"
+#include <stdio.h>
+int main(void)
+{{
+    uint32_t unlisted = 0U;
+    const lika_am36_order_code *code;
+    const lika_sma21_order_code *blank;
+{calls}    blank = lika_sma21_find_order_code(" SMA21 -BG1-0050 ", &unlisted);
+    puts(blank == NULL ? "-" : blank->text);
+    return 0;
+}}
+"""
+    program = compile_c(["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"], code, tmp_path, include)
+    printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
+    assert printed == [*wanted.values(), "SMA21-BG1-0050"]
+
+
 def test_what_c_cannot_express_is_one_clear_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A text that does not begin at a byte."""
     text = (ROOT / "tests" / "c" / "specs" / "words.yaml").read_text()

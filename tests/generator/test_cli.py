@@ -130,6 +130,23 @@ def test_a_sound_frame_with_an_error_exits_3(capsys: pytest.CaptureFixture[str])
     assert code == 3 and fields["error"] is True and fields["warning"] is True
 
 
+def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixture[str]) -> None:
+    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-... for what edition 1.0 has as AMx36xx/4096-I7-..."""
+    label, frame = "AM3616/4096SC1", f"0x{0b11 << 6 | 0x3F:x}"
+    for arguments in (("show", label), ("decode", label, frame), ("master", label)):
+        out = " ".join(run(capsys, *arguments)[1].split())
+        assert "AM3616/4096-I7" in out and "the label is written as in edition 1.1 of the manual" in out, arguments
+    for command in ("show", "master"):
+        code, found = data(capsys, command, label, "--json")
+        assert code == 0 and found["label"]["written_as_in"].startswith("edition 1.1"), command
+    assert "written as in" not in run(capsys, "show", "AM3616/4096-I7")[1]
+    assert "also {model}{singleturn}/{turns}{output}" in run(capsys, "show", "am36")[1]
+
+
+def test_a_blank_on_a_label_means_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "show", "SMA21 -BG1-0050") == run(capsys, "show", "SMA21-BG1-0050")
+
+
 def test_decode_a_register(capsys: pytest.CaptureFixture[str]) -> None:
     # AMM5 manual 6.4: 18 30 03630.
     code, found = data(capsys, "decode", "AMM5A21/65KSC1", "--as", "serial_number", "0AE869EE", "--json")

@@ -79,7 +79,9 @@ def test_cable_table(amm5: Any) -> None:
 def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
     for name, byte in (("reset_errors", 0xBA), ("reset_singleturn_and_multiturn", 0xC2), ("reset_multiturn_and_errors", 0x62)):
         send = getattr(amm5, name)()[0]
-        assert send == lika.Send(bytes([byte]), times=10, every_us=40)
+        # 7.4.2 p.45: ten times in succession, at intervals of 40 µs or more.
+        assert send == lika.Send(bytes([byte]), times=10, every_us=40, meaning="in succession, no other request in between")
+        assert "stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
 
 
 # ---------------------------------------------------------------------------------------------------------- published vectors
@@ -134,6 +136,26 @@ def test_published_reply(amm5: Any, vectors: list[dict[str, Any]]) -> None:
     assert isinstance(found, amm5.SingleturnReply)
     assert found.singleturn == row["fields"]["ABS"]
     assert (found.status_st_error, found.status_other_error) == (False, True)
+
+
+def test_another_encoder_id_is_reported_and_the_frame_decoded(amm5: Any, lika: Any) -> None:
+    """7.4 p.43 prints ENID 23h; HPMicro's T-format sample has 17h, with ST A5A5h and MT 8888h. The bytes follow from that."""
+    encoder = amm5.lookup("AMM5A23/65KJP1")
+    data = bytes.fromhex("1A 00 A5 A5 00 17 88 88 00 00 0D")
+    found = encoder.decode(data)
+    assert (found.singleturn, found.multiturn, found.encoder_id) == (0xA5A5, 0x8888, 0x17)
+    assert not found.is_as_documented and found.encode() == data
+    documented = found._replace(encoder_id=0x23)
+    assert documented.is_as_documented and encoder.decode(documented.encode()) == documented
+    alone = encoder.decode(bytes.fromhex("92 00 17 85"))
+    assert (alone.encoder_id, alone.is_as_documented) == (0x17, False)
+    # What a simulator sends unless told otherwise is what the manual prints.
+    assert amm5.EncoderIdReply().encode() == bytes.fromhex("92 00 23 B1")
+    assert amm5.CompleteReply.from_position(encoder, 5).encoder_id == 0x23
+    # Sync code and data ID still prove the frame.
+    for wrong, error in ((0x1B, lika.ConstantError), (0x9A, lika.ConstantError), (0x12, lika.FrameError)):
+        with pytest.raises(error):
+            encoder.decode(bytes([wrong]) + data[1:-1] + bytes([data[-1] ^ 0x1A ^ wrong]))
 
 
 def test_published_requests_prove_the_crc_only(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:

@@ -1353,9 +1353,9 @@ class EncoderIdReply(NamedTuple):
         encoder_id: Encoder ID, printed as 23h; a frame with another one is decoded.
     """
 
-    status_st_error: bool
-    status_other_error: bool
-    encoder_id: int
+    status_st_error: bool = False
+    status_other_error: bool = False
+    encoder_id: int = 0x23
 
     @property
     def data_id(self) -> DataId:
@@ -1364,8 +1364,8 @@ class EncoderIdReply(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """Whether it holds what the manual says: encoder_id 35."""
-        return self.encoder_id == 35
+        """Whether it holds what the manual says: encoder_id 0x23."""
+        return self.encoder_id == 0x23
 
     @classmethod
     def decode(cls, data: bytes) -> EncoderIdReply:
@@ -1478,8 +1478,8 @@ class CompleteReply(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """Whether it holds what the manual says: encoder_id 35."""
-        return self.encoder_id == 35
+        """Whether it holds what the manual says: encoder_id 0x23."""
+        return self.encoder_id == 0x23
 
     @property
     def position(self) -> int:
@@ -1491,9 +1491,9 @@ class CompleteReply(NamedTuple):
         cls,
         variant: Variant,
         position: int,
-        status_st_error: bool,
-        status_other_error: bool,
-        encoder_id: int,
+        status_st_error: bool = False,
+        status_other_error: bool = False,
+        encoder_id: int = 0x23,
         busy: bool = False,
         st_error: bool = False,
         ps_error: bool = False,

@@ -65,6 +65,7 @@ from ._facts import (
     Register,
     Revision,
     SsiFacts,
+    Table,
     Timeout,
     Timing,
 )
@@ -1030,8 +1031,8 @@ class ProfileId(NamedTuple):
 
     @property
     def is_as_documented(self) -> bool:
-        """Whether it holds what the manual says: variant 40."""
-        return self.variant_ == 40
+        """Whether it holds what the manual says: variant 0x28."""
+        return self.variant_ == 0x28
 
     @classmethod
     def decode(cls, data: bytes) -> ProfileId:
@@ -1927,6 +1928,26 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
 
 #: Lights and what their states mean.
 LEDS: Final[tuple[Led, ...]] = ()
+
+#: Tables of the manual.
+TABLES: Final[tuple[Table, ...]] = (
+    Table(
+        name="reserved_registers",
+        title="Registers that are reserved to the maker",
+        columns=("First address", "Last address", "What they are"),
+        rows=(
+            (
+                "00h",
+                "2Dh",
+                (
+                    "Configuration registers, not available to users; commands 01, 03 and 04 save, load and verify "
+                    "them. Do not write them"
+                ),
+            ),
+        ),
+        source="6.4 p.26",
+    ),
+)
 
 #: Further facts of the manual, as text.
 CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (

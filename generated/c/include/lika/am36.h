@@ -782,7 +782,7 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  * Identification code of the profile.
  * The lowest address holds the high byte.
  * The manual refers to "Standard encoder profile", "data format", "Variant 0-24" beside it.
- *   bytes 0 to 1  profile
+ *   bytes 0 to 1  profile  0x0 by the manual, not enforced
  * Erratum (open): printed: Profile ID 00 00; see Standard encoder profile, Variant 0-24. Used: 00
  *                 00, and no data length from it. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4;
  *                 asc85: 6.4]

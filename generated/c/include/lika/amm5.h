@@ -1161,7 +1161,7 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
  *   byte 1 bit 4     status_st_error     active high
  *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
- *   byte 2           encoder_id
+ *   byte 2           encoder_id          0x23 by the manual, not enforced
  *   byte 3           crc                 CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID
  *                 should be; a frame with another one is decoded, and the other one reported.
@@ -1255,7 +1255,7 @@ static inline bool lika_amm5_encoder_id_reply_is_expected(
  *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
- *   byte 5           encoder_id
+ *   byte 5           encoder_id          0x23 by the manual, not enforced
  *   bytes 6 to 8     multiturn           multiturn_bits, those above always 0
  *   byte 9 bit 0     alarm_zero_0        always 0
  *   byte 9 bit 1     busy                active high
