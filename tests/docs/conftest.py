@@ -20,6 +20,7 @@ HOSTILE = "a -- b --> c ]]> d | e <script>alert(1)</script> &amp; \"f\" 'g' `h` 
 _TEXTS = {
     "title", "meaning", "note", "printed_name", "when_active", "when_inactive", "printed", "used", "why", "content", "changes", "signal", "contact", "only",
     "remedy", "detected", "precondition", "result", "mating", "publisher", "special", "signals", "profile", "symbol", "unit", "state", "argument_meaning",
+    "where",
 }
 
 

@@ -176,6 +176,20 @@ def test_places_as_worked_out_by_hand(library: Library) -> None:
     assert "byte 1, bits 7:1" in page
 
 
+def test_a_printed_time_out_stands_there_once(library: Library) -> None:
+    """ASC85 6.5 p.32: 0.35 µs at 10 MHz without a rule; AMM5 6.5 p.40: 1.5 clock periods, worked out for three clocks."""
+    pages = generate(library)
+    assert pages["docs/asc85.md"].count("350 ns at 10 MHz") == 1
+    assert "1.5 clock periods (30 µs at 50 kHz; 7.5 µs at 200 kHz; 150 ns at 10 MHz)" in pages["docs/amm5.md"]
+
+
+def test_labels_of_another_edition_are_on_the_page(library: Library) -> None:
+    page = generate(library)["docs/am36.md"]
+    assert "Labels that are written otherwise" in page and "`{model}{singleturn}/{turns}{output}`" in page
+    assert "`SC` is `I7`; `[0-9]?` may follow" in page.replace("<br>", "; ")
+    assert "Labels that are written otherwise" not in generate(library)["docs/amm5.md"]
+
+
 def test_two_runs_are_the_same(library: Library) -> None:
     again, _ = load_library([Path(__file__).parents[2] / "specs"])
     assert generate(library) == generate(Library(again))
