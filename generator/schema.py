@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+from jsonschema import Draft202012Validator, ValidationError, validators
+
 from .problems import Path, Report
 from .schema_messages import Finding, explain
 
@@ -41,7 +43,7 @@ def check_schema(document: Document, report: Report) -> Checked | None:
     """Checks a document against the schema of its kind, adds a problem for each fault, and cuts the faults out.
 
     Returns:
-        What is left, or None where the document is no device, manufacturer or master file.
+        What is left, or None where the document is no device, manufacturer or master file, or has too many faults to go on.
     """
     kind = _kind(document.data)
     if kind is None:
@@ -54,8 +56,8 @@ def check_schema(document: Document, report: Report) -> Checked | None:
     for finding in findings[:MAX_PROBLEMS]:
         report.add(finding.rule, document, finding.path, finding.message, at_key=finding.at_key)
     if len(findings) > MAX_PROBLEMS:
-        message = f"{len(findings) - MAX_PROBLEMS} more problems of this kind are not shown"
-        report.add("too-many-problems", document, findings[MAX_PROBLEMS].path, message)
+        report.add("too-many-problems", document, findings[MAX_PROBLEMS].path, "from here on there are more problems; they are told when these are mended")
+        return None
     if not findings and not cut:
         return Checked(_without(document.data, cut, (), document.kept), kind, complete=True)
     return _cut_out(validator, document, {_holder(path) for path in (*cut, *(finding.path for finding in findings if not _can_be_incomplete(finding.path)))}, kind)
@@ -131,21 +133,20 @@ def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:
 
 
 def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
-    """One finding for each place, those of the reader left out."""
+    """One finding for each place, those of the reader left out; not many more than are shown."""
     found: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
         for finding in explain(error, kind):
-            if not any(finding.path[: len(place)] == place for place in broken):
+            if not any(finding.path[:end] in broken for end in range(len(finding.path) + 1)):
                 found.setdefault((finding.path, finding.at_key), finding)
+        if len(found) > MAX_PROBLEMS:
+            break
     return list(found.values())
 
 
 @functools.cache
 def _validator(kind: str) -> Any:
     """A validator that is stricter than JSON Schema in two points, where that would let through what the language means to refuse."""
-    from jsonschema import Draft202012Validator, ValidationError  # 80 ms, which `list` and `decode` need not spend.
-    from jsonschema import validators
-
     def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
         # With the search of JSON Schema a name could end in a line break.
         if isinstance(instance, str) and not re.fullmatch(expected, instance.replace("\n", "\0")):

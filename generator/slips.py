@@ -17,6 +17,8 @@ from .problems import quoted
 
 _DIGITS = re.compile("[0-9]+")
 _THOUSANDS = re.compile("[0-9]{3}")
+#: Events to look ahead; a value of more is no slip.
+_FURTHEST = 2000
 
 #: Called with an event, a rule and a message.
 Complain = Callable[[Any, str, str], None]
@@ -105,7 +107,7 @@ class Mended:
             event = self._peek(index)
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             index += 1
-            if event is None or depth < 0:
+            if event is None or depth < 0 or index > _FURTHEST:
                 return None
             if depth == 0:
                 break

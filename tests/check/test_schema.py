@@ -16,7 +16,7 @@ from codewheel.check import check_document
 from codewheel.problems import Report
 from codewheel.read import Document, read_document
 from codewheel.schema import MAX_PROBLEMS, check_schema, load_schema
-from codewheel.schema_messages import KEYWORDS, PATTERNS
+from codewheel.schema_messages import KEYWORDS, PATTERNS, explain
 
 MINIMAL = pathlib.Path(__file__).parent / "ok" / "minimal.yaml"
 SPECS = sorted((pathlib.Path(__file__).parents[2] / "specs").glob("*/*.yaml"))
@@ -82,9 +82,19 @@ def test_misspelt_key_is_one_problem(tmp_path: pathlib.Path) -> None:
 
 def test_endless_problems_end(tmp_path: pathlib.Path) -> None:
     found, report = document(tmp_path, MINIMAL.read_text() + "".join(f"key_{index}: 1\n" for index in range(1000)))
-    check_document(found, report)
+    assert check_document(found, report) is None
     assert len(report) == MAX_PROBLEMS + 1
-    assert "too-many-problems" in {problem.rule for problem in report.problems}
+    last = [problem for problem in report.problems if problem.rule == "too-many-problems"]
+    assert [problem.message for problem in last] == ["from here on there are more problems; they are told when these are mended"]
+
+
+def test_a_spec_full_of_faults_is_read_no_further_than_it_is_told(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    explained: list[object] = []
+    monkeypatch.setattr("codewheel.schema.explain", lambda error, kind: explained.append(error) or explain(error, kind))
+    found, report = document(tmp_path, MINIMAL.read_text() + "".join(f"  - {{name: r{index}, adress: {index}}}\n" for index in range(5000)))
+    assert check_document(found, report) is None
+    assert len(report) == MAX_PROBLEMS + 1
+    assert len(explained) < 3 * MAX_PROBLEMS
 
 
 def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
