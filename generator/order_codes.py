@@ -11,6 +11,9 @@ from types import MappingProxyType
 
 from .model import CodePart, Device, OrderCode, Spelling, Variant
 
+#: No label has more characters.
+LONGEST = 100
+
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 #: What may follow the code on a label.
 _AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
@@ -19,7 +22,7 @@ _AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 class UnknownOrderCode(ValueError):
     """No such order code; the message says which part is wrong and what would be right.
 
-    ``close`` says that the text is an order code of the family but for a part of it.
+    ``close`` says that the message is the one to show: the text is an order code of the family but for a part of it, or can be none at all.
     """
 
     def __init__(self, message: str, close: bool) -> None:
@@ -59,8 +62,11 @@ def find(device: Device, text: str) -> Match:
     """What the label ``text`` means for this family; a tail after ``-`` and ``/Sxxx`` are accepted, and blanks mean nothing.
 
     Raises:
-        UnknownOrderCode: A part is missing or wrong.
+        UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
     """
+    if len(text) > LONGEST:
+        reason = f"'{text[:20]}...' is no order code: it has {len(text)} characters, and no label has more than {LONGEST}"
+        raise UnknownOrderCode(reason, close=True)
     code = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
     match = re.fullmatch(_regex(device.order_code) + _AFTER, code, re.IGNORECASE)

@@ -10,7 +10,8 @@ from ..model import Device, Manufacturer
 from ..render import plain, render
 from . import Library, has_biss
 from .python_module import BISS, SHARED, Module
-from .python_source import WIDTH, docstring
+from .python_readme import start
+from .python_source import WIDTH, docstring, quoted
 
 
 def generate(library: Library) -> dict[str, str]:
@@ -36,7 +37,9 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         "notices": [plain(item) for item in maker.trademarks],
         "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
         "modules": modules,
+        "start": start([module.readme for module in modules]),
         "docstring": docstring,
+        "quoted": quoted,
         "toml": _toml,
         "markdown": _markdown,
         "names": [module.name for module in modules],

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 from ..expressions import Expression
 from ..model import Field, Register, RegisterMeaning
-from .python_expressions import LayoutText, moved_left, number_text, times
-from .python_source import docstring, grouped, operand
+from .python_expressions import LOCAL_NAMES, LayoutText, moved_left, number_text, times
+from .python_source import attribute, docstring, grouped, operand
 
 
 def meaning_limits(meaning: RegisterMeaning) -> str:
@@ -26,23 +26,26 @@ class EncodeText(LayoutText):
     def _encode_checks(self) -> list[str]:
         lines = []
         for item in self.layout.fields:
-            name = self._attribute(item.name)
+            name, local = self._attribute(item.name), self._local(item)
             if not item.carries_data or item.kind in ("flag", "text"):
                 continue
             if item.name == self.layout.selector:
                 if len(self.layout.selects) > 1:
                     listed = ", ".join(f"{value:X}h" for value in self.layout.selects)
-                    lines.append(f"if self.{name} not in ({', '.join(map(number_text, self.layout.selects))}):")
-                    lines.append(f'    raise RangeError("{item.name}", int(self.{name}), "one of {listed}")')
+                    lines.append(f'{local} = whole_number("{item.name}", self.{name})')
+                    lines.append(f"if {local} not in ({', '.join(map(number_text, self.layout.selects))}):")
+                    lines.append(f'    raise RangeError("{item.name}", {local}, "one of {listed}")')
             elif item.kind == "choice":
-                lines.append(f'choice({self.module.enum_for(item, self.layout.name)}, "{item.name}", self.{name})')
+                lines.append(f'{local} = choice({self.module.enum_for(item, self.layout.name)}, "{item.name}", self.{name})')
             elif item.kind == "digits":
                 for run in item.digits:
                     lines.append(f'check_limits("{run.name}", self.{self._attribute(run.name)}, (0, {grouped(run.modulus - 1)}))')
             elif item.signed:
-                lines.append(f'check_signed("{item.name}", self.{name}, {self._text(item.width)})')
-            elif not item.zero_means:
-                lines.append(f'check_width("{item.name}", self.{name}, {self._text(item.width)})')
+                lines.append(f'{local} = check_signed("{item.name}", self.{name}, {self._text(item.width)})')
+            elif item.zero_means:
+                lines.append(f'{local} = zero_for("{item.name}", self.{name}, {grouped(item.zero_means)}, {self._text(item.width)})')
+            else:
+                lines.append(f'{local} = check_width("{item.name}", self.{name}, {self._text(item.width)})')
             if item.power_of_two:
                 lines.append(f'check_power_of_two("{item.name}", self.{name})')
         if self.register is not None and (self.register.min is not None or self.register.max is not None):
@@ -51,6 +54,11 @@ class EncodeText(LayoutText):
                 arguments = "variant" if self.takes_variant else ""
                 lines.append(f'check_limits("{self.register.limits_of}", self.{bounded}, self.limits({arguments}))')
         return lines
+
+    @staticmethod
+    def _local(item: Field) -> str:
+        """The variable in ``encode`` that holds the checked bits of a field."""
+        return attribute(item.name, LOCAL_NAMES)
 
     def _bounded(self, register: Register) -> str:
         """The attribute that the limits bound."""
@@ -130,18 +138,16 @@ class EncodeText(LayoutText):
         if item.kind == "crc":
             return ""
         if item.kind == "parity":
-            return f"(self.{self._attribute(item.parity_of)}.bit_count() & 1)"
+            of = self.layout.field(item.parity_of)
+            return f"({f'index(self.{self._attribute(of.name)})' if of.kind == 'flag' else self._local(of)}.bit_count() & 1)"
         if item.kind == "flag":
             return f"(not {name})" if item.active_low else f"bool({name})"
         if item.kind == "digits":
-            return f"({' + '.join(times(f'self.{self._attribute(run.name)}', run.divisor) for run in item.digits)})"
+            return f"({' + '.join(times(f'index(self.{self._attribute(run.name)})', run.divisor) for run in item.digits)})"
         if item.kind == "text":
             return f'text_number("{item.name}", {name}, {item.width.constant // 8})'
-        if item.signed:
-            return f"({name} & {self._mask(item.width)})"
-        if item.zero_means:
-            return f'zero_for("{item.name}", {name}, {grouped(item.zero_means)}, {self._text(item.width)})'
-        return name
+        local = self._local(item)
+        return f"({local} & {self._mask(item.width)})" if item.signed else local
 
     def _gray(self) -> tuple[str, str, str] | None:
         """When a part is sent in Gray code, its place, and what it stands in."""

@@ -14,15 +14,27 @@ if TYPE_CHECKING:
     from .python_module import Module
 
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = ("bit_fields", "cls", "count", "decode", "encode", "index", "is_as_documented", "limits", "self", "variant")
-LOCAL_NAMES = ("body", "cls", "computed", "data", "number", "remainder", "variant", "word")
+CLASS_NAMES = ("bit_fields", "cls", "count", "decode", "encode", "frame_bits", "index", "is_as_documented", "limits", "self", "variant")
+LOCAL_NAMES = (
+    "as_bytes", "as_word", "bits", "body", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "cls", "computed", "data", "from_gray",
+    "index", "isinstance", "len", "number", "remainder", "self", "signed", "text_number", "to_gray", "too_long", "type", "variant", "whole_number", "word",
+    "wrong_encoder", "zero_for",
+)
+
+
+def interface_name(kind: str) -> str:
+    """The module's own name for an interface; to ask the Enum for it takes longer than all checks."""
+    return f"_{kind.upper()}"
 
 
 class LayoutText:
     """Expressions for the parts of one layout."""
 
-    def __init__(self, module: Module, layout: Layout, name: str, doc: tuple[str, list[Block]], register: Register | None) -> None:
+    def __init__(
+        self, module: Module, layout: Layout, name: str, doc: tuple[str, list[Block]], interface: str, register: Register | None
+    ) -> None:
         self.module = module
+        self.interface = interface_name(interface)
         self.layout = layout
         self.name = name
         self.doc = doc

@@ -20,12 +20,17 @@ if TYPE_CHECKING:
 #: The longest frame whose CRC is written out as one XOR of bytes.
 _UNROLLED = 16
 
+#: What the argument ``bits`` of every decoder of a string of bits means.
+_BITS = ("bits", "How many bits came in, where that is known. A number alone does not tell whether bits are missing.")
+
 
 class CodecBuilder(EncodeText):
     """Builds the Python of one layout."""
 
-    def __init__(self, module: Module, layout: Layout, name: str, doc: tuple[str, list[Block]], register: Register | None) -> None:
-        super().__init__(module, layout, name, doc, register)
+    def __init__(
+        self, module: Module, layout: Layout, name: str, doc: tuple[str, list[Block]], interface: str, register: Register | None
+    ) -> None:
+        super().__init__(module, layout, name, doc, interface, register)
         self.checks: list[Check] = []
         self.locals: list[str] = []
 
@@ -37,7 +42,7 @@ class CodecBuilder(EncodeText):
         encode_checks = self._encode_checks()
         terms, finish, body = self._terms()
         length = f"word >> {operand(self._text(layout.bits))}" if not self.in_bytes else f"len(data) != {self.bytes}"
-        length_error = f'{self._text(layout.bits)}, word.bit_length(), "bits"' if not self.in_bytes else f"{self.bytes}, len(data)"
+        length_error = f"too_long(word, {self._text(layout.bits)})" if not self.in_bytes else f"LengthError({self.bytes}, len(data))"
         crc_setup, crc_check = self._crc_check()
         setup = (f'number = int.from_bytes(data, "{self.order}")',) if self.source == "number" else ()
         limits = self._limits()
@@ -54,9 +59,12 @@ class CodecBuilder(EncodeText):
             layout=layout,
             name=self.name,
             doc=doc,
+            interface=self.interface,
             source="data" if self.in_bytes else "word",
             source_type="bytes" if self.in_bytes else "int",
             source_doc=self._source_doc(),
+            arguments=", ".join(self._decode_arguments()),
+            bits=self._text(layout.bits),
             takes_variant=self.takes_variant,
             attributes=tuple(attributes),
             properties=tuple(properties),
@@ -80,7 +88,6 @@ class CodecBuilder(EncodeText):
             limits=limits,
             meaning_limits=tuple(self._meaning_limits()),
             limits_doc=docstring(f"Lowest and highest value of ``{self.register.limits_of}`` that may be written.", indent=8) if limits and self.register else "",
-            raises=tuple(self._raises()),
         )
 
     # -------------------------------------------------------------------------------------------------------------------- decode
@@ -195,17 +202,28 @@ class CodecBuilder(EncodeText):
         what = "register" if self.register is not None else "frame"
         if self.in_bytes:
             order = "in ascending order of address" if self.register is not None else "in the order in which they are sent"
-            return f"The {what} in ``data``, its bytes {order}."
-        return f"The {what} in ``word``, whose first bit sent is the most significant."
+            return docstring(f"The {what} in ``data``, its bytes {order}.", ("Raises", list(self._raises())), indent=8)
+        given = f"The {what} in ``word``: a number whose most significant bit was sent first, or text of 0 and 1."
+        return docstring(given, ("Args", [_BITS]), ("Raises", list(self._raises())), indent=8)
+
+    def _decode_arguments(self) -> Iterable[str]:
+        yield "data: Data" if self.in_bytes else "word: Word"
+        if self.takes_variant:
+            yield "variant: Variant"
+        if not self.in_bytes:
+            yield "*, bits: int | None = None"
 
     def _raises(self) -> Iterable[tuple[str, str]]:
-        yield "LengthError", f"There are too {'many or too few bytes' if self.in_bytes else 'many bits'}."
+        yield "LengthError", f"There are too many or too few {'bytes' if self.in_bytes else 'bits'}."
         if self.crc is not None:
             yield "CrcError", "The CRC does not belong to the other bits."
         if any("ConstantError" in item.error for item in self.checks):
             yield "ConstantError", "Bits that always hold the same value, or a parity bit, hold another."
         if any("RangeError" in item.error for item in self.checks) or any("choice(" in line for line in self.locals):
             yield "RangeError", "A field holds a value without meaning."
+        if self.takes_variant:
+            yield "FamilyError", "The encoder is of another family."
+            yield "InterfaceError", "The encoder has another interface."
 
     def _expected(self, value: Expression | int | str | None) -> str:
         if isinstance(value, Expression):
@@ -221,7 +239,7 @@ class CodecBuilder(EncodeText):
         below = Expression(0)
         name = self._attribute(join.name)
         for item in reversed(fields):
-            terms.insert(0, moved_left(f"self.{self._attribute(item.name)}", self._text(below, "self.variant")))
+            terms.insert(0, moved_left(f"index(self.{self._attribute(item.name)})", self._text(below)))
             shifted = name if below == Expression(0) else f"{name} >> {operand(self._text(below))}"
             value = shifted if item is fields[0] else f"{shifted} & {self._mask(item.width)}"
             parts.insert(0, JoinPart(self._attribute(item.name), value))
@@ -235,7 +253,8 @@ class CodecBuilder(EncodeText):
         signature = f"    def from_{name}(cls, {', '.join(arguments)}) -> {self.name}:"
         if len(signature) > WIDTH:
             signature = f"    def from_{name}(\n        cls,\n" + "".join(f"        {item},\n" for item in arguments) + f"    ) -> {self.name}:"
-        return Joined(name, doc, " | ".join(terms), self._text(below), signature, tuple(parts), others)
+        uses_variant = any("variant" in used_names(term) for term in terms)
+        return Joined(name, doc, " | ".join(terms), self._text(below), signature, tuple(parts), others, uses_variant)
 
     def _fixed_selector(self) -> Iterable[tuple[str, str, str, str]]:
         if self.layout.selector and len(self.layout.selects) == 1:
@@ -253,7 +272,7 @@ class CodecBuilder(EncodeText):
         for item in self.layout.fields:
             if item.kind == "digits" and item.name not in {run.name for run in item.digits}:
                 runs = ", ".join(f"``{self._attribute(run.name)}``" for run in item.digits)
-                value = " + ".join(times(f"self.{self._attribute(run.name)}", run.divisor) for run in item.digits)
+                value = " + ".join(times(f"index(self.{self._attribute(run.name)})", run.divisor) for run in item.digits)
                 yield self._attribute(item.name), "int", docstring(f"The digits of {runs}, as one number.", indent=8), value
 
     def _documented(self) -> Iterable[tuple[str, str, str, str]]:

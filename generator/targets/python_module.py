@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from ..model import Crc, Device, Erratum, Field, Interface, Layout, Register, Value, cite
 from ..render import plain
 from ..words import sentence
-from .python_expressions import LOCAL_NAMES, among, from_pieces, number_text
+from .python_expressions import LOCAL_NAMES, among, from_pieces, interface_name, number_text
 from .python_facts import constant, crc_record, family, frame_rows, interface_facts, manual, register_rows, table, tables
 from .python_layout import CodecBuilder
 from .python_procedures import ProcedureBuilder
 from .python_readme import Readme
-from .python_source import WIDTH, Block, Names, attribute, camel, docstring, quoted, used_names
+from .python_source import WIDTH, Block, Lines, Names, attribute, camel, docstring, quoted, used_names
 from .python_variants import Variants
 from .python_views import Branch, Codec, CrcFunction, Dispatch, Enumeration, Fold, Section
 
 #: What the package's modules are called that hold no device.
-SHARED = ("_codec", "_facts", "_order_codes")
+SHARED = ("_codec", "_facts", "_order_codes", "_registers", "_steps")
 
 #: The module for register access over BiSS, in packages with a family that speaks it.
 BISS = "biss"
 
 #: Names that every device module uses for itself, besides what it imports.
 _MODULE = (
-    "ALARMS", "Address", "ArithmeticError", "BISS", "CHARACTERISTICS", "CONNECTORS", "CRCS", "DOCUMENTS", "ERRATA", "Ellipsis", "Exception",
+    "ALARMS", "Address", "Any", "ArithmeticError", "BISS", "CHARACTERISTICS", "CONNECTORS", "ClassVar", "CRCS", "DOCUMENTS", "ERRATA", "Ellipsis", "Exception",
     "FAMILY", "FRAMES", "Final", "Frame", "INPUTS", "IntEnum", "LEDS", "LOST_FIGURES", "MANUAL", "Mapping", "MappingProxyType", "NamedTuple", "NotImplemented",
     "ORDER_CODE", "REGISTERS", "RS485", "Reply", "Request", "SSI", "TABLES", "TIMINGS", "TypeAlias", "Union", "VARIANTS", "ValueError", "Variant",
-    "Warning", "Write", "annotations", "dataclasses", "decode_reply", "decode_request", "identify", "lookup",
+    "TypeError", "Warning", "Write", "annotations", "dataclasses", "decode_reply", "decode_request", "identify", "index", "isinstance", "len", "lookup",
+    "overload", "type",
 )
 
 #: What a device module imports from its neighbours, where it needs it.
@@ -36,9 +38,9 @@ _IMPORTS = (
     (
         "._codec",
         (
-            "BitField", "ConstantError", "CrcError", "Held", "Interface", "LengthError", "Modify", "Poll", "RangeError", "Read", "Send", "Step", "Wait",
-            "agrees", "as_bytes", "as_number", "check_interface", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "crc_by_xor",
-            "crc_of_bits", "crc_of_bytes", "from_gray", "held_bytes", "held_parameters", "signed", "text_number", "to_gray", "unwrap", "whole", "writes", "zero_for",
+            "BitField", "ConstantError", "CrcError", "Data", "Interface", "LengthError", "RangeError", "Word", "as_bytes", "as_word", "by_class",
+            "check_encoder", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "crc_by_xor", "crc_of_bits", "crc_of_bytes",
+            "from_gray", "signed", "text_number", "to_gray", "too_long", "unwrap", "whole_number", "wrong_encoder", "zero_for",
         ),
     ),
     (
@@ -46,18 +48,31 @@ _IMPORTS = (
         (
             "Alarm", "BissFacts", "CableLength", "Characteristic", "Clock", "Connector", "Contact", "ControlField", "Crc", "DataIdFacts", "Document",
             "Edition", "Erratum", "Family", "FieldFacts", "Input", "Led", "LedState", "LostFigure", "Manual", "MemoryAccess", "NamedValue", "Network", "Port",
-            "PrintedTimeout", "Register",
-            "RegisterMeaning", "Revision", "Rs485Facts", "SsiFacts", "Table", "Timeout", "Timing",
+            "PrintedTimeout", "ReadOnly", "Register", "RegisterMeaning", "Revision", "Rs485Facts", "SsiFacts", "Table", "Timeout", "Timing",
         ),
     ),
     ("._order_codes", ("OrderCode", "Part", "PartValue", "SpelledValue", "Spelling")),
+    ("._registers", ("Held", "agrees", "held_bytes", "held_parameters", "held_text", "whole")),
+    ("._steps", ("Modify", "Poll", "Read", "Send", "Step", "Wait", "writes")),
 )
+
+#: What it imports from the standard library, where it needs it.
+_STANDARD = (
+    ("collections.abc", ("Mapping",)),
+    ("enum", ("IntEnum",)),
+    ("operator", ("index",)),
+    ("types", ("MappingProxyType",)),
+    ("typing", ("Any", "ClassVar", "Final", "NamedTuple", "TypeAlias", "Union", "overload")),
+)
+
+#: What a module offers: its classes and functions, and its constants.
+_PUBLIC = re.compile(r"^(?:class |def )?([A-Za-z]\w*)(?=[(:])", re.MULTILINE)
 
 #: Words of names that have a spelling of their own.
 _SPELLED = {"biss": "BiSS", "crc": "CRC", "eeprom": "EEPROM", "id": "ID", "ssi": "SSI"}
 
 #: Names that the class of the variants uses for itself.
-_VARIANT = ("bytes", "cls", "code", "decode", "interface", "degrees", "micrometres", "millimetres", "modulus", "parts", "self", "special", "tail",
+_VARIANT = ("bytes", "cls", "code", "decode", "degrees", "family", "frame_bits", "interface", "micrometres", "millimetres", "modulus", "parts", "self", "special", "special_code", "tail",
             "turns", "unlisted", "unwrap", "with_registers")
 
 
@@ -107,8 +122,16 @@ class Module:
             f"Made from the manual “{plain(manual.title)}”, {plain(revision)}. Sections and pages in this module are those of that manual; a source that "
             "begins with a language code is another edition, one that begins with another key stands in DOCUMENTS.",
             "Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends in an underscore.",
+            *self._example(),
             " ".join(self.device.manufacturer.trademarks),
         )
+
+    def _example(self) -> Iterable[Block]:
+        """A few lines that decode a frame and look at its flags before they use it."""
+        for frame in self.readme.frames[:1]:
+            if frame.flags:
+                yield "A sound frame can report a fault of the encoder. Look at its flags before you use the position:"
+            yield Lines((f'encoder = lookup("{frame.code}")', f"frame = encoder.decode({frame.text})", *frame.lines))
 
     def errata(self, path: str) -> list[Erratum]:
         """The errata of exactly this path and of what lies below it."""
@@ -127,13 +150,24 @@ class Module:
         """The import statements that ``body`` needs."""
         used = used_names(body)
         statements = []
-        for module, names in _IMPORTS:
+        for module, names in (*_STANDARD, *_IMPORTS):
+            if module == _IMPORTS[0][0]:
+                statements.append("")
             needed = [name for name in names if name in used]
             if needed:
                 line = f"from {module} import {', '.join(needed)}"
                 statements.append(line if len(line) <= WIDTH else f"from {module} import (\n" + "".join(f"    {name},\n" for name in needed) + ")")
         return statements
 
+    def public(self, body: str) -> str:
+        """The statement that names what the module offers."""
+        names = sorted(set(_PUBLIC.findall(body)))
+        return "__all__ = [\n" + "".join(f"    {quoted(name)},\n" for name in names) + "]"
+
+    @property
+    def interface_names(self) -> list[tuple[str, str]]:
+        """The module's own name for each interface, and its member of the Enum."""
+        return [(interface_name(item.kind), f"Interface.{item.kind.upper()}") for item in self.device.interfaces]
 
     # -------------------------------------------------------------------------------------------------------------------- CRCs
 
@@ -202,7 +236,7 @@ class Module:
     # ----------------------------------------------------------------------------------------------------------------- layouts
 
     def _section(self, interface: Interface) -> Section:
-        codecs = tuple(self._codec(item, self.classes[f"layout {item.name}"], self._layout_doc(interface, item)) for item in interface.layouts)
+        codecs = tuple(self._codec(item, self.classes[f"layout {item.name}"], self._layout_doc(interface, item), interface.kind) for item in interface.layouts)
         kind = interface.kind.upper()
         here = f"interfaces.{interface.kind}"
         layouts = {f"{here}.{item.name}" for item in interface.layouts}
@@ -222,8 +256,8 @@ class Module:
         more = f"Of its parts, see ERRATA: {', '.join(shared)}." if shared else ""
         return summary, [printed, sentence(layout.note), *self.erratum_paragraphs(errata), more]
 
-    def _codec(self, layout: Layout, name: str, doc: tuple[str, list[Block]], register: Register | None = None) -> Codec:
-        return CodecBuilder(self, layout, name, doc, register).build()
+    def _codec(self, layout: Layout, name: str, doc: tuple[str, list[Block]], interface: str, register: Register | None = None) -> Codec:
+        return CodecBuilder(self, layout, name, doc, interface, register).build()
 
     def _dispatches(self, interface: Interface, codecs: Sequence[Codec]) -> Iterable[Dispatch]:
         several = sum(any(item.selector for item in other.layouts) for other in self.device.interfaces) > 1
@@ -232,9 +266,9 @@ class Module:
             if not members or not members[0].layout.selector:
                 continue
             prefix = f"{interface.kind}_" if several else ""
-            yield self._dispatch(f"decode_{prefix}{word}", camel(f"{prefix}{word}"), members)
+            yield self._dispatch(f"decode_{prefix}{word}", camel(f"{prefix}{word}"), interface_name(interface.kind), members)
 
-    def _dispatch(self, name: str, union: str, members: Sequence[Codec]) -> Dispatch:
+    def _dispatch(self, name: str, union: str, interface: str, members: Sequence[Codec]) -> Dispatch:
         branches: list[Branch] = []
         allowed: list[int] = []
         fallback = ""
@@ -258,12 +292,14 @@ class Module:
                 ("CrcError", "The CRC does not belong to the other bytes."),
                 ("ConstantError", "Bits that always hold the same value, or a parity bit, hold another."),
                 ("RangeError", f"There is no such {words}, or a field holds a value without meaning."),
+                ("FamilyError", "The encoder is of another family."),
+                ("InterfaceError", "The encoder has another interface."),
             ]),
             indent=4,
         )
         listed = ", ".join(f"{item:X}h" for item in sorted(allowed))
         return Dispatch(
-            name, union, tuple(item.name for item in members), doc, least, selector.name, local, from_pieces(selector.pieces), tuple(branches), quoted(f"one of {listed}" if len(allowed) > 1 else listed), fallback,
+            name, interface, union, tuple(item.name for item in members), doc, least, selector.name, local, from_pieces(selector.pieces), tuple(branches), quoted(f"one of {listed}" if len(allowed) > 1 else listed), fallback,
         )
 
     # ---------------------------------------------------------------------------------------------------------------- registers
@@ -276,7 +312,7 @@ class Module:
         if register.values and only.kind == "choice" and only.width == register.layout.bits:
             order = "little" if register.byte_order == "low_byte_first" else "big"
             return self._enum(name, summary, register.values, *blocks, length=register.length, order=order)
-        return self._codec(register.layout, name, (summary, blocks), register)
+        return self._codec(register.layout, name, (summary, blocks), register.interface, register)
 
     @staticmethod
     def _where(register: Register) -> str:

@@ -8,15 +8,20 @@ from ..expressions import Expression
 from ..model import Argument, Procedure, Register, RegisterMeaning, Step, cite
 from ..words import sentence
 from .python_encode import depends_on_variant, meaning_limits
-from .python_expressions import CLASS_NAMES, moved_left
-from .python_source import Call, Code, attribute, call, docstring, expression, grouped, literal, operand, quoted, used_names
+from .python_expressions import CLASS_NAMES, interface_name, moved_left
+from .python_source import WIDTH, Call, Code, attribute, call, docstring, expression, grouped, literal, operand, quoted, used_names
 from .python_views import Codec, Enumeration, Function
 
 if TYPE_CHECKING:
     from .python_module import Module
 
 #: What the functions call; an argument of such a name gets a trailing underscore.
-_USED = ("check_interface", "check_limits", "check_width", "choice", "variant", "whole", "writes")
+_USED = ("check_encoder", "check_limits", "check_width", "choice", "isinstance", "variant", "whole", "writes")
+
+
+def byte_order(register: Register) -> str:
+    """The byte order of a register as Python calls it."""
+    return "little" if register.byte_order == "low_byte_first" else "big"
 
 
 class ProcedureBuilder:
@@ -32,23 +37,30 @@ class ProcedureBuilder:
         checks = tuple(line for argument in item.arguments for line in self._checks(argument))
         steps = tuple(map(self._step, item.steps))
         takes_variant = any("variant" in used_names(line) for line in (*checks, *steps)) or any(self._takes_variant(argument.of) for argument in item.arguments)
-        interface = f"Interface.{item.interface.upper()}" if takes_variant else ""
-        arguments = (["variant: Variant"] if takes_variant else []) + [f"{self.names[entry.name]}: {self._type(entry)}" for entry in item.arguments]
+        arguments = [f"{self.names[entry.name]}: {self._type(entry)}" for entry in item.arguments]
+        if takes_variant:
+            arguments.insert(0, "variant: Variant")
+        else:
+            arguments += ["*"] * bool(arguments) + ["variant: Variant | None = None"]
         listed = [(self.names[entry.name], sentence(entry.meaning or f"Value for {entry.of}")) for entry in item.arguments]
+        encoder = ("variant", "The encoder." if takes_variant else "The encoder, to be checked; the steps are the same for all of the family.")
         raises = [("RangeError", "An argument is outside the limits of its register.")] if listed else []
-        if interface:
-            raises.append(("ValueError", "The encoder has another interface."))
+        raises += [("FamilyError", "The encoder is of another family."), ("InterfaceError", "The encoder has another interface.")]
         doc = docstring(
             sentence(f"{item.title} ({cite(item.source)})"),
             sentence(f"Before: {item.precondition}") if item.precondition else "",
             sentence(f"After: {item.result}") if item.result else "",
             sentence(item.note),
             *self.module.erratum_paragraphs(self.module.errata(f"procedures.{item.name}")),
-            ("Args", ([("variant", "The encoder.")] if takes_variant else []) + listed),
+            ("Args", [encoder, *listed] if takes_variant else [*listed, encoder]),
             ("Raises", raises),
             indent=4,
         )
-        return Function(self.module.functions_taken[item.name], ", ".join(arguments), doc, interface, checks, steps)
+        name = self.module.functions_taken[item.name]
+        signature = f"def {name}({', '.join(arguments)}) -> tuple[Step, ...]:"
+        if len(signature) > WIDTH:
+            signature = f"def {name}(\n" + "".join(f"    {item},\n" for item in arguments) + ") -> tuple[Step, ...]:"
+        return Function(name, signature, doc, interface_name(item.interface), not takes_variant, checks, steps)
 
     # ---------------------------------------------------------------------------------------------------------------- arguments
 
@@ -87,11 +99,12 @@ class ProcedureBuilder:
         for step in self._written_by(argument):
             register = self.module.device.register(step.register)
             if step.field:
-                found.append(f'check_width("{argument.name}", {name}, {self._text(register.layout.field(step.field).width)})')
+                found.append(f'{name} = check_width("{argument.name}", {name}, {self._text(register.layout.field(step.field).width)})')
             elif self._is_whole(register) and (register.min is not None or register.max is not None) and meaning is None:
                 low = self._text(register.min or Expression(0))
                 high = self._text(register.max) if register.max is not None else f"0x{(1 << 8 * register.length) - 1:X}"
-                found += [f"if isinstance({name}, int):", f'    check_limits("{argument.name}", {name}, ({low}, {high}))']
+                view = self._view(argument.of)
+                found += [f"if not isinstance({name}, {view.name}):", f'    check_limits("{argument.name}", {name}, ({low}, {high}))']
         return list(dict.fromkeys(found))
 
     def _meaning(self, argument: Argument) -> RegisterMeaning | None:
@@ -123,7 +136,8 @@ class ProcedureBuilder:
             return literal(Call("Read", (*place, *meaning)), 8, 8, 1)
         if step.do == "poll" or step.field:
             mask, value = self._bits(step, register)
-            return literal(Call("Poll" if step.do == "poll" else "Modify", (*place, ("", Code(mask)), ("", Code(value)), *meaning)), 8, 8, 1)
+            order = (("order", byte_order(register)),) if register.length > 1 else ()
+            return literal(Call("Poll" if step.do == "poll" else "Modify", (*place, ("", Code(mask)), ("", Code(value)), *meaning, *order)), 8, 8, 1)
         return literal(Call("*writes", (("", register.name), ("", address), ("", Code(self._written(step, register))), *meaning)), 8, 8, 1)
 
     def _bits(self, step: Step, register: Register) -> tuple[str, str]:
@@ -141,7 +155,7 @@ class ProcedureBuilder:
     def _written(self, step: Step, register: Register) -> str:
         """The bytes that a step writes into the whole register."""
         view = self._view(register.name)
-        order = "little" if register.byte_order == "low_byte_first" else "big"
+        order = byte_order(register)
         if step.value is not None:
             if isinstance(view, Enumeration):
                 return f"{view.name}.{step.value_name.upper()}.encode()"
@@ -150,7 +164,7 @@ class ProcedureBuilder:
         if isinstance(view, Enumeration):
             return f'choice({view.name}, "{argument}", {argument}).encode()'
         if self._is_whole(register):
-            return f'whole("{step.value_name}", {argument}, {register.length}, "{order}")'
+            return f'whole("{step.value_name}", {view.name}, {argument}, {register.length}, "{order}")'
         first = "variant, " if view.takes_variant else ""
         bounded = self._bounded(register, view) or view.attributes[0].name
         if any(item.name == bounded for item in view.joins):

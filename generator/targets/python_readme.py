@@ -19,6 +19,13 @@ if TYPE_CHECKING:
 _FLAGS, _REGISTERS, _PROCEDURES = 2, 3, 2
 
 
+def start(readmes: Sequence[Readme]) -> Shown:
+    """The example to begin with: of a frame with flags to look at, and one in bits, where any family has such."""
+    frames = [frame for readme in readmes for frame in readme.frames]
+    no_frame = Shown(readmes[0].device.variants[0].code, "", "", "")
+    return max(frames, key=lambda item: (bool(item.flags), bool(item.bits)), default=no_frame)
+
+
 class Readme:
     """What the README shows of one module."""
 
@@ -41,12 +48,16 @@ class Readme:
             joined = {join.name: codec.join_value(placed, join, codec.from_gray(placed, number)) for join in view.layout.joins}
             plain = [item.name for item in placed.fields if item.field.kind == "number" and item.name != view.layout.selector]
             flags = [item.name for item in placed.fields if item.field.kind == "flag" and item.field.implemented]
-            shown = {name: values[name] for name in [*plain, *flags[:_FLAGS]]} | joined
-            text = f"{number:#x}"
+            shown = {name: values[name] for name in plain} | joined
+            text, bits, digits = f"{number:#x}", placed.bits, f"{number:0{placed.bits}b}"
             if view.layout.carried_as == "bytes":
+                bits, digits = 0, ""
                 text = f'bytes.fromhex("{codec.number_to_bytes(view.layout, number, placed.bits).hex(" ").upper()}")'
-            found.append(Shown(variant.code, text, _tuple([f"frame.{attribute(name, CLASS_NAMES)}" for name in shown]), _tuple(list(map(repr, shown.values())))))
-        return found
+            printed = ", ".join(f"frame.{attribute(name, CLASS_NAMES)}" for name in shown)
+            seen = tuple(f"frame.{attribute(name, CLASS_NAMES)}" for name in flags[:_FLAGS])
+            found.append(Shown(variant.code, text, printed, " ".join(map(str, shown.values())), seen, bits, digits))
+        # The first example is the one that is copied: it shows a look at the flags, where any frame has some.
+        return sorted(found, key=lambda item: not item.flags)
 
     def _example_variant(self, kind: str) -> Variant | None:
         """An order code of this interface: that of an example of the manual, else the one with the most bits."""
@@ -80,8 +91,12 @@ class Readme:
         for example in self.device.examples:
             if example.kind == "procedure" and len(found) < _PROCEDURES and not any(step.field for step in self.device.procedure(example.procedure).steps):
                 view = next(item for item in self.module.procedures if item.name == self.module.functions_taken[example.procedure])
-                arguments = [f'lookup("{example.order_code}")'] if "variant" in view.arguments else []
-                arguments += map(grouped, example.arguments.values())
+                encoder = f'lookup("{example.order_code}")'
+                arguments = [*map(grouped, example.arguments.values())]
+                if not view.optional or not arguments:
+                    arguments.insert(0, encoder)
+                else:
+                    arguments.append(f"variant={encoder}")
                 result = repr(bytes(item.value for item in example.writes).hex(" "))
                 found.append(Shown(f"{view.name}({', '.join(arguments)})", "", "", result))
         return found

@@ -112,7 +112,7 @@ def literal(value: Literal, indent: int = 0, before: int = 0, after: int = 0) ->
     if isinstance(value, Call):
         return "\n".join([f"{value.function}(", *(_item(item, name and f"{name}=", indent + 4) for name, item in value.arguments), f"{pad})"])
     if isinstance(value, Mapping):
-        return "\n".join(["{", *(_item(item, f"{quoted(key)}: ", indent + 4) for key, item in value.items()), f"{pad}}}"])
+        return "\n".join(["ReadOnly(", f"{inner}{{", *(_item(item, f"{quoted(key)}: ", indent + 8) for key, item in value.items()), f"{inner}}}", f"{pad})"])
     if isinstance(value, Sequence) and not isinstance(value, bytes):
         return "\n".join(["(", *(_item(item, "", indent + 4) for item in value), f"{pad})"])
     return flat
@@ -136,7 +136,7 @@ def _flat(value: Literal) -> str:
     if isinstance(value, int):
         return grouped(value)
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{quoted(key)}: {quoted(item)}" for key, item in value.items()) + "}"
+        return "ReadOnly({" + ", ".join(f"{quoted(key)}: {quoted(item)}" for key, item in value.items()) + "})"
     return f"({', '.join(map(_flat, value))}{',' if len(value) == 1 else ''})"
 
 
@@ -157,7 +157,14 @@ def grouped(number: int) -> str:
     return f"{number:_}" if abs(number) >= 10_000 else str(number)
 
 
-Block = Union[str, tuple[str, Sequence[tuple[str, str]]]]
+@dataclass(frozen=True)
+class Lines:
+    """Lines of a docstring that stay as they are, such as those of an example."""
+
+    lines: tuple[str, ...]
+
+
+Block = Union[str, Lines, tuple[str, Sequence[tuple[str, str]]]]
 
 
 def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
@@ -167,6 +174,8 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     for block in blocks:
         if isinstance(block, str):
             lines += ["", wrapped(_in_docstring(block), WIDTH, pad)] if block else []
+        elif isinstance(block, Lines):
+            lines += ["", *(f"{pad}    {_in_docstring_line(line)}" for line in block.lines)] if block.lines else []
         elif block[1]:
             entries = (wrapped(_in_docstring(text), WIDTH, f"{pad}        ", f"{pad}    {name}: ") for name, text in block[1])
             lines += ["", f"{pad}{block[0]}:", *entries]
@@ -175,6 +184,11 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
         return f'{text}\n{pad}"""'
     open_quote = _OPEN_QUOTE.search(text)
     return (f'{text[:-1]}\\"' if open_quote else text) + '"""'
+
+
+def _in_docstring_line(line: str) -> str:
+    """A line whose indentation stays."""
+    return line[: len(line) - len(line.lstrip())] + _in_docstring(line)
 
 
 def _in_docstring(text: str) -> str:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Interface, Measurement, Parameter, Sources, Variant, cite
 from ..words import sentence
+from .python_expressions import interface_name
 from .python_facts import constant
 from .python_source import Block, Call, Code, Literal, attribute, bare, call, docstring, expression, grouped, literal, operand, quoted, record
-from .python_views import Codec, Measure
+from .python_views import Codec, FrameKind, Measure, Section
 
 if TYPE_CHECKING:
     from .python_module import Module
@@ -20,7 +21,16 @@ def _only(allowed: Mapping[str, tuple[str, ...]]) -> Code | None:
     """Which values of other parts go with one, as a literal."""
     if not allowed:
         return None
-    return Code("{" + ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items()) + "}")
+    return Code("ReadOnly({" + ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items()) + "})")
+
+
+#: The arguments of ``Variant.decode``, by whether frames are made of bytes.
+_DECODE = {False: "self, frame: Word, *, bits: int | None = None", True: "self, frame: Data"}
+
+
+def _first_sent(section: Section) -> Codec | None:
+    """The first frame that the encoder sends over an interface."""
+    return next((item for item in section.codecs if item.layout.sender == "encoder"), None)
 
 
 class Variants:
@@ -69,13 +79,14 @@ class Variants:
         return docstring(
             "An encoder as its order code describes it.",
             ("Attributes", [
+                ("family", "The encoder's family."),
                 ("code", "Order code, without what may follow it on the label."),
                 ("interface", "How the encoder is connected."),
                 ("parts", f"The parts of the order code: {parts}."),
                 *set_here,
                 ("unlisted", "Parts of the order code that the manual leaves open."),
                 ("tail", "What followed the order code on the label."),
-                ("special", f"Whether the label ends in /Sxxx. {sentence(self.device.order_code.special)}".strip()),
+                ("special_code", f"What the label ends in as /Sxxx. {sentence(self.device.order_code.special)}".strip()),
                 ("written_as_in", "Where codes are written like the label, if that is not as the order codes are listed."),
             ]),
             indent=4,
@@ -114,10 +125,10 @@ class Variants:
         """Methods that turn counts into something else."""
         counts = self.measured
         kinds = (
-            ("turns", "float", f"``{counts}``, in counts, as revolutions.", "steps_per_turn", f"{counts} / {{}}"),
-            ("degrees", "float", f"``{counts}``, in counts, as degrees within one revolution.", "steps_per_turn", f"{counts} % {{0}} * 360 / {{0}}"),
-            ("micrometres", "int", f"``{counts}``, in counts, as micrometres.", "step_um", f"{counts} * {{}}"),
-            ("millimetres", "float", f"``{counts}``, in counts, as millimetres.", "step_um", f"{counts} * {{}} / 1000"),
+            ("turns", "float", f"``{counts}``, in counts, as revolutions.", "steps_per_turn", f"index({counts}) / {{}}"),
+            ("degrees", "float", f"``{counts}``, in counts, as degrees within one revolution.", "steps_per_turn", f"index({counts}) % {{0}} * 360 / {{0}}"),
+            ("micrometres", "int", f"``{counts}``, in counts, as micrometres.", "step_um", f"index({counts}) * {{}}"),
+            ("millimetres", "float", f"``{counts}``, in counts, as millimetres.", "step_um", f"index({counts}) * {{}} / 1000"),
         )
         found = []
         for name, kind, doc, part, text in kinds:
@@ -157,24 +168,37 @@ class Variants:
         doc = f"The highest ``{self.measured}``: where an offset moves all of them up, it is not below ``modulus``."
         return self._measure("highest", "int", doc, branches)
 
-    def _measure(self, name: str, kind: str, doc: str, branches: list[tuple[str, str]], arguments: str = "") -> Measure:
+    def _measure(
+        self, name: str, kind: str, doc: str, branches: list[tuple[str, str]], arguments: str = "", otherwise: str = "the manual does not say"
+    ) -> Measure:
         """A method; where not every interface has a value, or not all the same one, it tells them apart."""
         everywhere = len(branches) == len(self.device.interfaces)
         kinds: dict[str, list[str]] = {}
         for interface, value in branches:
-            kinds.setdefault(value, []).append(f"Interface.{interface.upper()}")
+            kinds.setdefault(value, []).append(interface_name(interface))
         # The value that most interfaces share comes last, where it needs no condition.
         made = tuple(
             (f"is {names[0]}" if len(names) == 1 else f"in ({', '.join(names)})", value) for value, names in sorted(kinds.items(), key=lambda item: len(item[1]))
         )
-        raises: Block = "" if everywhere else ("Raises", [("ValueError", "The manual does not say over this interface.")])
-        return Measure(name, arguments, kind, docstring(doc, raises, indent=8), made, "" if everywhere else f"no {name.replace('_', ' ')} over {{self.interface.name}}")
+        raises: Block = "" if everywhere else ("Raises", [("ValueError", sentence(f"Over this interface {otherwise}"))])
+        return Measure(name, arguments, kind, docstring(doc, raises, indent=8), made, "" if everywhere else f"no {name.replace('_', ' ')} over {{self.interface.name}}: {otherwise}")
 
     def _measurement(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.kind)
 
     def _of_self(self, value: Expression) -> str:
         return grouped(value.constant) if value.is_constant else expression(value, self.names, "self")
+
+    @property
+    def frame_bits(self) -> Measure | None:
+        """How long the encoder's frame is, where that is a string of bits."""
+        branches = [
+            (interface.kind, bare(self._of_self(first.layout.bits)))
+            for interface, section in zip(self.device.interfaces, self.module.sections)
+            if (first := _first_sent(section)) is not None and not first.layout.carried_as == "bytes"
+        ]
+        doc = "How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one."
+        return self._measure("frame_bits", "int", doc, branches, otherwise="frames are made of bytes") if branches else None
 
     @property
     def held(self) -> list[str]:
@@ -244,23 +268,48 @@ class Variants:
         return literal(Call("Variant", arguments), 12, 12, 1)
 
     @property
-    def frame_kinds(self) -> list[tuple[str, str, str]]:
-        """By interface what ``Variant.decode`` does: the interface, the function or class, and how the frame is given."""
+    def frame_kinds(self) -> list[FrameKind]:
+        """By interface what ``Variant.decode`` calls."""
         found = []
         for interface, section in zip(self.device.interfaces, self.module.sections):
-            name = next((item.name for item in section.dispatches if item.name.endswith("reply")), "")
-            if not name:
-                first = next((item for item in section.codecs if item.layout.sender == "encoder"), None)
-                if first is None:
-                    continue
-                name = f"{first.name}.decode"
-                takes = first.takes_variant
-                carried = first.layout.carried_as
-            else:
-                takes, carried = True, "bytes"
-            convert = "as_bytes" if carried == "bytes" else "as_number"
-            found.append((interface.kind.upper(), name, f"{convert}(frame){', self' if takes else ''}"))
+            reply = next((item.name for item in section.dispatches if item.name.endswith("reply")), "")
+            first = _first_sent(section)
+            if reply:
+                found.append(FrameKind(interface_name(interface.kind), f"{reply}(frame, self)", True))
+            elif first is not None:
+                in_bytes = first.layout.carried_as == "bytes"
+                more = (", self" if first.takes_variant else "") + ("" if in_bytes else ", bits=bits")
+                found.append(FrameKind(interface_name(interface.kind), f"{first.name}.decode(frame{more})", in_bytes))
         return found
+
+    @property
+    def overloads(self) -> list[str]:
+        """The arguments of ``Variant.decode`` for each kind of frame, where the family has both."""
+        kinds = {item.refuses_bits for item in self.frame_kinds}
+        return [_DECODE[in_bytes] for in_bytes in (False, True)] if len(kinds) > 1 else []
+
+    @property
+    def decode_arguments(self) -> str:
+        if self.overloads:
+            return "self, frame: Any, *, bits: int | None = None"
+        return _DECODE[self.frame_kinds[0].refuses_bits]
+
+    @property
+    def decode_doc(self) -> str:
+        """The docstring of ``Variant.decode``."""
+        kinds = {item.refuses_bits for item in self.frame_kinds}
+        words = "a number whose most significant bit was sent first, or text of 0 and 1"
+        given = {False: f"What the encoder sent: {words}.", True: "What the encoder sent, as bytes."}
+        both = f"What the encoder sent: bytes, or where the line carries bits {words}."
+        return docstring(
+            both if len(kinds) > 1 else given[True in kinds],
+            ("Args", [("bits", "How many bits came in, where that is known. A number alone does not tell whether bits are missing.")] if False in kinds else []),
+            ("Raises", [
+                ("FrameError", "The frame is damaged, or none of this encoder; the subclass says in what way."),
+                ("TypeError", "``frame`` is a number where bytes are needed, or the other way round." if len(kinds) > 1 else "``frame`` is of another type."),
+            ]),
+            indent=8,
+        )
 
     @property
     def frame_union(self) -> list[str]:

@@ -47,6 +47,7 @@ class Joined:
     signature: str
     parts: tuple[JoinPart, ...]
     others: tuple[Attribute, ...]
+    uses_variant: bool
 
 
 @dataclass(frozen=True)
@@ -56,9 +57,12 @@ class Codec:
     layout: Layout
     name: str
     doc: str
+    interface: str
     source: str
     source_type: str
     source_doc: str
+    arguments: str
+    bits: str
     takes_variant: bool
     attributes: tuple[Attribute, ...]
     properties: tuple[tuple[str, str, str, str], ...]
@@ -80,7 +84,6 @@ class Codec:
     limits: tuple[str, str] | None
     limits_doc: str
     meaning_limits: tuple[tuple[str, str, str, str, str], ...]
-    raises: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,7 @@ class Dispatch:
     """A function that tells apart what one side sends."""
 
     name: str
+    interface: str
     union: str
     members: tuple[str, ...]
     doc: str
@@ -148,12 +152,13 @@ class Section:
 
 @dataclass(frozen=True)
 class Function:
-    """A procedure."""
+    """A procedure; where the encoder is ``optional`` its steps are the same for all, and it is only checked."""
 
     name: str
-    arguments: str
+    signature: str
     doc: str
     interface: str
+    optional: bool
     checks: tuple[str, ...]
     steps: tuple[str, ...]
 
@@ -171,10 +176,30 @@ class Measure:
 
 
 @dataclass(frozen=True)
+class FrameKind:
+    """What ``Variant.decode`` calls over one interface; ``refuses_bits`` where frames are made of bytes."""
+
+    interface: str
+    call: str
+    refuses_bits: bool
+
+
+@dataclass(frozen=True)
 class Shown:
-    """An example in the README: what is called, and what comes out."""
+    """An example in the README: what is called, and what comes out; of a frame that is a string of ``bits``, their number and ``digits`` too."""
 
     code: str
     text: str
     shown: str
     result: str
+    flags: tuple[str, ...] = ()
+    bits: int = 0
+    digits: str = ""
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What shows the values of a frame: where it has flags, only after a look at them."""
+        if not self.flags:
+            return (f"print({self.shown})",)
+        seen = self.flags[0] if len(self.flags) == 1 else f"({' or '.join(self.flags)})"
+        return f"if not {seen}:", f"    print({self.shown})"

@@ -337,7 +337,7 @@ def test_values_that_only_some_encoders_have(families: dict[str, Family]) -> Non
     variant = module.lookup("w99sc")
     assert (variant.code, variant.unlisted, variant.position_bits, variant.class_) == ("W99SC", ("resolution",), 20, 3)
     assert variant.micrometres(7) == 350
-    assert module.Scale.decode(bytes(2) + b"\x00\x01") == (65536, 1)
+    assert module.Scale.decode(bytes(2) + b"\x00\x01") == module.Scale(65536, 1)
     for wrong in (module.Scale(0, 1), module.Scale(65537, 1), module.Scale(1, 3), module.Offset(1 << 47), module.Offset(-(1 << 47) - 1)):
         with pytest.raises(ValueError):
             wrong.encode()

@@ -181,7 +181,7 @@ def test_published_single_cycles(
     for row in rows:
         fields, word = row["fields"], int(row["frame_hex_or_bits"], 2)
         frame = variant.decode(word)
-        assert frame == (variant, fields["position"], not fields["nE"], not fields["nW"])
+        assert tuple(frame) == (variant, fields["position"], not fields["nE"], not fields["nW"])
         assert word & 0x3F == fields["CRC6_inverted"]
         assert frame.encode() == word
         with pytest.raises(package.CrcError):

@@ -18,20 +18,17 @@ from ._codec import (
     BitField,
     ConstantError,
     CrcError,
+    Data,
+    FamilyError,
     FrameError,
     Interface,
+    InterfaceError,
     LengthError,
-    Modify,
-    Poll,
     RangeError,
-    Read,
-    Send,
-    Step,
-    Wait,
-    Write,
 )
 from ._facts import Family
-from ._order_codes import OrderCodeError, nearest
+from ._order_codes import OrderCodeError, checked, nearest
+from ._steps import Modify, Poll, Read, Send, Step, Wait, Write
 
 __all__ = [
     "BitField",
@@ -39,8 +36,10 @@ __all__ = [
     "CrcError",
     "FAMILIES",
     "Family",
+    "FamilyError",
     "FrameError",
     "Interface",
+    "InterfaceError",
     "LengthError",
     "Modify",
     "OrderCodeError",
@@ -61,6 +60,9 @@ __all__ = [
     "lookup",
 ]
 
+#: The version of this package.
+__version__: Final = "0.1.0"
+
 #: An encoder of any family, as its order code describes it.
 Variant: TypeAlias = Union[am36.Variant, amm5.Variant, asc85.Variant, sma21.Variant]
 
@@ -75,12 +77,14 @@ def lookup(label: str) -> Variant:
 
     Raises:
         OrderCodeError: There is no such order code; the error names the nearest ones.
+        TypeError: ``label`` is no text.
     """
+    text = checked(label)
     families: tuple[Callable[[str], Variant], ...] = (am36.lookup, amm5.lookup, asc85.lookup, sma21.lookup,)
     errors = []
     for read in families:
         try:
-            return read(label)
+            return read(text)
         except OrderCodeError as error:
             errors.append(error)
     for found in errors:
@@ -92,10 +96,10 @@ def lookup(label: str) -> Variant:
         *asc85.VARIANTS,
         *sma21.VARIANTS,
     ]
-    raise OrderCodeError(errors[0].label, "", "is no order code of these encoders", nearest(codes, errors[0].label))
+    raise OrderCodeError(text, "", "is no order code of these encoders", nearest(codes, text))
 
 
-def identify(read: Mapping[int, int] | Mapping[str, bytes]) -> tuple[str, ...]:
+def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """The order codes of all families whose encoders can have sent what was read from an encoder's registers.
 
     What was not read, or is not documented, excludes nothing; a register counts only when all its bytes are there.

@@ -8,8 +8,34 @@ say.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple, TypeVar
+
+_Value = TypeVar("_Value")
+
+
+class ReadOnly(Mapping[str, _Value]):
+    """A mapping that nobody can change; unlike a MappingProxyType it can be copied and pickled."""
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, _Value]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, key: str) -> _Value:
+        return self._items[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr(self._items)
+
+
+_NO_NAMES: ReadOnly[str] = ReadOnly({})
 
 
 class Edition(NamedTuple):
@@ -98,7 +124,7 @@ class FieldFacts(NamedTuple):
     implemented: bool = True
     reserved: str = ""
     explained_by: tuple[str, ...] = ()
-    names: Mapping[str, str] = {}
+    names: Mapping[str, str] = _NO_NAMES
     note: str = ""
     source: str = ""
 
@@ -148,7 +174,7 @@ class Register(NamedTuple):
     meanings: tuple[RegisterMeaning, ...] = ()
     reserved: str = ""
     fields: tuple[FieldFacts, ...] = ()
-    names: Mapping[str, str] = {}
+    names: Mapping[str, str] = _NO_NAMES
     meaning: str = ""
     note: str = ""
     source: str = ""
@@ -334,7 +360,7 @@ class Alarm(NamedTuple):
     implemented: bool = True
     remedy: str = ""
     cleared_by: tuple[str, ...] = ()
-    names: Mapping[str, str] = {}
+    names: Mapping[str, str] = _NO_NAMES
     source: str = ""
 
 
@@ -388,7 +414,7 @@ class Input(NamedTuple):
     needs: str = ""
     when_unused: str = ""
     note: str = ""
-    names: Mapping[str, str] = {}
+    names: Mapping[str, str] = _NO_NAMES
     source: str = ""
 
 

@@ -8,8 +8,14 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+from ._facts import ReadOnly
+
+#: No label has more characters.
+LONGEST = 100
+
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 _AFTER = "(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
+_ALL_GO_WITH_IT: ReadOnly[tuple[str, ...]] = ReadOnly({})
 
 
 class OrderCodeError(ValueError):
@@ -26,7 +32,8 @@ class OrderCodeError(ValueError):
         self.nearest = nearest
 
     def __str__(self) -> str:
-        return f"'{self.label}' {self.reason}; the nearest order codes are {', '.join(self.nearest)}"
+        nearest = f"; the nearest order codes are {', '.join(self.nearest)}" if self.nearest else ""
+        return f"'{self.label}' {self.reason}{nearest}"
 
 
 class PartValue(NamedTuple):
@@ -48,7 +55,7 @@ class Part(NamedTuple):
     meaning: str
     values: tuple[PartValue, ...]
     open: str = ""
-    open_only_with: Mapping[str, tuple[str, ...]] = {}
+    open_only_with: Mapping[str, tuple[str, ...]] = _ALL_GO_WITH_IT
     source: str = ""
 
 
@@ -78,8 +85,8 @@ class Label(NamedTuple):
     """A label taken apart.
 
     ``listed`` are the parts of the listed code that it is taken for: what the manual does not list is replaced by the
-    first listed value that goes with the rest. ``written_as_in`` says where codes are written like this label, if that
-    is not as they are listed.
+    first listed value that goes with the rest. ``special`` is what ends the label as ``/Sxxx``. ``written_as_in`` says
+    where codes are written like this label, if that is not as they are listed.
     """
 
     code: str
@@ -87,7 +94,7 @@ class Label(NamedTuple):
     listed: tuple[str, ...]
     unlisted: tuple[str, ...]
     tail: str
-    special: bool
+    special: str
     written_as_in: str = ""
 
 
@@ -109,7 +116,7 @@ class OrderCode(NamedTuple):
         Raises:
             OrderCodeError: No order code of ``codes`` is like that.
         """
-        text = _without_blanks(label).upper()
+        text = checked(label)
         # A part of the code itself may look like /Sxxx; only what follows the code is taken for that.
         match = re.fullmatch(f"{self._expression()}{_AFTER}", text, re.IGNORECASE)
         if match is not None:
@@ -136,7 +143,7 @@ class OrderCode(NamedTuple):
         if listed is None:
             raise self._clash(text, shown, known, codes)
         code = _BRACES.sub(lambda brace: shown[brace[1]], self.pattern)
-        return Label(code, tuple(shown.values()), listed, unlisted, match["tail_"] or "", match["special_"] is not None)
+        return Label(code, tuple(shown.values()), listed, unlisted, match["tail_"] or "", match["special_"] or "")
 
     def _fitting(self, known: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
         """The parts of the first listed code that has these values, where None stands for one that is not listed."""
@@ -199,6 +206,21 @@ class OrderCode(NamedTuple):
             valid = ", ".join(value.text for value in part.values)
             return OrderCodeError(text, part.name, f"{wrong}; valid are {valid}", nearest(codes, text))
         return OrderCodeError(text, "", f"is no order code of {family}", nearest(codes, text))
+
+
+def checked(label: str) -> str:
+    """``label`` in capitals, without its blanks.
+
+    Raises:
+        OrderCodeError: It is longer than any label.
+        TypeError: It is no text.
+    """
+    if not isinstance(label, str):
+        raise TypeError(f"a label is text, such as what is on the encoder; this is of the type {type(label).__name__}")
+    if len(label) > LONGEST:
+        reason = f"is no order code: it has {len(label)} characters, and no label has more than {LONGEST}"
+        raise OrderCodeError(f"{label[:20]}...", "", reason, ())
+    return _without_blanks(label).upper()
 
 
 def nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:

@@ -8,6 +8,10 @@ source that begins with a language code is another edition, one that begins with
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+    encoder = lookup("AM3619/4096-GG")
+    frame = encoder.decode(0x1fa2b9f)
+    print(frame.multiturn, frame.singleturn, frame.position)
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
 """
@@ -17,35 +21,33 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from enum import IntEnum
+from operator import index
 from types import MappingProxyType
-from typing import Final, NamedTuple, TypeAlias, Union
+from typing import ClassVar, Final, NamedTuple, TypeAlias, Union
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
-    Held,
+    Data,
     Interface,
     LengthError,
-    Modify,
-    Read,
-    Step,
-    Wait,
-    agrees,
-    as_number,
+    Word,
+    as_bytes,
+    as_word,
+    by_class,
+    check_encoder,
     check_limits,
     check_power_of_two,
     check_width,
     choice,
     crc_of_bits,
     from_gray,
-    held_bytes,
-    held_parameters,
     text_number,
     to_gray,
+    too_long,
     unwrap,
-    whole,
-    writes,
+    wrong_encoder,
     zero_for,
 )
 from ._facts import (
@@ -68,6 +70,7 @@ from ._facts import (
     Manual,
     NamedValue,
     Network,
+    ReadOnly,
     Register,
     Revision,
     SsiFacts,
@@ -75,6 +78,61 @@ from ._facts import (
     Timing,
 )
 from ._order_codes import OrderCode, Part, PartValue, SpelledValue, Spelling
+from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from ._steps import Modify, Read, Step, Wait, writes
+
+__all__ = [
+    "ALARMS",
+    "Address",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "Command",
+    "Configuration",
+    "CountingDirection",
+    "DOCUMENTS",
+    "DeviceId",
+    "DeviceType",
+    "ERRATA",
+    "EnablePreset",
+    "FAMILY",
+    "FRAMES",
+    "Frame",
+    "INPUTS",
+    "InformationPerRevolution",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ManufacturerId",
+    "MultiturnBitsUsed",
+    "NumberOfRevolutions",
+    "ORDER_CODE",
+    "OutputCode",
+    "Preset",
+    "ProfileId",
+    "REGISTERS",
+    "SSI",
+    "SerialNumber",
+    "SingleCycleData",
+    "SingleturnBitsUsed",
+    "SsiWord",
+    "TIMINGS",
+    "VARIANTS",
+    "Variant",
+    "activate_preset",
+    "crc_biss_4",
+    "crc_biss_6",
+    "identify",
+    "identify_steps",
+    "lookup",
+    "restore_defaults",
+    "save_parameters",
+    "set_configuration",
+    "set_preset",
+    "set_resolution",
+    "store_preset",
+]
 
 FAMILY: Final = Family("am36", "AM36 and AMC36 absolute multiturn encoders", "rotary", "Lika Electronic")
 
@@ -86,6 +144,9 @@ MANUAL: Final = Manual(
     publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
     history=(Revision("1.0", "First issue."),),
 )
+
+_SSI: Final = Interface.SSI
+_BISS: Final = Interface.BISS
 
 # Order codes
 
@@ -109,7 +170,7 @@ ORDER_CODE: Final = OrderCode(
                 PartValue(text="19", meaning="524,288 counts per turn", source="5.2"),
             ),
             open="[0-9]{2}",
-            open_only_with={"output": ("I7",)},
+            open_only_with=ReadOnly({"output": ("I7",)}),
             source="5.2; 6",
         ),
         Part(
@@ -117,7 +178,7 @@ ORDER_CODE: Final = OrderCode(
             meaning="Number of revolutions",
             values=(PartValue(text="4096", meaning="Multiturn, 4,096 revolutions", source="5.2; 6.5 p.31"),),
             open="[0-9]{1,5}",
-            open_only_with={"output": ("I7",)},
+            open_only_with=ReadOnly({"output": ("I7",)}),
             source="5; 5.2; 6; 6.5 p.31",
         ),
         Part(
@@ -185,6 +246,7 @@ class Variant:
     """An encoder as its order code describes it.
 
     Attributes:
+        family: The encoder's family.
         code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
         parts: The parts of the order code: model, singleturn, turns, output.
@@ -202,11 +264,13 @@ class Variant:
             default of configuration.output_code, unless with_registers() gives another.
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
-        special: Whether the label ends in /Sxxx. An encoder whose order code ends in /Sxxx may differ from the standard
-            mechanically and electrically, and may come with documentation of its own for special connections (Technical
-            Info).
+        special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
+            standard mechanically and electrically, and may come with documentation of its own for special connections
+            (Technical Info).
         written_as_in: Where codes are written like the label, if that is not as the order codes are listed.
     """
+
+    family: ClassVar[Family] = FAMILY
 
     code: str
     interface: Interface
@@ -220,8 +284,13 @@ class Variant:
     output_code: int
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
-    special: bool = dataclasses.field(default=False, compare=False)
+    special_code: str = ""
     written_as_in: str = dataclasses.field(default="", compare=False)
+
+    @property
+    def special(self) -> bool:
+        """Whether the label ends in /Sxxx."""
+        return bool(self.special_code)
 
     @property
     def position_bits(self) -> int:
@@ -255,7 +324,7 @@ class Variant:
             RangeError: A register holds a value that cannot be.
             ValueError: A register changes nothing for this encoder.
         """
-        found = held_parameters(_HELD, held, self.interface)
+        found = held_parameters(_HELD, held, self)
         return dataclasses.replace(
             self,
             used_singleturn_bits=found.get("used_singleturn_bits", self.used_singleturn_bits),
@@ -266,20 +335,20 @@ class Variant:
 
     def turns(self, position: int) -> float:
         """``position``, in counts, as revolutions."""
-        if self.interface is Interface.SSI:
-            return position / (1 << self.singleturn_bits)
-        return position / (1 << self.used_singleturn_bits)
+        if self.interface is _SSI:
+            return index(position) / (1 << self.singleturn_bits)
+        return index(position) / (1 << self.used_singleturn_bits)
 
     def degrees(self, position: int) -> float:
         """``position``, in counts, as degrees within one revolution."""
-        if self.interface is Interface.SSI:
-            return position % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
-        return position % (1 << self.used_singleturn_bits) * 360 / (1 << self.used_singleturn_bits)
+        if self.interface is _SSI:
+            return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
+        return index(position) % (1 << self.used_singleturn_bits) * 360 / (1 << self.used_singleturn_bits)
 
     @property
     def modulus(self) -> int:
         """Counts after which ``position`` starts again: the highest one is 1 less."""
-        if self.interface is Interface.SSI:
+        if self.interface is _SSI:
             return (1 << self.singleturn_bits) * (1 << self.multiturn_bits)
         return (1 << self.used_singleturn_bits) * self.used_revolutions
 
@@ -294,19 +363,30 @@ class Variant:
         """
         return unwrap(previous, position, self.modulus)
 
-    def decode(self, frame: int | bytes) -> Frame:
-        """What the encoder sent: bytes, or where the line carries bits one number, the first bit most significant.
+    @property
+    def frame_bits(self) -> int:
+        """How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one."""
+        if self.interface is _SSI:
+            return self.singleturn_bits + self.multiturn_bits
+        return self.used_singleturn_bits + self.used_multiturn_bits + 8
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> Frame:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is a number where bytes are needed, or the other way round.
+            TypeError: ``frame`` is of another type.
         """
-        if self.interface is Interface.SSI:
-            return SsiWord.decode(as_number(frame), self)
-        return SingleCycleData.decode(as_number(frame), self)
+        if self.interface is _SSI:
+            return SsiWord.decode(frame, self, bits=bits)
+        return SingleCycleData.decode(frame, self, bits=bits)
 
     def __repr__(self) -> str:
-        return f"<{self.code}>"
+        held = held_text(_HELD, self)
+        return f"<{self.code}{self.special_code}{held}>"
 
 
 def lookup(label: str) -> Variant:
@@ -320,6 +400,7 @@ def lookup(label: str) -> Variant:
     Raises:
         OrderCodeError: There is no such order code; the error names the wrong part, its valid values and the nearest
             codes.
+        TypeError: ``label`` is no text.
     """
     found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
     variant = _BY_PARTS[found.listed]
@@ -331,7 +412,7 @@ def lookup(label: str) -> Variant:
         parts=found.parts,
         unlisted=found.unlisted,
         tail=found.tail,
-        special=found.special,
+        special_code=found.special,
         written_as_in=found.written_as_in,
     )
 
@@ -503,6 +584,7 @@ SSI: Final = SsiFacts(
 )
 
 
+@by_class
 class SsiWord(NamedTuple):
     """SSI word: sent by the encoder over SSI, as a string of bits (5.2).
 
@@ -537,27 +619,46 @@ class SsiWord(NamedTuple):
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        variant = self.variant
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(cls, variant: Variant, position: int) -> SsiWord:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
-        check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
+        check_encoder(variant, Variant, _SSI)
+        position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
             multiturn=position >> variant.singleturn_bits,
             singleturn=position & ((1 << variant.singleturn_bits) - 1),
         )
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _SSI)
+        return variant.singleturn_bits + variant.multiturn_bits
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SsiWord:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.singleturn_bits + variant.multiturn_bits, bits)
         if word >> (variant.singleturn_bits + variant.multiturn_bits):
-            raise LengthError(variant.singleturn_bits + variant.multiturn_bits, word.bit_length(), "bits")
+            raise too_long(word, variant.singleturn_bits + variant.multiturn_bits)
         if variant.ssi_gray:
             word = from_gray(word, 0, variant.multiturn_bits + variant.singleturn_bits)
         return cls(
@@ -573,9 +674,11 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        number = self.multiturn << variant.singleturn_bits | self.singleturn
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        number = multiturn << variant.singleturn_bits | singleturn
         if variant.ssi_gray:
             number = to_gray(number, 0, variant.multiturn_bits + variant.singleturn_bits)
         return number
@@ -583,6 +686,7 @@ class SsiWord(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _SSI)
         return (
             BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
             BitField("singleturn", 0, variant.singleturn_bits),
@@ -656,6 +760,7 @@ BISS: Final = BissFacts(
 )
 
 
+@by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.3 p.21; 6.3.1 p.21).
 
@@ -692,29 +797,48 @@ class SingleCycleData(NamedTuple):
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
-        return self.multiturn << self.variant.used_singleturn_bits | self.singleturn
+        variant = self.variant
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        return index(self.multiturn) << variant.used_singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(cls, variant: Variant, position: int) -> SingleCycleData:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
-        check_width("position", position, variant.used_singleturn_bits + variant.used_multiturn_bits)
+        check_encoder(variant, Variant, _BISS)
+        position = check_width("position", position, variant.used_singleturn_bits + variant.used_multiturn_bits)
         return cls(
             variant,
             multiturn=position >> variant.used_singleturn_bits,
             singleturn=position & ((1 << variant.used_singleturn_bits) - 1),
         )
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _BISS)
+        return variant.used_singleturn_bits + variant.used_multiturn_bits + 8
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SingleCycleData:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.used_singleturn_bits + variant.used_multiturn_bits + 8, bits)
         if word >> (variant.used_singleturn_bits + variant.used_multiturn_bits + 8):
-            raise LengthError(variant.used_singleturn_bits + variant.used_multiturn_bits + 8, word.bit_length(), "bits")
+            raise too_long(word, variant.used_singleturn_bits + variant.used_multiturn_bits + 8)
         if remainder := _remainder_biss_6_44(word ^ 0x3F):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
         if variant.biss_gray:
@@ -736,9 +860,11 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
-        check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
-        number = 0xC0 | self.multiturn << (variant.used_singleturn_bits + 8) | self.singleturn << 8
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
+        number = 0xC0 | multiturn << (variant.used_singleturn_bits + 8) | singleturn << 8
         if variant.biss_gray:
             number = to_gray(number, 8, variant.used_multiturn_bits + variant.used_singleturn_bits)
         return number | _remainder_biss_6_44(number) ^ 0x3F
@@ -746,6 +872,7 @@ class SingleCycleData(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (
             BitField("multiturn", variant.used_singleturn_bits + 8, variant.used_multiturn_bits),
             BitField("singleturn", 8, variant.used_singleturn_bits),
@@ -1079,6 +1206,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 )
 
 
+@by_class
 class ProfileId(NamedTuple):
     """Profile ID, register 42h to 43h, read only (6.5 p.24).
 
@@ -1103,12 +1231,14 @@ class ProfileId(NamedTuple):
         return self.profile == 0
 
     @classmethod
-    def decode(cls, data: bytes) -> ProfileId:
+    def decode(cls, data: Data) -> ProfileId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls(data[0] << 8 | data[1])
@@ -1119,8 +1249,8 @@ class ProfileId(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("profile", self.profile, 16)
-        return self.profile.to_bytes(2, "big")
+        profile = check_width("profile", self.profile, 16)
+        return profile.to_bytes(2, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1128,6 +1258,7 @@ class ProfileId(NamedTuple):
         return (BitField("profile", 0, 16),)
 
 
+@by_class
 class SerialNumber(NamedTuple):
     """Serial number, register 44h to 47h, read only (6.5 p.24).
 
@@ -1150,12 +1281,14 @@ class SerialNumber(NamedTuple):
     number: int
 
     @classmethod
-    def decode(cls, data: bytes) -> SerialNumber:
+    def decode(cls, data: Data) -> SerialNumber:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         return cls(
@@ -1170,10 +1303,10 @@ class SerialNumber(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("year", self.year, 8)
-        check_width("week", self.week, 8)
-        check_width("number", self.number, 16)
-        number = self.year << 24 | self.week << 16 | self.number
+        year = check_width("year", self.year, 8)
+        week = check_width("week", self.week, 8)
+        number_ = check_width("number", self.number, 16)
+        number = year << 24 | week << 16 | number_
         return number.to_bytes(4, "big")
 
     @staticmethod
@@ -1213,13 +1346,14 @@ class Command(IntEnum):
     """Loads, activates and saves the defaults of the factory; all values set before are lost."""
 
     @classmethod
-    def decode(cls, data: bytes) -> Command:
+    def decode(cls, data: Data) -> Command:
         """The register in ``data``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: The register holds none of these values.
         """
+        data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return choice(cls, "Command", int.from_bytes(data, "big"))
@@ -1229,6 +1363,7 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
+@by_class
 class Configuration(NamedTuple):
     """Configuration, register 49h, read and write (6.5 p.25; 7 p.33).
 
@@ -1263,7 +1398,7 @@ class Configuration(NamedTuple):
     enable_preset: EnablePreset
 
     @classmethod
-    def decode(cls, data: bytes) -> Configuration:
+    def decode(cls, data: Data) -> Configuration:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
@@ -1271,6 +1406,8 @@ class Configuration(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         if data[0] >> 7:
@@ -1294,10 +1431,10 @@ class Configuration(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        choice(CountingDirection, "counting_direction", self.counting_direction)
-        choice(OutputCode, "output_code", self.output_code)
-        choice(EnablePreset, "enable_preset", self.enable_preset)
-        number = self.counting_direction << 6 | self.output_code << 5 | self.enable_preset << 2
+        counting_direction = choice(CountingDirection, "counting_direction", self.counting_direction)
+        output_code = choice(OutputCode, "output_code", self.output_code)
+        enable_preset = choice(EnablePreset, "enable_preset", self.enable_preset)
+        number = counting_direction << 6 | output_code << 5 | enable_preset << 2
         return number.to_bytes(1, "big")
 
     @staticmethod
@@ -1313,6 +1450,7 @@ class Configuration(NamedTuple):
         )
 
 
+@by_class
 class InformationPerRevolution(NamedTuple):
     """Information per revolution, register 4Bh to 4Dh, read and write (6.5 p.27; 7 p.33).
 
@@ -1346,12 +1484,14 @@ class InformationPerRevolution(NamedTuple):
     steps: int
 
     @classmethod
-    def decode(cls, data: bytes) -> InformationPerRevolution:
+    def decode(cls, data: Data) -> InformationPerRevolution:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
         return cls(data[0] << 16 | data[1] << 8 | data[2])
@@ -1362,10 +1502,10 @@ class InformationPerRevolution(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("steps", self.steps, 24)
+        steps = check_width("steps", self.steps, 24)
         check_power_of_two("steps", self.steps)
         check_limits("steps", self.steps, self.limits())
-        return self.steps.to_bytes(3, "big")
+        return steps.to_bytes(3, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1378,6 +1518,7 @@ class InformationPerRevolution(NamedTuple):
         return 1, 1_048_576
 
 
+@by_class
 class NumberOfRevolutions(NamedTuple):
     """Number of revolutions, register 4Eh to 4Fh, read and write (6.5 p.28; 7 p.33).
 
@@ -1413,12 +1554,14 @@ class NumberOfRevolutions(NamedTuple):
     revolutions: int
 
     @classmethod
-    def decode(cls, data: bytes) -> NumberOfRevolutions:
+    def decode(cls, data: Data) -> NumberOfRevolutions:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls((data[0] << 8 | data[1]) or 65_536)
@@ -1429,8 +1572,9 @@ class NumberOfRevolutions(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
+        revolutions = zero_for("revolutions", self.revolutions, 65_536, 16)
         check_limits("revolutions", self.revolutions, self.limits())
-        return zero_for("revolutions", self.revolutions, 65_536, 16).to_bytes(2, "big")
+        return revolutions.to_bytes(2, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1443,6 +1587,7 @@ class NumberOfRevolutions(NamedTuple):
         return 1, 65_536
 
 
+@by_class
 class Preset(NamedTuple):
     """Preset, register 50h to 54h, read and write (6.5 p.29; 7 p.33).
 
@@ -1477,13 +1622,15 @@ class Preset(NamedTuple):
     position: int
 
     @classmethod
-    def decode(cls, data: bytes) -> Preset:
+    def decode(cls, data: Data) -> Preset:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 5:
             raise LengthError(5, len(data))
         if data[0] >> 4:
@@ -1496,9 +1643,9 @@ class Preset(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("position", self.position, 36)
+        position = check_width("position", self.position, 36)
         check_limits("position", self.position, self.limits())
-        return self.position.to_bytes(5, "big")
+        return position.to_bytes(5, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1514,6 +1661,7 @@ class Preset(NamedTuple):
         return 0, 68_719_476_735
 
 
+@by_class
 class DeviceType(NamedTuple):
     """Device type, register 55h, read only (6.5 p.31).
 
@@ -1533,12 +1681,14 @@ class DeviceType(NamedTuple):
         return self.device_type == 2
 
     @classmethod
-    def decode(cls, data: bytes) -> DeviceType:
+    def decode(cls, data: Data) -> DeviceType:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(data[0])
@@ -1549,8 +1699,8 @@ class DeviceType(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("device_type", self.device_type, 8)
-        return self.device_type.to_bytes(1, "big")
+        device_type = check_width("device_type", self.device_type, 8)
+        return device_type.to_bytes(1, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1558,6 +1708,7 @@ class DeviceType(NamedTuple):
         return (BitField("device_type", 0, 8),)
 
 
+@by_class
 class SingleturnBitsUsed(NamedTuple):
     """N° of bits used for singleturn resolution, register 56h, read only (6.5 p.31).
 
@@ -1580,12 +1731,14 @@ class SingleturnBitsUsed(NamedTuple):
     bits: int
 
     @classmethod
-    def decode(cls, data: bytes) -> SingleturnBitsUsed:
+    def decode(cls, data: Data) -> SingleturnBitsUsed:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(data[0])
@@ -1596,8 +1749,8 @@ class SingleturnBitsUsed(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("bits", self.bits, 8)
-        return self.bits.to_bytes(1, "big")
+        bits_ = check_width("bits", self.bits, 8)
+        return bits_.to_bytes(1, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1605,6 +1758,7 @@ class SingleturnBitsUsed(NamedTuple):
         return (BitField("bits", 0, 8),)
 
 
+@by_class
 class MultiturnBitsUsed(NamedTuple):
     """N° of bits used for multiturn resolution, register 57h, read only (6.5 p.31).
 
@@ -1630,12 +1784,14 @@ class MultiturnBitsUsed(NamedTuple):
     bits: int
 
     @classmethod
-    def decode(cls, data: bytes) -> MultiturnBitsUsed:
+    def decode(cls, data: Data) -> MultiturnBitsUsed:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(data[0])
@@ -1646,8 +1802,8 @@ class MultiturnBitsUsed(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("bits", self.bits, 8)
-        return self.bits.to_bytes(1, "big")
+        bits_ = check_width("bits", self.bits, 8)
+        return bits_.to_bytes(1, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1655,6 +1811,7 @@ class MultiturnBitsUsed(NamedTuple):
         return (BitField("bits", 0, 8),)
 
 
+@by_class
 class DeviceId(NamedTuple):
     """Device ID, register 78h to 7Dh, read only (6.5 p.31).
 
@@ -1686,12 +1843,14 @@ class DeviceId(NamedTuple):
         return self.model == "AM" and self.interface_code == "I7" and self.enclosure == "2"
 
     @classmethod
-    def decode(cls, data: bytes) -> DeviceId:
+    def decode(cls, data: Data) -> DeviceId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
         return cls(
@@ -1726,6 +1885,7 @@ class DeviceId(NamedTuple):
         )
 
 
+@by_class
 class ManufacturerId(NamedTuple):
     """Manufacturer ID, register 7Eh to 7Fh, read only (6.5 p.32).
 
@@ -1745,12 +1905,14 @@ class ManufacturerId(NamedTuple):
         return self.name == "Li"
 
     @classmethod
-    def decode(cls, data: bytes) -> ManufacturerId:
+    def decode(cls, data: Data) -> ManufacturerId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls(data[0:2].decode("ascii", "replace"))
@@ -1818,7 +1980,7 @@ _HELD: Final = (
 )
 
 
-def identify(read: Mapping[int, int] | Mapping[str, bytes]) -> tuple[str, ...]:
+def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """The order codes of the encoders that can have sent what was read from an encoder's registers.
 
     What was not read, or is not documented, excludes nothing; a register counts only when all its bytes are there.
@@ -1849,7 +2011,7 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 # Procedures
 
 
-def set_configuration(configuration: Configuration | int) -> tuple[Step, ...]:
+def set_configuration(configuration: Configuration | int, *, variant: Variant | None = None) -> tuple[Step, ...]:
     """Set and save the configuration (6.5 p.25).
 
     After: Preset function, output code and counting direction are set and saved.
@@ -1859,15 +2021,20 @@ def set_configuration(configuration: Configuration | int) -> tuple[Step, ...]:
 
     Args:
         configuration: Value of the whole register, its unused bits 0.
+        variant: The encoder, to be checked; the steps are the same for all of the family.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes(
             "configuration",
             Address.CONFIGURATION,
-            whole("configuration", configuration, 1, "big"),
+            whole("configuration", Configuration, configuration, 1, "big"),
             "takes effect at once",
         ),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "keep it"),
@@ -1875,7 +2042,7 @@ def set_configuration(configuration: Configuration | int) -> tuple[Step, ...]:
     )
 
 
-def set_preset(position: int) -> tuple[Step, ...]:
+def set_preset(position: int, *, variant: Variant | None = None) -> tuple[Step, ...]:
     """Set, save and activate a preset (6.5 p.29).
 
     Before: Suggested with the shaft at a standstill.
@@ -1887,10 +2054,15 @@ def set_preset(position: int) -> tuple[Step, ...]:
 
     Args:
         position: Value that the present position is to get.
+        variant: The encoder, to be checked; the steps are the same for all of the family.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let the Preset registers be written"),
         *writes("preset", Address.PRESET, Preset(position=position).encode(), "write the five Preset registers"),
@@ -1904,7 +2076,7 @@ def set_preset(position: int) -> tuple[Step, ...]:
     )
 
 
-def store_preset(position: int) -> tuple[Step, ...]:
+def store_preset(position: int, *, variant: Variant | None = None) -> tuple[Step, ...]:
     """Set and save a preset without activating it (6.5 p.29; 4.4 p.15).
 
     After: The preset is saved; the position is the same as before. The Zero setting/Preset input or activate_preset
@@ -1915,10 +2087,15 @@ def store_preset(position: int) -> tuple[Step, ...]:
 
     Args:
         position: Value to keep for a later activation.
+        variant: The encoder, to be checked; the steps are the same for all of the family.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let the Preset registers be written"),
         *writes("preset", Address.PRESET, Preset(position=position).encode(), "write the five Preset registers"),
@@ -1927,31 +2104,49 @@ def store_preset(position: int) -> tuple[Step, ...]:
     )
 
 
-def save_parameters() -> tuple[Step, ...]:
+def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
     """Save the parameters (6.5 p.24).
 
     After: Newly set register values are saved.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def activate_preset() -> tuple[Step, ...]:
+def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     """Save the parameters and activate the preset that is set (6.5 p.24; 6.5 p.25).
 
     Before: Bit Enable preset at 0 (enable), as delivered. Suggested with the shaft at a standstill.
 
     After: The position at which the command arrived has the preset value.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def restore_defaults() -> tuple[Step, ...]:
+def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
     """Load and save the default parameters (6.5 p.24; 7 p.33).
 
     After: All parameters have their defaults, which are active and saved; what was set before is lost, the preset
@@ -1960,14 +2155,29 @@ def restore_defaults() -> tuple[Step, ...]:
     Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
     the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
     say, from the moment that a resolution is written.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def set_resolution(information_per_revolution: int, number_of_revolutions: int, position: int) -> tuple[Step, ...]:
+def set_resolution(
+    information_per_revolution: int,
+    number_of_revolutions: int,
+    position: int,
+    *,
+    variant: Variant | None = None,
+) -> tuple[Step, ...]:
     """Change the resolution, then set and activate the preset again (6.5 p.24; 6.5 p.29).
 
     Before: Suggested with the shaft at a standstill.
@@ -1995,10 +2205,15 @@ def set_resolution(information_per_revolution: int, number_of_revolutions: int, 
         information_per_revolution: Positions per revolution, a power of two.
         number_of_revolutions: Revolutions to count, 1 to 65,536.
         position: Value that the present position is to get, below the product of the other two.
+        variant: The encoder, to be checked; the steps are the same for all of the family.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes(
             "information_per_revolution",
@@ -2033,12 +2248,21 @@ def set_resolution(information_per_revolution: int, number_of_revolutions: int, 
     )
 
 
-def identify_steps() -> tuple[Step, ...]:
+def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
     """Read what identifies the encoder (6.5).
 
     After: AM36 and AMC36, and all resolutions, answer alike but for the last two registers, which hold what is set, not
     what the order code says.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li is Lika Electronic"),
         Read(Address.DEVICE_ID, 6, "device_id", "AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version"),

@@ -9,6 +9,13 @@ DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+A sound frame can report a fault of the encoder. Look at its flags before you use the position:
+
+    encoder = lookup("AMM5A21/65KSC1")
+    frame = encoder.decode(0x55bcd15e2)
+    if not (frame.error or frame.warning):
+        print(frame.multiturn, frame.singleturn, frame.position)
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
 """
@@ -18,32 +25,33 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from enum import IntEnum
+from operator import index
 from types import MappingProxyType
-from typing import Final, NamedTuple, TypeAlias, Union
+from typing import Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
+    Data,
     Interface,
     LengthError,
     RangeError,
-    Send,
-    Step,
-    Wait,
-    agrees,
+    Word,
     as_bytes,
-    as_number,
-    check_interface,
+    as_word,
+    by_class,
+    check_encoder,
     check_limits,
     check_width,
     choice,
     crc_by_xor,
     crc_of_bits,
-    held_bytes,
     text_number,
+    too_long,
     unwrap,
-    writes,
+    whole_number,
+    wrong_encoder,
 )
 from ._facts import (
     Alarm,
@@ -70,6 +78,7 @@ from ._facts import (
     Network,
     Port,
     PrintedTimeout,
+    ReadOnly,
     Register,
     Revision,
     Rs485Facts,
@@ -78,6 +87,66 @@ from ._facts import (
     Timing,
 )
 from ._order_codes import OrderCode, Part, PartValue
+from ._registers import agrees, held_bytes
+from ._steps import Send, Step, Wait, writes
+
+__all__ = [
+    "ALARMS",
+    "Address",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "Command",
+    "CompleteReply",
+    "DOCUMENTS",
+    "DataId",
+    "DataRequest",
+    "DeviceId",
+    "ERRATA",
+    "EepromReadReply",
+    "EepromReadRequest",
+    "EepromWriteReply",
+    "EepromWriteRequest",
+    "EncoderIdReply",
+    "FAMILY",
+    "FRAMES",
+    "Frame",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ManufacturerId",
+    "MultiturnReply",
+    "ORDER_CODE",
+    "Preset",
+    "PresetSettingEnable",
+    "REGISTERS",
+    "RS485",
+    "Reply",
+    "Request",
+    "SSI",
+    "SerialNumber",
+    "SingleCycleData",
+    "SingleturnReply",
+    "SsiWord",
+    "TIMINGS",
+    "VARIANTS",
+    "Variant",
+    "activate_preset",
+    "crc_biss_4",
+    "crc_biss_6",
+    "crc_rs485_8",
+    "decode_reply",
+    "decode_request",
+    "identify",
+    "lookup",
+    "reset_errors",
+    "reset_multiturn_and_errors",
+    "reset_singleturn_and_multiturn",
+    "save_parameters",
+    "set_preset",
+    "store_preset",
+]
 
 FAMILY: Final = Family("amm5", "AMM5A and AMM5B absolute kit encoders", "rotary", "Lika Electronic")
 
@@ -112,6 +181,10 @@ MANUAL: Final = Manual(
         Revision("1.9", "Drawings of the encumbrance sizes updated.", date="2021-12-09"),
     ),
 )
+
+_SSI: Final = Interface.SSI
+_BISS: Final = Interface.BISS
+_RS485: Final = Interface.RS485
 
 # Order codes
 
@@ -179,6 +252,7 @@ class Variant:
     """An encoder as its order code describes it.
 
     Attributes:
+        family: The encoder's family.
         code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
         parts: The parts of the order code: mount, singleturn, turns, interface.
@@ -186,11 +260,13 @@ class Variant:
         multiturn_bits: Bits that count revolutions; 0 in singleturn models (bits, Preliminary information p.7).
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
-        special: Whether the label ends in /Sxxx. An encoder whose order code ends in /Sxxx may differ from the standard
-            mechanically and electrically, and may come with documentation of its own for special connections (Technical
-            Info).
+        special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
+            standard mechanically and electrically, and may come with documentation of its own for special connections
+            (Technical Info).
         written_as_in: Where codes are written like the label, if that is not as the order codes are listed.
     """
+
+    family: ClassVar[Family] = FAMILY
 
     code: str
     interface: Interface
@@ -199,8 +275,13 @@ class Variant:
     multiturn_bits: int
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
-    special: bool = dataclasses.field(default=False, compare=False)
+    special_code: str = ""
     written_as_in: str = dataclasses.field(default="", compare=False)
+
+    @property
+    def special(self) -> bool:
+        """Whether the label ends in /Sxxx."""
+        return bool(self.special_code)
 
     @property
     def position_bits(self) -> int:
@@ -228,11 +309,11 @@ class Variant:
 
     def turns(self, position: int) -> float:
         """``position``, in counts, as revolutions."""
-        return position / (1 << self.singleturn_bits)
+        return index(position) / (1 << self.singleturn_bits)
 
     def degrees(self, position: int) -> float:
         """``position``, in counts, as degrees within one revolution."""
-        return position % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
+        return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
 
     @property
     def modulus(self) -> int:
@@ -250,21 +331,46 @@ class Variant:
         """
         return unwrap(previous, position, self.modulus)
 
-    def decode(self, frame: int | bytes) -> Frame:
-        """What the encoder sent: bytes, or where the line carries bits one number, the first bit most significant.
+    @property
+    def frame_bits(self) -> int:
+        """How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one.
+
+        Raises:
+            ValueError: Over this interface frames are made of bytes.
+        """
+        if self.interface is _SSI:
+            return self.singleturn_bits + self.multiturn_bits
+        if self.interface is _BISS:
+            return self.singleturn_bits + self.multiturn_bits + 8
+        raise ValueError(f"no frame bits over {self.interface.name}: frames are made of bytes")
+
+    @overload
+    def decode(self, frame: Word, *, bits: int | None = None) -> Frame: ...
+
+    @overload
+    def decode(self, frame: Data) -> Frame: ...
+
+    def decode(self, frame: Any, *, bits: int | None = None) -> Frame:
+        """What the encoder sent: bytes, or where the line carries bits a number whose most significant bit was sent
+        first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is a number where bytes are needed, or the other way round.
         """
-        if self.interface is Interface.SSI:
-            return SsiWord.decode(as_number(frame), self)
-        if self.interface is Interface.BISS:
-            return SingleCycleData.decode(as_number(frame), self)
-        return decode_reply(as_bytes(frame), self)
+        if self.interface is _SSI:
+            return SsiWord.decode(frame, self, bits=bits)
+        if self.interface is _BISS:
+            return SingleCycleData.decode(frame, self, bits=bits)
+        if bits is not None:
+            raise TypeError("this encoder's frame is made of bytes: bits= is for frames that are strings of bits")
+        return decode_reply(frame, self)
 
     def __repr__(self) -> str:
-        return f"<{self.code}>"
+        return f"<{self.code}{self.special_code}>"
 
 
 def lookup(label: str) -> Variant:
@@ -278,6 +384,7 @@ def lookup(label: str) -> Variant:
     Raises:
         OrderCodeError: There is no such order code; the error names the wrong part, its valid values and the nearest
             codes.
+        TypeError: ``label`` is no text.
     """
     found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
     variant = _BY_PARTS[found.listed]
@@ -289,7 +396,7 @@ def lookup(label: str) -> Variant:
         parts=found.parts,
         unlisted=found.unlisted,
         tail=found.tail,
-        special=found.special,
+        special_code=found.special,
         written_as_in=found.written_as_in,
     )
 
@@ -479,6 +586,7 @@ SSI: Final = SsiFacts(
 )
 
 
+@by_class
 class SsiWord(NamedTuple):
     """SSI word: sent by the encoder over SSI, as a string of bits (5.2 p.28).
 
@@ -514,27 +622,46 @@ class SsiWord(NamedTuple):
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        variant = self.variant
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(cls, variant: Variant, position: int) -> SsiWord:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
-        check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
+        check_encoder(variant, Variant, _SSI)
+        position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
             multiturn=position >> variant.singleturn_bits,
             singleturn=position & ((1 << variant.singleturn_bits) - 1),
         )
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _SSI)
+        return variant.singleturn_bits + variant.multiturn_bits
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SsiWord:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.singleturn_bits + variant.multiturn_bits, bits)
         if word >> (variant.singleturn_bits + variant.multiturn_bits):
-            raise LengthError(variant.singleturn_bits + variant.multiturn_bits, word.bit_length(), "bits")
+            raise too_long(word, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
             word >> variant.singleturn_bits,
@@ -548,13 +675,16 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        return self.multiturn << variant.singleturn_bits | self.singleturn
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        return multiturn << variant.singleturn_bits | singleturn
 
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _SSI)
         return (
             BitField("multiturn", variant.singleturn_bits, variant.multiturn_bits),
             BitField("singleturn", 0, variant.singleturn_bits),
@@ -647,6 +777,7 @@ BISS: Final = BissFacts(
 )
 
 
+@by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.2.1 p.32).
 
@@ -695,7 +826,10 @@ class SingleCycleData(NamedTuple):
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        variant = self.variant
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(
@@ -706,7 +840,8 @@ class SingleCycleData(NamedTuple):
         warning: bool = False,
     ) -> SingleCycleData:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
-        check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
+        check_encoder(variant, Variant, _BISS)
+        position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
             multiturn=position >> variant.singleturn_bits,
@@ -715,16 +850,31 @@ class SingleCycleData(NamedTuple):
             warning=warning,
         )
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _BISS)
+        return variant.singleturn_bits + variant.multiturn_bits + 8
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SingleCycleData:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
             CrcError: The CRC does not belong to the other bits.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.singleturn_bits + variant.multiturn_bits + 8, bits)
         if word >> (variant.singleturn_bits + variant.multiturn_bits + 8):
-            raise LengthError(variant.singleturn_bits + variant.multiturn_bits + 8, word.bit_length(), "bits")
+            raise too_long(word, variant.singleturn_bits + variant.multiturn_bits + 8)
         if remainder := _remainder_biss_6_47(word ^ 0x3F):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
         return cls(
@@ -742,11 +892,13 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         number = (
-            self.multiturn << (variant.singleturn_bits + 8)
-            | self.singleturn << 8
+            multiturn << (variant.singleturn_bits + 8)
+            | singleturn << 8
             | (not self.error) << 7
             | (not self.warning) << 6
         )
@@ -755,6 +907,7 @@ class SingleCycleData(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (
             BitField("multiturn", variant.singleturn_bits + 8, variant.multiturn_bits),
             BitField("singleturn", 8, variant.singleturn_bits),
@@ -920,6 +1073,7 @@ RS485: Final = Rs485Facts(
 )
 
 
+@by_class
 class DataRequest(NamedTuple):
     """Data request: sent by the master over RS-485, as bytes (7.2.1 p.41).
 
@@ -936,7 +1090,7 @@ class DataRequest(NamedTuple):
     data_id: DataId
 
     @classmethod
-    def decode(cls, data: bytes) -> DataRequest:
+    def decode(cls, data: Data) -> DataRequest:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -944,6 +1098,8 @@ class DataRequest(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         if (data[0] & 0x7) != 0x2:
@@ -960,9 +1116,10 @@ class DataRequest(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        if self.data_id not in (0, 1, 2, 3, 7, 8, 0xC):
-            raise RangeError("data_id", int(self.data_id), "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
-        number = 0x2 | self.data_id << 3 | (self.data_id.bit_count() & 1) << 7
+        data_id = whole_number("data_id", self.data_id)
+        if data_id not in (0, 1, 2, 3, 7, 8, 0xC):
+            raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
+        number = 0x2 | data_id << 3 | (data_id.bit_count() & 1) << 7
         return number.to_bytes(1, "little")
 
     @staticmethod
@@ -975,6 +1132,7 @@ class DataRequest(NamedTuple):
         )
 
 
+@by_class
 class EepromWriteRequest(NamedTuple):
     """EEPROM write request: sent by the master over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
 
@@ -1002,7 +1160,7 @@ class EepromWriteRequest(NamedTuple):
         return DataId.EEPROM_WRITE
 
     @classmethod
-    def decode(cls, data: bytes) -> EepromWriteRequest:
+    def decode(cls, data: Data) -> EepromWriteRequest:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1011,6 +1169,8 @@ class EepromWriteRequest(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         computed = data[0] ^ data[1] ^ data[2]
@@ -1035,9 +1195,9 @@ class EepromWriteRequest(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("address", self.address, 7)
-        check_width("data", self.data, 8)
-        number = 0x32 | self.address << 9 | self.data << 16
+        address = check_width("address", self.address, 7)
+        data_ = check_width("data", self.data, 8)
+        number = 0x32 | address << 9 | data_ << 16
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
@@ -1055,6 +1215,7 @@ class EepromWriteRequest(NamedTuple):
         )
 
 
+@by_class
 class EepromReadRequest(NamedTuple):
     """EEPROM read request: sent by the master over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
 
@@ -1080,7 +1241,7 @@ class EepromReadRequest(NamedTuple):
         return DataId.EEPROM_READ
 
     @classmethod
-    def decode(cls, data: bytes) -> EepromReadRequest:
+    def decode(cls, data: Data) -> EepromReadRequest:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1089,6 +1250,8 @@ class EepromReadRequest(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
         computed = data[0] ^ data[1]
@@ -1110,8 +1273,8 @@ class EepromReadRequest(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("address", self.address, 7)
-        number = 0xEA | self.address << 9
+        address = check_width("address", self.address, 7)
+        number = 0xEA | address << 9
         body = number.to_bytes(2, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
@@ -1128,6 +1291,7 @@ class EepromReadRequest(NamedTuple):
         )
 
 
+@by_class
 class SingleturnReply(NamedTuple):
     """Singleturn reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
 
@@ -1161,7 +1325,7 @@ class SingleturnReply(NamedTuple):
     singleturn: int
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> SingleturnReply:
+    def decode(cls, data: Data, variant: Variant) -> SingleturnReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1169,7 +1333,13 @@ class SingleturnReply(NamedTuple):
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
         computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4]
@@ -1202,16 +1372,19 @@ class SingleturnReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if self.data_id not in (0, 7, 8, 0xC):
-            raise RangeError("data_id", int(self.data_id), "one of 0h, 7h, 8h, Ch")
-        check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        data_id = whole_number("data_id", self.data_id)
+        if data_id not in (0, 7, 8, 0xC):
+            raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         number = (
             0x2
-            | self.data_id << 3
-            | (self.data_id.bit_count() & 1) << 7
+            | data_id << 3
+            | (data_id.bit_count() & 1) << 7
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
-            | self.singleturn << 16
+            | singleturn << 16
         )
         body = number.to_bytes(5, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
@@ -1219,6 +1392,7 @@ class SingleturnReply(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1233,6 +1407,7 @@ class SingleturnReply(NamedTuple):
         )
 
 
+@by_class
 class MultiturnReply(NamedTuple):
     """Multiturn reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
 
@@ -1266,7 +1441,7 @@ class MultiturnReply(NamedTuple):
         return DataId.MULTITURN
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> MultiturnReply:
+    def decode(cls, data: Data, variant: Variant) -> MultiturnReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1274,7 +1449,13 @@ class MultiturnReply(NamedTuple):
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
         computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4]
@@ -1306,12 +1487,14 @@ class MultiturnReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         number = (
             0x8A
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
-            | self.multiturn << 16
+            | multiturn << 16
         )
         body = number.to_bytes(5, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
@@ -1319,6 +1502,7 @@ class MultiturnReply(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1333,6 +1517,7 @@ class MultiturnReply(NamedTuple):
         )
 
 
+@by_class
 class EncoderIdReply(NamedTuple):
     """Encoder ID reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
 
@@ -1368,7 +1553,7 @@ class EncoderIdReply(NamedTuple):
         return self.encoder_id == 0x23
 
     @classmethod
-    def decode(cls, data: bytes) -> EncoderIdReply:
+    def decode(cls, data: Data) -> EncoderIdReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1377,6 +1562,8 @@ class EncoderIdReply(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         computed = data[0] ^ data[1] ^ data[2]
@@ -1404,12 +1591,12 @@ class EncoderIdReply(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("encoder_id", self.encoder_id, 8)
+        encoder_id = check_width("encoder_id", self.encoder_id, 8)
         number = (
             0x92
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
-            | self.encoder_id << 16
+            | encoder_id << 16
         )
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
@@ -1430,6 +1617,7 @@ class EncoderIdReply(NamedTuple):
         )
 
 
+@by_class
 class CompleteReply(NamedTuple):
     """Complete reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
 
@@ -1484,7 +1672,10 @@ class CompleteReply(NamedTuple):
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        variant = self.variant
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(
@@ -1501,7 +1692,8 @@ class CompleteReply(NamedTuple):
         battery_alarm: bool = False,
     ) -> CompleteReply:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
-        check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
+        check_encoder(variant, Variant, _RS485)
+        position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
             multiturn=position >> variant.singleturn_bits,
@@ -1517,7 +1709,7 @@ class CompleteReply(NamedTuple):
         )
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> CompleteReply:
+    def decode(cls, data: Data, variant: Variant) -> CompleteReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1525,7 +1717,13 @@ class CompleteReply(NamedTuple):
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 11:
             raise LengthError(11, len(data))
         computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5] ^ data[6] ^ data[7] ^ data[8] ^ data[9]
@@ -1570,16 +1768,18 @@ class CompleteReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        check_width("encoder_id", self.encoder_id, 8)
-        check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        encoder_id = check_width("encoder_id", self.encoder_id, 8)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         number = (
             0x1A
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
-            | self.singleturn << 16
-            | self.encoder_id << 40
-            | self.multiturn << 48
+            | singleturn << 16
+            | encoder_id << 40
+            | multiturn << 48
             | bool(self.busy) << 73
             | bool(self.st_error) << 74
             | bool(self.ps_error) << 77
@@ -1592,6 +1792,7 @@ class CompleteReply(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1616,6 +1817,7 @@ class CompleteReply(NamedTuple):
         )
 
 
+@by_class
 class EepromWriteReply(NamedTuple):
     """EEPROM write reply: sent by the encoder over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
 
@@ -1645,7 +1847,7 @@ class EepromWriteReply(NamedTuple):
         return DataId.EEPROM_WRITE
 
     @classmethod
-    def decode(cls, data: bytes) -> EepromWriteReply:
+    def decode(cls, data: Data) -> EepromWriteReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1654,6 +1856,8 @@ class EepromWriteReply(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         computed = data[0] ^ data[1] ^ data[2]
@@ -1677,9 +1881,9 @@ class EepromWriteReply(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("address", self.address, 7)
-        check_width("data", self.data, 8)
-        number = 0x32 | bool(self.mem_busy) << 8 | self.address << 9 | self.data << 16
+        address = check_width("address", self.address, 7)
+        data_ = check_width("data", self.data, 8)
+        number = 0x32 | bool(self.mem_busy) << 8 | address << 9 | data_ << 16
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
@@ -1697,6 +1901,7 @@ class EepromWriteReply(NamedTuple):
         )
 
 
+@by_class
 class EepromReadReply(NamedTuple):
     """EEPROM read reply: sent by the encoder over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
 
@@ -1726,7 +1931,7 @@ class EepromReadReply(NamedTuple):
         return DataId.EEPROM_READ
 
     @classmethod
-    def decode(cls, data: bytes) -> EepromReadReply:
+    def decode(cls, data: Data) -> EepromReadReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1735,6 +1940,8 @@ class EepromReadReply(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         computed = data[0] ^ data[1] ^ data[2]
@@ -1758,9 +1965,9 @@ class EepromReadReply(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("address", self.address, 7)
-        check_width("data", self.data, 8)
-        number = 0xEA | bool(self.mem_busy) << 8 | self.address << 9 | self.data << 16
+        address = check_width("address", self.address, 7)
+        data_ = check_width("data", self.data, 8)
+        number = 0xEA | bool(self.mem_busy) << 8 | address << 9 | data_ << 16
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
@@ -1785,7 +1992,7 @@ Request: TypeAlias = Union[
 ]
 
 
-def decode_request(data: bytes, variant: Variant) -> Request:
+def decode_request(data: Data, variant: Variant) -> Request:
     """The request in ``data``, told by its Data ID.
 
     Raises:
@@ -1793,7 +2000,13 @@ def decode_request(data: bytes, variant: Variant) -> Request:
         CrcError: The CRC does not belong to the other bytes.
         ConstantError: Bits that always hold the same value, or a parity bit, hold another.
         RangeError: There is no such Data ID, or a field holds a value without meaning.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        raise wrong_encoder(variant, Variant, _RS485)
+    if type(data) is not bytes:
+        data = as_bytes(data)
     if len(data) < 1:
         raise LengthError(1, len(data))
     data_id = data[0] >> 3 & 0xF
@@ -1816,7 +2029,7 @@ Reply: TypeAlias = Union[
 ]
 
 
-def decode_reply(data: bytes, variant: Variant) -> Reply:
+def decode_reply(data: Data, variant: Variant) -> Reply:
     """The reply in ``data``, told by its Data ID.
 
     Raises:
@@ -1824,7 +2037,13 @@ def decode_reply(data: bytes, variant: Variant) -> Reply:
         CrcError: The CRC does not belong to the other bytes.
         ConstantError: Bits that always hold the same value, or a parity bit, hold another.
         RangeError: There is no such Data ID, or a field holds a value without meaning.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        raise wrong_encoder(variant, Variant, _RS485)
+    if type(data) is not bytes:
+        data = as_bytes(data)
     if len(data) < 1:
         raise LengthError(1, len(data))
     data_id = data[0] >> 3 & 0xF
@@ -1876,7 +2095,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="low",
                 when_active="error active in the system",
                 when_inactive="no active error",
-                names={"it": "Errore"},
+                names=ReadOnly({"it": "Errore"}),
                 source="6.2.1 p.32",
             ),
             FieldFacts(
@@ -1889,7 +2108,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="low",
                 when_active="warning active in the system",
                 when_inactive="no active warning",
-                names={"it": "Avvertenza"},
+                names=ReadOnly({"it": "Avvertenza"}),
                 source="6.2.1 p.33",
             ),
             FieldFacts(
@@ -2180,7 +2399,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="not ready after power-on or during a reset; all position data are 0",
                 when_inactive="ready",
-                names={"it": "Flag OCCUPATO"},
+                names=ReadOnly({"it": "Flag OCCUPATO"}),
                 source="7.4 p.43",
             ),
             FieldFacts(
@@ -2189,7 +2408,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="counted and calculated data disagree",
                 when_inactive="no ST error",
-                names={"it": "Errore ST"},
+                names=ReadOnly({"it": "Errore ST"}),
                 source="7.4 p.43",
             ),
             FieldFacts(name="alarm_zero_3_4", constant=0, source="7.4 p.43"),
@@ -2199,7 +2418,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="singleturn and multiturn count out of step, or a counting error",
                 when_inactive="no PS error",
-                names={"it": "Errore PS"},
+                names=ReadOnly({"it": "Errore PS"}),
                 source="7.4 p.43",
             ),
             FieldFacts(
@@ -2208,7 +2427,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="external battery below 3.05 V",
                 when_inactive="no MT error",
-                names={"it": "Errore MT"},
+                names=ReadOnly({"it": "Errore MT"}),
                 source="7.4 p.43",
             ),
             FieldFacts(
@@ -2217,7 +2436,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="high",
                 when_active="external battery below 3.15 V",
                 when_inactive="no battery alarm",
-                names={"it": "Allarme batteria"},
+                names=ReadOnly({"it": "Allarme batteria"}),
                 source="7.4 p.43",
             ),
             FieldFacts(name="crc", printed_name="CRC"),
@@ -2311,7 +2530,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
                 FieldFacts(name="zero_below_singleturn", meaning="always zero", constant=0),
             ),
-            names={"it": "Preset"},
+            names=ReadOnly({"it": "Preset"}),
             meaning=(
                 "Position that the encoder shows, from the activation on, at the place where its shaft stands at that "
                 "moment"
@@ -2333,7 +2552,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order="high_byte_first",
             default=b"\x00",
             fields=(FieldFacts(name="state"),),
-            names={"it": "Abilitazione impostazione preset"},
+            names=ReadOnly({"it": "Abilitazione impostazione preset"}),
             meaning="Opens and closes the Preset registers for writing",
             note="The list of defaults (section 10) gives 00, although the register cannot be read.",
             source="6.4 p.38; it: 6.4 p.38; 10 p.52",
@@ -2346,7 +2565,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access="read_only",
             byte_order="high_byte_first",
             fields=(FieldFacts(name="serial"),),
-            names={"it": "Numero di serie"},
+            names=ReadOnly({"it": "Numero di serie"}),
             meaning="Year and week of production and a running number, as decimal digits of one binary number",
             source="6.4 p.38; it: 6.4 p.39",
         ),
@@ -2361,7 +2580,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             clears_itself=True,
             wait_ms=30,
             fields=(FieldFacts(name="function"),),
-            names={"it": "Comando"},
+            names=ReadOnly({"it": "Comando"}),
             meaning="Saves the parameters or activates the preset",
             note="After a command the register goes back to 00 by itself.",
             source="6.4 p.39",
@@ -2377,7 +2596,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="name", meaning="Name of the device, 41 4D 4D 35 in hexadecimal"),
                 FieldFacts(name="release", meaning="Hardware-software release, printed as xx xx"),
             ),
-            names={"it": "ID dispositivo"},
+            names=ReadOnly({"it": "ID dispositivo"}),
             meaning="Name of the device and its hardware-software release",
             source="6.4 p.39",
         ),
@@ -2389,7 +2608,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access="read_only",
             byte_order="high_byte_first",
             fields=(FieldFacts(name="name", meaning="Lika Electronic, 4C 69 in hexadecimal"),),
-            names={"it": "ID costruttore"},
+            names=ReadOnly({"it": "ID costruttore"}),
             meaning="Manufacturer",
             source="6.4 p.39; it: 6.4 p.40",
         ),
@@ -2397,6 +2616,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 )
 
 
+@by_class
 class Preset(NamedTuple):
     """Preset, register 11h to 17h, read and write (6.4 p.35).
 
@@ -2438,12 +2658,16 @@ class Preset(NamedTuple):
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        variant = self.variant
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(cls, variant: Variant, position: int) -> Preset:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
-        check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
+        check_encoder(variant, Variant, _BISS)
+        position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
             multiturn=position >> variant.singleturn_bits,
@@ -2451,13 +2675,19 @@ class Preset(NamedTuple):
         )
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> Preset:
+    def decode(cls, data: Data, variant: Variant) -> Preset:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 7:
             raise LengthError(7, len(data))
         number = int.from_bytes(data, "little")
@@ -2480,18 +2710,21 @@ class Preset(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("multiturn", self.multiturn, variant.multiturn_bits)
-        check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         check_limits("position", self.position, self.limits(variant))
         number = (
-            self.multiturn << (49 - variant.multiturn_bits)
-            | self.singleturn << (33 - variant.singleturn_bits)
+            multiturn << (49 - variant.multiturn_bits)
+            | singleturn << (33 - variant.singleturn_bits)
         )
         return number.to_bytes(7, "little")
 
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (
             BitField("zero_above_multiturn", 49, 7),
             BitField("multiturn", 49 - variant.multiturn_bits, variant.multiturn_bits),
@@ -2503,6 +2736,7 @@ class Preset(NamedTuple):
     @staticmethod
     def limits(variant: Variant) -> tuple[int, int]:
         """Lowest and highest value of ``position`` that may be written."""
+        check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.position_bits) - 1
 
 
@@ -2525,13 +2759,14 @@ class PresetSettingEnable(IntEnum):
     """Preset registers open."""
 
     @classmethod
-    def decode(cls, data: bytes) -> PresetSettingEnable:
+    def decode(cls, data: Data) -> PresetSettingEnable:
         """The register in ``data``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: The register holds none of these values.
         """
+        data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return choice(cls, "PresetSettingEnable", int.from_bytes(data, "big"))
@@ -2541,6 +2776,7 @@ class PresetSettingEnable(IntEnum):
         return self.to_bytes(1, "big")
 
 
+@by_class
 class SerialNumber(NamedTuple):
     """Serial number, register 44h to 47h, read only (6.4 p.38; it: 6.4 p.39).
 
@@ -2564,16 +2800,18 @@ class SerialNumber(NamedTuple):
     @property
     def serial(self) -> int:
         """The digits of ``year``, ``week``, ``number``, as one number."""
-        return self.year * 10_000_000 + self.week * 100_000 + self.number
+        return index(self.year) * 10_000_000 + index(self.week) * 100_000 + index(self.number)
 
     @classmethod
-    def decode(cls, data: bytes) -> SerialNumber:
+    def decode(cls, data: Data) -> SerialNumber:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         if (serial := int.from_bytes(data, "big")) >= 1_000_000_000:
@@ -2593,7 +2831,7 @@ class SerialNumber(NamedTuple):
         check_limits("year", self.year, (0, 99))
         check_limits("week", self.week, (0, 99))
         check_limits("number", self.number, (0, 99_999))
-        return (self.year * 10_000_000 + self.week * 100_000 + self.number).to_bytes(4, "big")
+        return (index(self.year) * 10_000_000 + index(self.week) * 100_000 + index(self.number)).to_bytes(4, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -2617,13 +2855,14 @@ class Command(IntEnum):
     """Gives the present position the saved preset value."""
 
     @classmethod
-    def decode(cls, data: bytes) -> Command:
+    def decode(cls, data: Data) -> Command:
         """The register in ``data``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: The register holds none of these values.
         """
+        data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return choice(cls, "Command", int.from_bytes(data, "big"))
@@ -2633,6 +2872,7 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
+@by_class
 class DeviceId(NamedTuple):
     """Device ID, register 78h to 7Dh, read only (6.4 p.39).
 
@@ -2657,12 +2897,14 @@ class DeviceId(NamedTuple):
         return self.name == "AMM5"
 
     @classmethod
-    def decode(cls, data: bytes) -> DeviceId:
+    def decode(cls, data: Data) -> DeviceId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
         return cls(
@@ -2676,8 +2918,8 @@ class DeviceId(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("release", self.release, 16)
-        number = text_number("name", self.name, 4) << 16 | self.release
+        release = check_width("release", self.release, 16)
+        number = text_number("name", self.name, 4) << 16 | release
         return number.to_bytes(6, "big")
 
     @staticmethod
@@ -2689,6 +2931,7 @@ class DeviceId(NamedTuple):
         )
 
 
+@by_class
 class ManufacturerId(NamedTuple):
     """Manufacturer ID, register 7Eh to 7Fh, read only (6.4 p.39; it: 6.4 p.40).
 
@@ -2708,12 +2951,14 @@ class ManufacturerId(NamedTuple):
         return self.name == "Li"
 
     @classmethod
-    def decode(cls, data: bytes) -> ManufacturerId:
+    def decode(cls, data: Data) -> ManufacturerId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls(data[0:2].decode("ascii", "replace"))
@@ -2732,7 +2977,7 @@ class ManufacturerId(NamedTuple):
         return (BitField("name", 0, 16),)
 
 
-def identify(read: Mapping[int, int] | Mapping[str, bytes]) -> tuple[str, ...]:
+def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """The order codes of the encoders that can have sent what was read from an encoder's registers.
 
     What was not read, or is not documented, excludes nothing; a register counts only when all its bytes are there.
@@ -2774,9 +3019,10 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        ValueError: The encoder has another interface.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
-    check_interface(variant.interface, Interface.BISS)
+    check_encoder(variant, Variant, _BISS)
     return (
         *writes(
             "preset_setting_enable",
@@ -2814,9 +3060,10 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        ValueError: The encoder has another interface.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
-    check_interface(variant.interface, Interface.BISS)
+    check_encoder(variant, Variant, _BISS)
     return (
         *writes(
             "preset_setting_enable",
@@ -2841,31 +3088,49 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     )
 
 
-def save_parameters() -> tuple[Step, ...]:
+def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
     """Save the parameters (6.4 p.39).
 
     After: Newly set register values are saved.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def activate_preset() -> tuple[Step, ...]:
+def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     """Activate the saved preset (6.4 p.39).
 
     Before: Suggested with the shaft at a standstill.
 
     After: The position at which the command arrived has the preset value.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def reset_singleturn_and_multiturn() -> tuple[Step, ...]:
+def reset_singleturn_and_multiturn(variant: Variant | None = None) -> tuple[Step, ...]:
     """Reset singleturn and multiturn data (7.4.2 p.45).
 
     Before: Shaft at a standstill.
@@ -2885,14 +3150,23 @@ def reset_singleturn_and_multiturn() -> tuple[Step, ...]:
 
     Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
     in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _RS485)
     return (
         Send(b"\xc2", times=10, every_us=40, meaning="in succession, no other request in between"),
         Wait(18_000, "execution takes 18 ms at most, EEPROM writing included"),
     )
 
 
-def reset_multiturn_and_errors() -> tuple[Step, ...]:
+def reset_multiturn_and_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     """Reset multiturn data and all errors (7.4.2 p.45).
 
     Before: Shaft at a standstill, that is 300 rpm or less.
@@ -2912,14 +3186,23 @@ def reset_multiturn_and_errors() -> tuple[Step, ...]:
 
     Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
     in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _RS485)
     return (
         Send(b"\x62", times=10, every_us=40, meaning="in succession, no other request in between"),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
 
-def reset_errors() -> tuple[Step, ...]:
+def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     """Reset all errors (7.4.2 p.45).
 
     Before: Shaft at a standstill, that is 300 rpm or less.
@@ -2938,7 +3221,16 @@ def reset_errors() -> tuple[Step, ...]:
 
     Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
     in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _RS485)
     return (
         Send(b"\xba", times=10, every_us=40, meaning="in succession, no other request in between"),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
@@ -2960,7 +3252,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         detected="In normal operation, when the main power is turned on",
         latch=False,
         remedy="Clears itself (speed of rotation down to 300 rpm or less)",
-        names={"it": "Flag OCCUPATO"},
+        names=ReadOnly({"it": "Flag OCCUPATO"}),
         source="7.4.1 p.44",
     ),
     Alarm(
@@ -2972,7 +3264,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names={"it": "Errore PS"},
+        names=ReadOnly({"it": "Errore PS"}),
         source="7.4.1 p.44",
     ),
     Alarm(
@@ -2984,7 +3276,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names={"it": "Errore ST"},
+        names=ReadOnly({"it": "Errore ST"}),
         source="7.4.1 p.44",
     ),
     Alarm(
@@ -2997,7 +3289,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names={"it": "Allarme batteria"},
+        names=ReadOnly({"it": "Allarme batteria"}),
         source="7.4.1 p.44; it: 7.4.1 p.45",
     ),
     Alarm(
@@ -3010,7 +3302,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         latch=True,
         remedy="Reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names={"it": "Errore MT"},
+        names=ReadOnly({"it": "Errore MT"}),
         source="7.4.1 p.44; it: 7.4.1 p.45",
     ),
 )

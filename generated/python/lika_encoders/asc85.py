@@ -9,6 +9,13 @@ DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+A sound frame can report a fault of the encoder. Look at its flags before you use the position:
+
+    encoder = lookup("ASC8525/SC1")
+    frame = encoder.decode(0x2b79a2ac1)
+    if not (frame.error or frame.warning):
+        print(frame.position)
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
 """
@@ -18,29 +25,31 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from enum import IntEnum
+from operator import index
 from types import MappingProxyType
-from typing import Final, NamedTuple, TypeAlias, Union
+from typing import ClassVar, Final, NamedTuple, TypeAlias, Union
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
+    Data,
     Interface,
     LengthError,
-    Poll,
-    Read,
-    Step,
-    agrees,
-    as_number,
+    Word,
+    as_bytes,
+    as_word,
+    by_class,
+    check_encoder,
     check_width,
     choice,
     crc_of_bits,
     from_gray,
-    held_bytes,
     text_number,
     to_gray,
+    too_long,
     unwrap,
-    writes,
+    wrong_encoder,
 )
 from ._facts import (
     Alarm,
@@ -70,6 +79,56 @@ from ._facts import (
     Timing,
 )
 from ._order_codes import OrderCode, Part, PartValue
+from ._registers import agrees, held_bytes
+from ._steps import Poll, Read, Step, writes
+
+__all__ = [
+    "ALARMS",
+    "Address",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "Command",
+    "DOCUMENTS",
+    "DeviceId",
+    "DiagnosticData",
+    "ERRATA",
+    "ErrorRegister",
+    "FAMILY",
+    "FRAMES",
+    "Frame",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ManufacturerId",
+    "ORDER_CODE",
+    "Position",
+    "ProfileId",
+    "REGISTERS",
+    "SSI",
+    "SerialNumber",
+    "SingleCycleData",
+    "SsiWord",
+    "Status",
+    "TABLES",
+    "TIMINGS",
+    "VARIANTS",
+    "Variant",
+    "clear_simulated_error",
+    "crc_biss_4",
+    "crc_biss_6",
+    "identify",
+    "identify_steps",
+    "lookup",
+    "read_absolute_data",
+    "request_position",
+    "reset_errors",
+    "save_configuration",
+    "simulate_error",
+    "software_reset",
+    "verify_configuration",
+]
 
 FAMILY: Final = Family("asc85", "ASC85 absolute encoders with a large thru-bore shaft", "rotary", "Lika Electronic")
 
@@ -81,6 +140,9 @@ MANUAL: Final = Manual(
     publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
     history=(Revision("1.0", "First issue.", date="2017-05-19", hardware="0", software="1"),),
 )
+
+_SSI: Final = Interface.SSI
+_BISS: Final = Interface.BISS
 
 # Order codes
 
@@ -136,6 +198,7 @@ class Variant:
     """An encoder as its order code describes it.
 
     Attributes:
+        family: The encoder's family.
         code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
         parts: The parts of the order code: resolution, output, supply.
@@ -144,11 +207,13 @@ class Variant:
         ssi_gray: Code of the SSI word: 1 for Gray, 0 for binary (5 p.15; 5.2 p.16).
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
-        special: Whether the label ends in /Sxxx. An encoder whose order code ends in /Sxxx may differ from the standard
-            mechanically and electrically, and may come with documentation of its own for special connections (Technical
-            Info).
+        special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
+            standard mechanically and electrically, and may come with documentation of its own for special connections
+            (Technical Info).
         written_as_in: Where codes are written like the label, if that is not as the order codes are listed.
     """
+
+    family: ClassVar[Family] = FAMILY
 
     code: str
     interface: Interface
@@ -157,8 +222,13 @@ class Variant:
     ssi_gray: int
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
-    special: bool = dataclasses.field(default=False, compare=False)
+    special_code: str = ""
     written_as_in: str = dataclasses.field(default="", compare=False)
+
+    @property
+    def special(self) -> bool:
+        """Whether the label ends in /Sxxx."""
+        return bool(self.special_code)
 
     @property
     def counts_per_turn(self) -> int:
@@ -169,11 +239,11 @@ class Variant:
 
     def turns(self, position: int) -> float:
         """``position``, in counts, as revolutions."""
-        return position / (1 << self.position_bits)
+        return index(position) / (1 << self.position_bits)
 
     def degrees(self, position: int) -> float:
         """``position``, in counts, as degrees within one revolution."""
-        return position % (1 << self.position_bits) * 360 / (1 << self.position_bits)
+        return index(position) % (1 << self.position_bits) * 360 / (1 << self.position_bits)
 
     @property
     def modulus(self) -> int:
@@ -191,19 +261,29 @@ class Variant:
         """
         return unwrap(previous, position, self.modulus)
 
-    def decode(self, frame: int | bytes) -> Frame:
-        """What the encoder sent: bytes, or where the line carries bits one number, the first bit most significant.
+    @property
+    def frame_bits(self) -> int:
+        """How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one."""
+        if self.interface is _SSI:
+            return self.position_bits
+        return self.position_bits + 9
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> Frame:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is a number where bytes are needed, or the other way round.
+            TypeError: ``frame`` is of another type.
         """
-        if self.interface is Interface.SSI:
-            return SsiWord.decode(as_number(frame), self)
-        return SingleCycleData.decode(as_number(frame), self)
+        if self.interface is _SSI:
+            return SsiWord.decode(frame, self, bits=bits)
+        return SingleCycleData.decode(frame, self, bits=bits)
 
     def __repr__(self) -> str:
-        return f"<{self.code}>"
+        return f"<{self.code}{self.special_code}>"
 
 
 def lookup(label: str) -> Variant:
@@ -217,6 +297,7 @@ def lookup(label: str) -> Variant:
     Raises:
         OrderCodeError: There is no such order code; the error names the wrong part, its valid values and the nearest
             codes.
+        TypeError: ``label`` is no text.
     """
     found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
     variant = _BY_PARTS[found.listed]
@@ -228,7 +309,7 @@ def lookup(label: str) -> Variant:
         parts=found.parts,
         unlisted=found.unlisted,
         tail=found.tail,
-        special=found.special,
+        special_code=found.special,
         written_as_in=found.written_as_in,
     )
 
@@ -369,6 +450,7 @@ SSI: Final = SsiFacts(
 )
 
 
+@by_class
 class SsiWord(NamedTuple):
     """SSI word: sent by the encoder over SSI, as a string of bits (5.2 p.16).
 
@@ -395,15 +477,30 @@ class SsiWord(NamedTuple):
     variant: Variant
     position: int
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _SSI)
+        return variant.position_bits
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SsiWord:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.position_bits, bits)
         if word >> variant.position_bits:
-            raise LengthError(variant.position_bits, word.bit_length(), "bits")
+            raise too_long(word, variant.position_bits)
         if variant.ssi_gray:
             word = from_gray(word, 0, variant.position_bits)
         return cls(variant, word)
@@ -415,8 +512,10 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("position", self.position, variant.position_bits)
-        number = self.position
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        position = check_width("position", self.position, variant.position_bits)
+        number = position
         if variant.ssi_gray:
             number = to_gray(number, 0, variant.position_bits)
         return number
@@ -424,6 +523,7 @@ class SsiWord(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _SSI)
         return (BitField("position", 0, variant.position_bits),)
 
 
@@ -492,6 +592,7 @@ BISS: Final = BissFacts(
 )
 
 
+@by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.2.1 p.20).
 
@@ -529,17 +630,32 @@ class SingleCycleData(NamedTuple):
     error: bool = False
     warning: bool = False
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _BISS)
+        return variant.position_bits + 9
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SingleCycleData:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.position_bits + 9, bits)
         if word >> (variant.position_bits + 9):
-            raise LengthError(variant.position_bits + 9, word.bit_length(), "bits")
+            raise too_long(word, variant.position_bits + 9)
         if remainder := _remainder_biss_6_34(word ^ 0x3F):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
         if word >> 8 & 0x1:
@@ -558,13 +674,16 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("position", self.position, variant.position_bits)
-        number = self.position << 9 | (not self.error) << 7 | (not self.warning) << 6
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        position = check_width("position", self.position, variant.position_bits)
+        number = position << 9 | (not self.error) << 7 | (not self.warning) << 6
         return number | _remainder_biss_6_34(number) ^ 0x3F
 
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (
             BitField("position", 9, variant.position_bits),
             BitField("zero", 8, 1),
@@ -1003,6 +1122,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 )
 
 
+@by_class
 class ProfileId(NamedTuple):
     """Profile ID, register 42h to 43h, read only (6.4 p.23).
 
@@ -1035,12 +1155,14 @@ class ProfileId(NamedTuple):
         return self.variant_ == 0x28
 
     @classmethod
-    def decode(cls, data: bytes) -> ProfileId:
+    def decode(cls, data: Data) -> ProfileId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls(
@@ -1054,9 +1176,9 @@ class ProfileId(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("variant", self.variant_, 8)
-        check_width("data_length", self.data_length, 8)
-        number = self.variant_ << 8 | self.data_length
+        variant_ = check_width("variant", self.variant_, 8)
+        data_length = check_width("data_length", self.data_length, 8)
+        number = variant_ << 8 | data_length
         return number.to_bytes(2, "big")
 
     @staticmethod
@@ -1068,6 +1190,7 @@ class ProfileId(NamedTuple):
         )
 
 
+@by_class
 class SerialNumber(NamedTuple):
     """Serial number, register 44h to 47h, read only (6.4 p.23).
 
@@ -1085,12 +1208,14 @@ class SerialNumber(NamedTuple):
     serial: int
 
     @classmethod
-    def decode(cls, data: bytes) -> SerialNumber:
+    def decode(cls, data: Data) -> SerialNumber:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         return cls(int.from_bytes(data, "big"))
@@ -1101,8 +1226,8 @@ class SerialNumber(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("serial", self.serial, 32)
-        return self.serial.to_bytes(4, "big")
+        serial = check_width("serial", self.serial, 32)
+        return serial.to_bytes(4, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -1110,6 +1235,7 @@ class SerialNumber(NamedTuple):
         return (BitField("serial", 0, 32),)
 
 
+@by_class
 class DiagnosticData(NamedTuple):
     """Diagnostic data, register 5Ah, read only (6.4 p.24).
 
@@ -1150,12 +1276,14 @@ class DiagnosticData(NamedTuple):
     ac_minimum_amplitude: bool = False
 
     @classmethod
-    def decode(cls, data: bytes) -> DiagnosticData:
+    def decode(cls, data: Data) -> DiagnosticData:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(
@@ -1240,13 +1368,14 @@ class Command(IntEnum):
     """Forces the status Error message to 0."""
 
     @classmethod
-    def decode(cls, data: bytes) -> Command:
+    def decode(cls, data: Data) -> Command:
         """The register in ``data``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: The register holds none of these values.
         """
+        data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return choice(cls, "Command", int.from_bytes(data, "big"))
@@ -1256,6 +1385,7 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
+@by_class
 class Status(NamedTuple):
     """Command & status, Status mode, register 60h, read only (6.4 p.25; 6.4 p.27).
 
@@ -1305,12 +1435,14 @@ class Status(NamedTuple):
     position_data_valid: bool = False
 
     @classmethod
-    def decode(cls, data: bytes) -> Status:
+    def decode(cls, data: Data) -> Status:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(
@@ -1357,6 +1489,7 @@ class Status(NamedTuple):
         )
 
 
+@by_class
 class Position(NamedTuple):
     """Position, register 61h to 64h, read only (6.4 p.29).
 
@@ -1389,12 +1522,18 @@ class Position(NamedTuple):
     position: int
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> Position:
+    def decode(cls, data: Data, variant: Variant) -> Position:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         number = int.from_bytes(data, "little")
@@ -1407,15 +1546,19 @@ class Position(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("position", self.position, variant.position_bits)
-        return (self.position << (32 - variant.position_bits)).to_bytes(4, "little")
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        position = check_width("position", self.position, variant.position_bits)
+        return (position << (32 - variant.position_bits)).to_bytes(4, "little")
 
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (BitField("position", 32 - variant.position_bits, variant.position_bits),)
 
 
+@by_class
 class ErrorRegister(NamedTuple):
     """Error register, register 69h, read only (6.4 p.29).
 
@@ -1459,12 +1602,14 @@ class ErrorRegister(NamedTuple):
     control_error: bool = False
 
     @classmethod
-    def decode(cls, data: bytes) -> ErrorRegister:
+    def decode(cls, data: Data) -> ErrorRegister:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(
@@ -1505,6 +1650,7 @@ class ErrorRegister(NamedTuple):
         )
 
 
+@by_class
 class DeviceId(NamedTuple):
     """Device ID, register 78h to 7Dh, read only (6.4 p.31).
 
@@ -1531,12 +1677,14 @@ class DeviceId(NamedTuple):
         return self.name == "AS85"
 
     @classmethod
-    def decode(cls, data: bytes) -> DeviceId:
+    def decode(cls, data: Data) -> DeviceId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
         return cls(
@@ -1562,6 +1710,7 @@ class DeviceId(NamedTuple):
         )
 
 
+@by_class
 class ManufacturerId(NamedTuple):
     """Manufacturer ID, register 7Eh to 7Fh, read only (6.4 p.32).
 
@@ -1581,12 +1730,14 @@ class ManufacturerId(NamedTuple):
         return self.name == "Li"
 
     @classmethod
-    def decode(cls, data: bytes) -> ManufacturerId:
+    def decode(cls, data: Data) -> ManufacturerId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls(data[0:2].decode("ascii", "replace"))
@@ -1605,7 +1756,7 @@ class ManufacturerId(NamedTuple):
         return (BitField("name", 0, 16),)
 
 
-def identify(read: Mapping[int, int] | Mapping[str, bytes]) -> tuple[str, ...]:
+def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """The order codes of the encoders that can have sent what was read from an encoder's registers.
 
     What was not read, or is not documented, excludes nothing; a register counts only when all its bytes are there.
@@ -1635,14 +1786,23 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 # Procedures
 
 
-def request_position() -> tuple[Step, ...]:
+def request_position(variant: Variant | None = None) -> tuple[Step, ...]:
     """Request new position data and read them (6.4 p.26).
 
     After: The position register holds the position that was asked for.
 
     Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
     Used: Reading the position register.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
         Poll(Address.STATUS, 1, "status", 0x01, 0x01, "0 as long as the new data are not available"),
@@ -1650,7 +1810,7 @@ def request_position() -> tuple[Step, ...]:
     )
 
 
-def save_configuration() -> tuple[Step, ...]:
+def save_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
     """Save the configuration (6.4 p.26).
 
     Before: An EEPROM was connected at power-on; without it the command has no effect.
@@ -1661,7 +1821,16 @@ def save_configuration() -> tuple[Step, ...]:
 
     Erratum internal_data_bus_busy_bit, settled (6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41). Printed: Commands 01 and 04:
     the status bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 for the whole duration of the writing"),
@@ -1669,7 +1838,7 @@ def save_configuration() -> tuple[Step, ...]:
     )
 
 
-def read_absolute_data() -> tuple[Step, ...]:
+def read_absolute_data(variant: Variant | None = None) -> tuple[Step, ...]:
     """Read absolute data anew (6.4 p.26).
 
     After: The cycle counter is set from the absolute data; if the reading failed it is 0.
@@ -1682,7 +1851,16 @@ def read_absolute_data() -> tuple[Step, ...]:
 
     Erratum absolute_data_valid_bit, settled (6.4 p.26; 6.4 p.28; icmr: p.41). Printed: Command 02: the status bit 2
     Absolute data valid. List of status bits: bit 1. Used: Bit 1.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
         Poll(Address.STATUS, 1, "status", 0x02, 0x02, "set when the data were loaded"),
@@ -1690,7 +1868,7 @@ def read_absolute_data() -> tuple[Step, ...]:
     )
 
 
-def software_reset() -> tuple[Step, ...]:
+def software_reset(variant: Variant | None = None) -> tuple[Step, ...]:
     """Reset the encoder (6.4 p.26).
 
     After: The encoder works with the configuration of the EEPROM.
@@ -1698,7 +1876,16 @@ def software_reset() -> tuple[Step, ...]:
     The waiting follows from the meaning of the status bit; the manual gives no time, nor does it say that the bit goes
     to 0 first. Where the CRC does not confirm the configuration, the interface comes back with the SSI protocol and
     answers no register access: give up after a while.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
         Poll(Address.STATUS, 1, "status", 0x80, 0x80, "configuration verified, absolute data read"),
@@ -1711,14 +1898,23 @@ def software_reset() -> tuple[Step, ...]:
     )
 
 
-def verify_configuration() -> tuple[Step, ...]:
+def verify_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
     """Verify the CRC of the configuration (6.4 p.27).
 
     After: Configuration error tells whether the configuration registers agree with their check sum.
 
     Erratum internal_data_bus_busy_bit, settled (6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41). Printed: Commands 01 and 04:
     the status bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 during the verification"),
@@ -1726,36 +1922,63 @@ def verify_configuration() -> tuple[Step, ...]:
     )
 
 
-def simulate_error() -> tuple[Step, ...]:
+def simulate_error(variant: Variant | None = None) -> tuple[Step, ...]:
     """Simulate an error (6.4 p.27).
 
     After: The status Error message is forced to 1.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
         Read(Address.STATUS, 1, "status", "1 while the error is simulated"),
     )
 
 
-def clear_simulated_error() -> tuple[Step, ...]:
+def clear_simulated_error(variant: Variant | None = None) -> tuple[Step, ...]:
     """End the simulation of an error (6.4 p.27).
 
     After: The status Error message is forced to 0.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
         Read(Address.STATUS, 1, "status", "0 after the simulation"),
     )
 
 
-def reset_errors() -> tuple[Step, ...]:
+def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     """Look up and reset errors and warnings (6.4 p.29).
 
     After: The messages are reset; those whose cause lasts are there again.
 
     Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
     Used: Reading the position register.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         Read(Address.ERROR_REGISTER, 1, "error_register", "which messages are active"),
         Read(Address.DIAGNOSTIC_DATA, 1, "diagnostic_data", "what is behind Control error and Signal error"),
@@ -1764,7 +1987,7 @@ def reset_errors() -> tuple[Step, ...]:
     )
 
 
-def identify_steps() -> tuple[Step, ...]:
+def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
     """Identify the encoder (6.4 p.22).
 
     After: It is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies, so that only the
@@ -1772,7 +1995,16 @@ def identify_steps() -> tuple[Step, ...]:
 
     Erratum device_id_shared, open (6.4 p.31; prot: p.14-15). Printed: One device ID, AS85 with the release 01, for all
     models. Used: As printed.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li: an encoder of Lika Electronic"),
         Read(Address.DEVICE_ID, 6, "device_id", "AS85 and the release"),

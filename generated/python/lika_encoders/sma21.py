@@ -9,6 +9,13 @@ DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+A sound frame can report a fault of the encoder. Look at its flags before you use the position:
+
+    encoder = lookup("SMA21-BG1-0050")
+    frame = encoder.decode(0x179a2b)
+    if not frame.error:
+        print(frame.position)
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
 """
@@ -18,26 +25,23 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from enum import IntEnum
+from operator import index
 from types import MappingProxyType
-from typing import Final, NamedTuple, TypeAlias, Union
+from typing import Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
-    Held,
+    Data,
     Interface,
     LengthError,
-    Modify,
     RangeError,
-    Read,
-    Send,
-    Step,
-    Wait,
-    agrees,
+    Word,
     as_bytes,
-    as_number,
-    check_interface,
+    as_word,
+    by_class,
+    check_encoder,
     check_limits,
     check_signed,
     check_width,
@@ -45,14 +49,13 @@ from ._codec import (
     crc_by_xor,
     crc_of_bits,
     from_gray,
-    held_bytes,
-    held_parameters,
     signed,
     text_number,
     to_gray,
+    too_long,
     unwrap,
-    whole,
-    writes,
+    whole_number,
+    wrong_encoder,
 )
 from ._facts import (
     Alarm,
@@ -76,6 +79,7 @@ from ._facts import (
     NamedValue,
     Network,
     Port,
+    ReadOnly,
     Register,
     RegisterMeaning,
     Revision,
@@ -86,6 +90,73 @@ from ._facts import (
     Timing,
 )
 from ._order_codes import OrderCode, Part, PartValue
+from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from ._steps import Modify, Read, Send, Step, Wait, writes
+
+__all__ = [
+    "ALARMS",
+    "AbsoluteResolution",
+    "Address",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "Command",
+    "Configuration",
+    "CountingDirection",
+    "DOCUMENTS",
+    "DataId",
+    "DataRequest",
+    "DeviceId",
+    "DeviceType",
+    "ERRATA",
+    "EnablePresetOffset",
+    "FAMILY",
+    "FRAMES",
+    "Frame",
+    "IdentificationReply",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ManufacturerId",
+    "ORDER_CODE",
+    "OutputCode",
+    "PositionCheck",
+    "PositionReply",
+    "PresetOffset",
+    "ProfileId",
+    "REGISTERS",
+    "RS485",
+    "Reply",
+    "Request",
+    "SSI",
+    "SelectPresetOffset",
+    "SerialNumber",
+    "SineCosineResolution",
+    "SingleCycleData",
+    "SsiWord",
+    "TABLES",
+    "TIMINGS",
+    "VARIANTS",
+    "Variant",
+    "WidePositionReply",
+    "crc_biss_4",
+    "crc_biss_6",
+    "crc_rs485_8",
+    "decode_reply",
+    "decode_request",
+    "identify",
+    "identify_steps",
+    "lookup",
+    "reset_errors",
+    "reset_position",
+    "restore_defaults",
+    "save_parameters",
+    "select_preset",
+    "set_configuration",
+    "set_offset",
+    "set_preset",
+]
 
 FAMILY: Final = Family("sma21", "SMA21 absolute linear encoder", "linear", "Lika Electronic")
 
@@ -101,6 +172,10 @@ MANUAL: Final = Manual(
         Revision("1.2", "Panasonic® named with the RS-485 interface.", date="2024-05-10"),
     ),
 )
+
+_SSI: Final = Interface.SSI
+_BISS: Final = Interface.BISS
+_RS485: Final = Interface.RS485
 
 # Order codes
 
@@ -132,7 +207,7 @@ ORDER_CODE: Final = OrderCode(
             meaning="Power supply",
             values=(PartValue(text="1", meaning="+5 V DC ±5 %"), PartValue(text="4", meaning="+5 V DC to +30 V DC")),
             open="[0-9]",
-            open_only_with={"output": ("BG", "GG", "G1", "SC",)},
+            open_only_with=ReadOnly({"output": ("BG", "GG", "G1", "SC",)}),
             source="4.1 p.15; 4.2 p.16",
         ),
         Part(
@@ -167,6 +242,7 @@ class Variant:
     """An encoder as its order code describes it.
 
     Attributes:
+        family: The encoder's family.
         code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
         parts: The parts of the order code: output, supply, resolution.
@@ -185,11 +261,13 @@ class Variant:
             (bits, 4.10 p.18; 7.3.3.2).
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
-        special: Whether the label ends in /Sxxx. An encoder whose order code ends in /Sxxx may differ from the standard
-            mechanically and electrically, and may come with documentation of its own for special connections (Technical
-            Info).
+        special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
+            standard mechanically and electrically, and may come with documentation of its own for special connections
+            (Technical Info).
         written_as_in: Where codes are written like the label, if that is not as the order codes are listed.
     """
+
+    family: ClassVar[Family] = FAMILY
 
     code: str
     interface: Interface
@@ -204,8 +282,13 @@ class Variant:
     rs485_position_bits: int
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
-    special: bool = dataclasses.field(default=False, compare=False)
+    special_code: str = ""
     written_as_in: str = dataclasses.field(default="", compare=False)
+
+    @property
+    def special(self) -> bool:
+        """Whether the label ends in /Sxxx."""
+        return bool(self.special_code)
 
     @property
     def positions(self) -> int:
@@ -239,7 +322,7 @@ class Variant:
             RangeError: A register holds a value that cannot be.
             ValueError: A register changes nothing for this encoder.
         """
-        found = held_parameters(_HELD, held, self.interface)
+        found = held_parameters(_HELD, held, self)
         return dataclasses.replace(
             self,
             offset_selected=found.get("offset_selected", self.offset_selected),
@@ -248,23 +331,23 @@ class Variant:
 
     def micrometres(self, position: int) -> int:
         """``position``, in counts, as micrometres."""
-        return position * self.resolution_um
+        return index(position) * self.resolution_um
 
     def millimetres(self, position: int) -> float:
         """``position``, in counts, as millimetres."""
-        return position * self.resolution_um / 1000
+        return index(position) * self.resolution_um / 1000
 
     @property
     def modulus(self) -> int:
         """Counts after which ``position`` starts again: the highest one is 1 less."""
-        if self.interface is Interface.RS485:
+        if self.interface is _RS485:
             return 1 << self.rs485_position_bits
         return 1 << self.position_bits
 
     @property
     def highest(self) -> int:
         """The highest ``position``: where an offset moves all of them up, it is not below ``modulus``."""
-        if self.interface is Interface.BISS:
+        if self.interface is _BISS:
             return (1 << self.scd_value_bits) - 1
         return self.modulus - 1
 
@@ -279,21 +362,47 @@ class Variant:
         """
         return unwrap(previous, position, self.modulus, self.highest)
 
-    def decode(self, frame: int | bytes) -> Frame:
-        """What the encoder sent: bytes, or where the line carries bits one number, the first bit most significant.
+    @property
+    def frame_bits(self) -> int:
+        """How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one.
+
+        Raises:
+            ValueError: Over this interface frames are made of bytes.
+        """
+        if self.interface is _SSI:
+            return self.position_bits + 1
+        if self.interface is _BISS:
+            return self.position_bits + self.scd_padding_bits + 8
+        raise ValueError(f"no frame bits over {self.interface.name}: frames are made of bytes")
+
+    @overload
+    def decode(self, frame: Word, *, bits: int | None = None) -> Frame: ...
+
+    @overload
+    def decode(self, frame: Data) -> Frame: ...
+
+    def decode(self, frame: Any, *, bits: int | None = None) -> Frame:
+        """What the encoder sent: bytes, or where the line carries bits a number whose most significant bit was sent
+        first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is a number where bytes are needed, or the other way round.
         """
-        if self.interface is Interface.SSI:
-            return SsiWord.decode(as_number(frame), self)
-        if self.interface is Interface.BISS:
-            return SingleCycleData.decode(as_number(frame), self)
-        return decode_reply(as_bytes(frame), self)
+        if self.interface is _SSI:
+            return SsiWord.decode(frame, self, bits=bits)
+        if self.interface is _BISS:
+            return SingleCycleData.decode(frame, self, bits=bits)
+        if bits is not None:
+            raise TypeError("this encoder's frame is made of bytes: bits= is for frames that are strings of bits")
+        return decode_reply(frame, self)
 
     def __repr__(self) -> str:
-        return f"<{self.code}>"
+        held = held_text(_HELD, self)
+        return f"<{self.code}{self.special_code}{held}>"
 
 
 def lookup(label: str) -> Variant:
@@ -307,6 +416,7 @@ def lookup(label: str) -> Variant:
     Raises:
         OrderCodeError: There is no such order code; the error names the wrong part, its valid values and the nearest
             codes.
+        TypeError: ``label`` is no text.
     """
     found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
     variant = _BY_PARTS[found.listed]
@@ -318,7 +428,7 @@ def lookup(label: str) -> Variant:
         parts=found.parts,
         unlisted=found.unlisted,
         tail=found.tail,
-        special=found.special,
+        special_code=found.special,
         written_as_in=found.written_as_in,
     )
 
@@ -533,6 +643,7 @@ SSI: Final = SsiFacts(
 )
 
 
+@by_class
 class SsiWord(NamedTuple):
     """SSI word: sent by the encoder over SSI, as a string of bits (5.2 p.20).
 
@@ -564,15 +675,30 @@ class SsiWord(NamedTuple):
     position: int
     error: bool = False
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _SSI)
+        return variant.position_bits + 1
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SsiWord:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.position_bits + 1, bits)
         if word >> (variant.position_bits + 1):
-            raise LengthError(variant.position_bits + 1, word.bit_length(), "bits")
+            raise too_long(word, variant.position_bits + 1)
         if variant.ssi_gray:
             word = from_gray(word, 1, variant.position_bits)
         return cls(
@@ -588,8 +714,10 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("position", self.position, variant.position_bits)
-        number = self.position << 1 | (not self.error)
+        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+            raise wrong_encoder(variant, Variant, _SSI)
+        position = check_width("position", self.position, variant.position_bits)
+        number = position << 1 | (not self.error)
         if variant.ssi_gray:
             number = to_gray(number, 1, variant.position_bits)
         return number
@@ -597,6 +725,7 @@ class SsiWord(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _SSI)
         return (
             BitField("position", 1, variant.position_bits),
             BitField("error", 0, 1),
@@ -676,6 +805,7 @@ BISS: Final = BissFacts(
 )
 
 
+@by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.2 p.25).
 
@@ -725,17 +855,32 @@ class SingleCycleData(NamedTuple):
     error: bool = False
     warning: bool = False
 
+    @staticmethod
+    def frame_bits(variant: Variant) -> int:
+        """How many bits the frame has, the CRC included where it ends in one."""
+        check_encoder(variant, Variant, _BISS)
+        return variant.position_bits + variant.scd_padding_bits + 8
+
     @classmethod
-    def decode(cls, word: int, variant: Variant) -> SingleCycleData:
-        """The frame in ``word``, whose first bit sent is the most significant.
+    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+        """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
 
         Raises:
-            LengthError: There are too many bits.
+            LengthError: There are too many or too few bits.
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(word) is not int or bits is not None:
+            word = as_word(word, variant.position_bits + variant.scd_padding_bits + 8, bits)
         if word >> (variant.position_bits + variant.scd_padding_bits + 8):
-            raise LengthError(variant.position_bits + variant.scd_padding_bits + 8, word.bit_length(), "bits")
+            raise too_long(word, variant.position_bits + variant.scd_padding_bits + 8)
         if remainder := _remainder_biss_6_33(word ^ 0x3F):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
         if variant.biss_gray:
@@ -756,8 +901,10 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("position", self.position, variant.scd_value_bits)
-        number = self.position << 8 | (not self.error) << 7 | (not self.warning) << 6
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        position = check_width("position", self.position, variant.scd_value_bits)
+        number = position << 8 | (not self.error) << 7 | (not self.warning) << 6
         if variant.biss_gray:
             number = to_gray(number, 8, variant.scd_value_bits)
         return number | _remainder_biss_6_33(number) ^ 0x3F
@@ -765,6 +912,7 @@ class SingleCycleData(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (
             BitField(
                 "padding",
@@ -850,6 +998,7 @@ RS485: Final = Rs485Facts(
 )
 
 
+@by_class
 class DataRequest(NamedTuple):
     """Data request: sent by the master over RS-485, as bytes (7.2 p.37; 7.2.1 p.37).
 
@@ -866,7 +1015,7 @@ class DataRequest(NamedTuple):
     data_id: DataId
 
     @classmethod
-    def decode(cls, data: bytes) -> DataRequest:
+    def decode(cls, data: Data) -> DataRequest:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -874,6 +1023,8 @@ class DataRequest(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         if (data[0] & 0x7) != 0x2:
@@ -890,9 +1041,10 @@ class DataRequest(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        if self.data_id not in (4, 5, 0xA, 0xB, 0xF):
-            raise RangeError("data_id", int(self.data_id), "one of 4h, 5h, Ah, Bh, Fh")
-        number = 0x2 | self.data_id << 3 | (self.data_id.bit_count() & 1) << 7
+        data_id = whole_number("data_id", self.data_id)
+        if data_id not in (4, 5, 0xA, 0xB, 0xF):
+            raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
+        number = 0x2 | data_id << 3 | (data_id.bit_count() & 1) << 7
         return number.to_bytes(1, "little")
 
     @staticmethod
@@ -905,6 +1057,7 @@ class DataRequest(NamedTuple):
         )
 
 
+@by_class
 class PositionReply(NamedTuple):
     """Position reply: sent by the encoder over RS-485, as bytes (7.2 p.37; 7.3.3 p.39).
 
@@ -964,7 +1117,7 @@ class PositionReply(NamedTuple):
     temperature_alarm: bool = False
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> PositionReply:
+    def decode(cls, data: Data, variant: Variant) -> PositionReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -972,7 +1125,13 @@ class PositionReply(NamedTuple):
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 7:
             raise LengthError(7, len(data))
         computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5]
@@ -1013,16 +1172,19 @@ class PositionReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if self.data_id not in (4, 0xB, 0xF):
-            raise RangeError("data_id", int(self.data_id), "one of 4h, Bh, Fh")
-        check_width("position", self.position, variant.rs485_position_bits)
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        data_id = whole_number("data_id", self.data_id)
+        if data_id not in (4, 0xB, 0xF):
+            raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
+        position = check_width("position", self.position, variant.rs485_position_bits)
         number = (
             0x2
-            | self.data_id << 3
-            | (self.data_id.bit_count() & 1) << 7
+            | data_id << 3
+            | (data_id.bit_count() & 1) << 7
             | bool(self.status_alarm) << 12
             | bool(self.status_error) << 13
-            | self.position << 16
+            | position << 16
             | bool(self.overspeed) << 40
             | bool(self.initialization_error) << 41
             | bool(self.hardware_error) << 42
@@ -1038,6 +1200,7 @@ class PositionReply(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1060,6 +1223,7 @@ class PositionReply(NamedTuple):
         )
 
 
+@by_class
 class WidePositionReply(NamedTuple):
     """Wide position reply: sent by the encoder over RS-485, as bytes (7.2 p.37; 7.3.3 p.39).
 
@@ -1105,7 +1269,7 @@ class WidePositionReply(NamedTuple):
         return DataId.WIDE_POSITION
 
     @classmethod
-    def decode(cls, data: bytes) -> WidePositionReply:
+    def decode(cls, data: Data) -> WidePositionReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1114,6 +1278,8 @@ class WidePositionReply(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 9:
             raise LengthError(9, len(data))
         computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5] ^ data[6] ^ data[7]
@@ -1141,12 +1307,12 @@ class WidePositionReply(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_signed("position", self.position, 48)
+        position = check_signed("position", self.position, 48)
         number = (
             0x2A
             | bool(self.status_alarm) << 12
             | bool(self.status_error) << 13
-            | (self.position & 0xFFFFFFFFFFFF) << 16
+            | (position & 0xFFFFFFFFFFFF) << 16
         )
         body = number.to_bytes(8, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
@@ -1167,6 +1333,7 @@ class WidePositionReply(NamedTuple):
         )
 
 
+@by_class
 class IdentificationReply(NamedTuple):
     """Identification reply: sent by the encoder over RS-485, as bytes (7.2 p.37; 7.3.3 p.39).
 
@@ -1221,7 +1388,7 @@ class IdentificationReply(NamedTuple):
         return DataId.IDENTIFICATION
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> IdentificationReply:
+    def decode(cls, data: Data, variant: Variant) -> IdentificationReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1229,7 +1396,13 @@ class IdentificationReply(NamedTuple):
             CrcError: The CRC does not belong to the other bits.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 9:
             raise LengthError(9, len(data))
         computed = data[0] ^ data[1] ^ data[2] ^ data[3] ^ data[4] ^ data[5] ^ data[6] ^ data[7]
@@ -1273,12 +1446,14 @@ class IdentificationReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        check_width("position", self.position, variant.rs485_position_bits)
+        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+            raise wrong_encoder(variant, Variant, _RS485)
+        position = check_width("position", self.position, variant.rs485_position_bits)
         number = (
             0x510000000052
             | bool(self.status_alarm) << 12
             | bool(self.status_error) << 13
-            | self.position << 16
+            | position << 16
             | bool(self.overspeed) << 56
             | bool(self.initialization_error) << 57
             | bool(self.hardware_error) << 58
@@ -1294,6 +1469,7 @@ class IdentificationReply(NamedTuple):
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _RS485)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
@@ -1323,7 +1499,7 @@ Request: TypeAlias = Union[
 ]
 
 
-def decode_request(data: bytes, variant: Variant) -> Request:
+def decode_request(data: Data, variant: Variant) -> Request:
     """The request in ``data``, told by its cc0 ... cc3.
 
     Raises:
@@ -1331,7 +1507,13 @@ def decode_request(data: bytes, variant: Variant) -> Request:
         CrcError: The CRC does not belong to the other bytes.
         ConstantError: Bits that always hold the same value, or a parity bit, hold another.
         RangeError: There is no such cc0 ... cc3, or a field holds a value without meaning.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        raise wrong_encoder(variant, Variant, _RS485)
+    if type(data) is not bytes:
+        data = as_bytes(data)
     if len(data) < 1:
         raise LengthError(1, len(data))
     data_id = data[0] >> 3 & 0xF
@@ -1347,7 +1529,7 @@ Reply: TypeAlias = Union[
 ]
 
 
-def decode_reply(data: bytes, variant: Variant) -> Reply:
+def decode_reply(data: Data, variant: Variant) -> Reply:
     """The reply in ``data``, told by its cc0 ... cc3.
 
     Raises:
@@ -1355,7 +1537,13 @@ def decode_reply(data: bytes, variant: Variant) -> Reply:
         CrcError: The CRC does not belong to the other bytes.
         ConstantError: Bits that always hold the same value, or a parity bit, hold another.
         RangeError: There is no such cc0 ... cc3, or a field holds a value without meaning.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        raise wrong_encoder(variant, Variant, _RS485)
+    if type(data) is not bytes:
+        data = as_bytes(data)
     if len(data) < 1:
         raise LengthError(1, len(data))
     data_id = data[0] >> 3 & 0xF
@@ -1396,7 +1584,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="low",
                 when_active="an error is present, the LED is red",
                 when_inactive="normal state, no active error, the LED is off",
-                names={"it": "Bit di errore"},
+                names=ReadOnly({"it": "Bit di errore"}),
                 source="5.4 p.22",
             ),
         ),
@@ -1410,7 +1598,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="position",
                 meaning="Position in counts; times the resolution it is a length",
                 unit="counts",
-                names={"it": "Posizione"},
+                names=ReadOnly({"it": "Posizione"}),
                 source="6.2 p.25",
             ),
             FieldFacts(
@@ -1424,7 +1612,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 active="low",
                 when_active="an error is present, the LED is red",
                 when_inactive="normal state, no active error, the LED is off",
-                names={"it": "Errore"},
+                names=ReadOnly({"it": "Errore"}),
                 source="6.2 p.26",
             ),
             FieldFacts(
@@ -1453,7 +1641,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="SC",
                 meaning="Sync code, binary 010",
                 constant=2,
-                names={"it": "Codice di sincronismo"},
+                names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -1480,7 +1668,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="SC",
                 meaning="Sync code, binary 010",
                 constant=2,
-                names={"it": "Codice di sincronismo"},
+                names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -1611,7 +1799,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="SC",
                 meaning="Sync code, binary 010",
                 constant=2,
-                names={"it": "Codice di sincronismo"},
+                names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -1678,7 +1866,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="SC",
                 meaning="Sync code, binary 010",
                 constant=2,
-                names={"it": "Codice di sincronismo"},
+                names=ReadOnly({"it": "Codice di sincronismo"}),
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -1843,7 +2031,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             length=2,
             access="read_only",
             byte_order="high_byte_first",
-            names={"it": "ID Profilo"},
+            names=ReadOnly({"it": "ID Profilo"}),
             meaning="Code of the profile used",
             note="Standard encoder profile, data format, Variant 0-24 from 50 µm to 2 µm, Variant 0-24+++ at 1 µm.",
             source="6.4 p.28",
@@ -1860,7 +2048,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="week", meaning="Week of production"),
                 FieldFacts(name="number", meaning="Serial number in ascending order"),
             ),
-            names={"it": "Numero di serie"},
+            names=ReadOnly({"it": "Numero di serie"}),
             meaning="Year and week of production and a running number, in hexadecimal",
             source="6.4 p.29",
         ),
@@ -1875,7 +2063,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             clears_itself=True,
             wait_ms=30,
             fields=(FieldFacts(name="function"),),
-            names={"it": "Comando"},
+            names=ReadOnly({"it": "Comando"}),
             meaning="Saves the parameters, activates preset or offset, or restores the defaults",
             note="After a command the register goes back to 00 by itself.",
             source="6.4 p.29; 12 p.51",
@@ -1890,27 +2078,27 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             default=b"\x20",
             volatile=True,
             fields=(
-                FieldFacts(name="unused_7", meaning="Not used", constant=0, names={"it": "Non utilizzato"}),
+                FieldFacts(name="unused_7", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
                 FieldFacts(
                     name="counting_direction",
                     meaning="Counting direction of the absolute position; the incremental signals keep theirs",
                     default=0,
-                    names={"it": "Direzione di conteggio"},
+                    names=ReadOnly({"it": "Direzione di conteggio"}),
                     source="6.4 p.31",
                 ),
                 FieldFacts(
                     name="output_code",
                     meaning="Code of the absolute position",
                     default=1,
-                    names={"it": "Codice d'uscita"},
+                    names=ReadOnly({"it": "Codice d'uscita"}),
                     source="6.4 p.31",
                 ),
-                FieldFacts(name="unused_3_4", meaning="Not used", constant=0, names={"it": "Non utilizzato"}),
+                FieldFacts(name="unused_3_4", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
                 FieldFacts(
                     name="enable_preset_offset",
                     meaning="Enables preset and offset; 0 enables",
                     default=0,
-                    names={"it": "Abilita preset / offset"},
+                    names=ReadOnly({"it": "Abilita preset / offset"}),
                     source="6.4 p.30",
                 ),
                 FieldFacts(
@@ -1919,12 +2107,12 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                         "What the register Preset / Offset is; available only while the function is enabled (bit 2)"
                     ),
                     default=0,
-                    names={"it": "Seleziona preset / offset"},
+                    names=ReadOnly({"it": "Seleziona preset / offset"}),
                     source="6.4 p.30",
                 ),
-                FieldFacts(name="unused_0", meaning="Not used", constant=0, names={"it": "Non utilizzato"}),
+                FieldFacts(name="unused_0", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
             ),
-            names={"it": "Configurazione"},
+            names=ReadOnly({"it": "Configurazione"}),
             meaning="Preset or offset, output code and counting direction",
             note="A new setting is active at once after its transmission; save it with the Command register.",
             source="6.4 p.30; 12 p.51",
@@ -1936,7 +2124,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             length=1,
             access="read_only",
             byte_order="high_byte_first",
-            names={"it": "Risoluzione assoluta"},
+            names=ReadOnly({"it": "Risoluzione assoluta"}),
             meaning="Resolution of the absolute position",
             note=(
                 "32h is 50 µm, 0Ah 10 µm, 05h 5 µm, 02h 2 µm and 01h 1 µm; the highest positions are 00 0F FF FFh (20 "
@@ -2006,7 +2194,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(
                 FieldFacts(name="type", meaning="08h: linear encoder, BiSS C-mode, with incremental signals AB /AB"),
             ),
-            names={"it": "Tipo di dispositivo"},
+            names=ReadOnly({"it": "Tipo di dispositivo"}),
             meaning="Type of the device",
             source="6.4 p.33",
         ),
@@ -2019,7 +2207,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order="high_byte_first",
             default=b"\x00",
             fields=(FieldFacts(name="period", meaning="00h: no sine and cosine signals"),),
-            names={"it": "Risoluzione SENO-COSENO"},
+            names=ReadOnly({"it": "Risoluzione SENO-COSENO"}),
             meaning="Period of the sine and cosine signals",
             source="6.4 p.33",
         ),
@@ -2032,7 +2220,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order="high_byte_first",
             default=b"\x00",
             reserved="maker",
-            names={"it": "Controllo posizione"},
+            names=ReadOnly({"it": "Controllo posizione"}),
             meaning="Used with the warning bit for an automatic check of the position",
             note="Do not change the value; only for Lika's technicians.",
             source="6.4 p.33",
@@ -2048,7 +2236,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="name", meaning="Name of the device, 53 4D 32 31 in hexadecimal"),
                 FieldFacts(name="release", meaning="Hardware-software release, printed as xx xx"),
             ),
-            names={"it": "ID dispositivo"},
+            names=ReadOnly({"it": "ID dispositivo"}),
             meaning="Name of the device and its hardware-software release",
             source="6.4 p.34",
         ),
@@ -2060,7 +2248,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access="read_only",
             byte_order="high_byte_first",
             fields=(FieldFacts(name="name", meaning="Lika Electronic, 4C 69 in hexadecimal"),),
-            names={"it": "ID costruttore"},
+            names=ReadOnly({"it": "ID costruttore"}),
             meaning="Manufacturer",
             source="6.4 p.34",
         ),
@@ -2068,6 +2256,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 )
 
 
+@by_class
 class ProfileId(NamedTuple):
     """Profile id, register 42h to 43h, read only (6.4 p.28).
 
@@ -2094,12 +2283,18 @@ class ProfileId(NamedTuple):
         return self.profile_id == self.variant.profile_id
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> ProfileId:
+    def decode(cls, data: Data, variant: Variant) -> ProfileId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls(variant, data[0] << 8 | data[1])
@@ -2110,15 +2305,17 @@ class ProfileId(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("profile_id", self.profile_id, 16)
-        return self.profile_id.to_bytes(2, "big")
+        profile_id = check_width("profile_id", self.profile_id, 16)
+        return profile_id.to_bytes(2, "big")
 
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (BitField("profile_id", 0, 16),)
 
 
+@by_class
 class SerialNumber(NamedTuple):
     """Serial number, register 44h to 47h, read only (6.4 p.29).
 
@@ -2141,12 +2338,14 @@ class SerialNumber(NamedTuple):
     number: int
 
     @classmethod
-    def decode(cls, data: bytes) -> SerialNumber:
+    def decode(cls, data: Data) -> SerialNumber:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         return cls(
@@ -2161,10 +2360,10 @@ class SerialNumber(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("year", self.year, 8)
-        check_width("week", self.week, 8)
-        check_width("number", self.number, 16)
-        number = self.year << 24 | self.week << 16 | self.number
+        year = check_width("year", self.year, 8)
+        week = check_width("week", self.week, 8)
+        number_ = check_width("number", self.number, 16)
+        number = year << 24 | week << 16 | number_
         return number.to_bytes(4, "big")
 
     @staticmethod
@@ -2199,13 +2398,14 @@ class Command(IntEnum):
     """
 
     @classmethod
-    def decode(cls, data: bytes) -> Command:
+    def decode(cls, data: Data) -> Command:
         """The register in ``data``.
 
         Raises:
             LengthError: There are too many or too few bytes.
             RangeError: The register holds none of these values.
         """
+        data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return choice(cls, "Command", int.from_bytes(data, "big"))
@@ -2215,6 +2415,7 @@ class Command(IntEnum):
         return self.to_bytes(1, "big")
 
 
+@by_class
 class Configuration(NamedTuple):
     """Configuration, register 49h, read and write (6.4 p.30; 12 p.51).
 
@@ -2240,7 +2441,7 @@ class Configuration(NamedTuple):
     select_preset_offset: SelectPresetOffset
 
     @classmethod
-    def decode(cls, data: bytes) -> Configuration:
+    def decode(cls, data: Data) -> Configuration:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
@@ -2248,6 +2449,8 @@ class Configuration(NamedTuple):
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             RangeError: A field holds a value without meaning.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         if data[0] >> 7:
@@ -2273,15 +2476,15 @@ class Configuration(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        choice(CountingDirection, "counting_direction", self.counting_direction)
-        choice(OutputCode, "output_code", self.output_code)
-        choice(EnablePresetOffset, "enable_preset_offset", self.enable_preset_offset)
-        choice(SelectPresetOffset, "select_preset_offset", self.select_preset_offset)
+        counting_direction = choice(CountingDirection, "counting_direction", self.counting_direction)
+        output_code = choice(OutputCode, "output_code", self.output_code)
+        enable_preset_offset = choice(EnablePresetOffset, "enable_preset_offset", self.enable_preset_offset)
+        select_preset_offset = choice(SelectPresetOffset, "select_preset_offset", self.select_preset_offset)
         number = (
-            self.counting_direction << 6
-            | self.output_code << 5
-            | self.enable_preset_offset << 2
-            | self.select_preset_offset << 1
+            counting_direction << 6
+            | output_code << 5
+            | enable_preset_offset << 2
+            | select_preset_offset << 1
         )
         return number.to_bytes(1, "big")
 
@@ -2299,6 +2502,7 @@ class Configuration(NamedTuple):
         )
 
 
+@by_class
 class AbsoluteResolution(NamedTuple):
     """Absolute resolution, register 4Dh, read only (6.4 p.31).
 
@@ -2321,12 +2525,18 @@ class AbsoluteResolution(NamedTuple):
         return self.absolute_resolution == self.variant.resolution_um
 
     @classmethod
-    def decode(cls, data: bytes, variant: Variant) -> AbsoluteResolution:
+    def decode(cls, data: Data, variant: Variant) -> AbsoluteResolution:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(variant, data[0])
@@ -2337,15 +2547,17 @@ class AbsoluteResolution(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("absolute_resolution", self.absolute_resolution, 8)
-        return self.absolute_resolution.to_bytes(1, "big")
+        absolute_resolution = check_width("absolute_resolution", self.absolute_resolution, 8)
+        return absolute_resolution.to_bytes(1, "big")
 
     @staticmethod
     def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (BitField("absolute_resolution", 0, 8),)
 
 
+@by_class
 class PresetOffset(NamedTuple):
     """Preset / Offset, register 50h to 53h, read and write (6.4 p.32; 12 p.51).
 
@@ -2379,12 +2591,14 @@ class PresetOffset(NamedTuple):
     preset_offset: int
 
     @classmethod
-    def decode(cls, data: bytes) -> PresetOffset:
+    def decode(cls, data: Data) -> PresetOffset:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         return cls(int.from_bytes(data, "big"))
@@ -2395,9 +2609,9 @@ class PresetOffset(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("preset_offset", self.preset_offset, 32)
+        preset_offset = check_width("preset_offset", self.preset_offset, 32)
         check_limits("preset_offset", self.preset_offset, self.limits())
-        return self.preset_offset.to_bytes(4, "big")
+        return preset_offset.to_bytes(4, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -2412,14 +2626,17 @@ class PresetOffset(NamedTuple):
     @staticmethod
     def preset_limits(variant: Variant) -> tuple[int, int]:
         """Lowest and highest value while the register is the preset."""
+        check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.position_bits) - 1
 
     @staticmethod
     def offset_limits(variant: Variant) -> tuple[int, int]:
         """Lowest and highest value while the register is the offset."""
+        check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.scd_position_bits) - (1 << variant.position_bits)
 
 
+@by_class
 class DeviceType(NamedTuple):
     """Device type, register 55h, read only (6.4 p.33).
 
@@ -2439,12 +2656,14 @@ class DeviceType(NamedTuple):
         return self.type == 8
 
     @classmethod
-    def decode(cls, data: bytes) -> DeviceType:
+    def decode(cls, data: Data) -> DeviceType:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(data[0])
@@ -2455,8 +2674,8 @@ class DeviceType(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("type", self.type, 8)
-        return self.type.to_bytes(1, "big")
+        type_ = check_width("type", self.type, 8)
+        return type_.to_bytes(1, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -2464,6 +2683,7 @@ class DeviceType(NamedTuple):
         return (BitField("type", 0, 8),)
 
 
+@by_class
 class SineCosineResolution(NamedTuple):
     """Sine cosine resolution, register 58h, read only (6.4 p.33).
 
@@ -2483,12 +2703,14 @@ class SineCosineResolution(NamedTuple):
         return self.period == 0
 
     @classmethod
-    def decode(cls, data: bytes) -> SineCosineResolution:
+    def decode(cls, data: Data) -> SineCosineResolution:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(data[0])
@@ -2499,8 +2721,8 @@ class SineCosineResolution(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("period", self.period, 8)
-        return self.period.to_bytes(1, "big")
+        period = check_width("period", self.period, 8)
+        return period.to_bytes(1, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -2508,6 +2730,7 @@ class SineCosineResolution(NamedTuple):
         return (BitField("period", 0, 8),)
 
 
+@by_class
 class PositionCheck(NamedTuple):
     """Position check, register 59h, read and write (6.4 p.33).
 
@@ -2527,12 +2750,14 @@ class PositionCheck(NamedTuple):
     position_check: int
 
     @classmethod
-    def decode(cls, data: bytes) -> PositionCheck:
+    def decode(cls, data: Data) -> PositionCheck:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
         return cls(data[0])
@@ -2543,8 +2768,8 @@ class PositionCheck(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("position_check", self.position_check, 8)
-        return self.position_check.to_bytes(1, "big")
+        position_check = check_width("position_check", self.position_check, 8)
+        return position_check.to_bytes(1, "big")
 
     @staticmethod
     def bit_fields() -> tuple[BitField, ...]:
@@ -2552,6 +2777,7 @@ class PositionCheck(NamedTuple):
         return (BitField("position_check", 0, 8),)
 
 
+@by_class
 class DeviceId(NamedTuple):
     """Device id, register 78h to 7Dh, read only (6.4 p.34).
 
@@ -2576,12 +2802,14 @@ class DeviceId(NamedTuple):
         return self.name == "SM21"
 
     @classmethod
-    def decode(cls, data: bytes) -> DeviceId:
+    def decode(cls, data: Data) -> DeviceId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
         return cls(
@@ -2595,8 +2823,8 @@ class DeviceId(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
-        check_width("release", self.release, 16)
-        number = text_number("name", self.name, 4) << 16 | self.release
+        release = check_width("release", self.release, 16)
+        number = text_number("name", self.name, 4) << 16 | release
         return number.to_bytes(6, "big")
 
     @staticmethod
@@ -2608,6 +2836,7 @@ class DeviceId(NamedTuple):
         )
 
 
+@by_class
 class ManufacturerId(NamedTuple):
     """Manufacturer id, register 7Eh to 7Fh, read only (6.4 p.34).
 
@@ -2627,12 +2856,14 @@ class ManufacturerId(NamedTuple):
         return self.name == "Li"
 
     @classmethod
-    def decode(cls, data: bytes) -> ManufacturerId:
+    def decode(cls, data: Data) -> ManufacturerId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
         """
+        if type(data) is not bytes:
+            data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
         return cls(data[0:2].decode("ascii", "replace"))
@@ -2677,7 +2908,7 @@ _HELD: Final = (
 )
 
 
-def identify(read: Mapping[int, int] | Mapping[str, bytes]) -> tuple[str, ...]:
+def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """The order codes of the encoders that can have sent what was read from an encoder's registers.
 
     What was not read, or is not documented, excludes nothing; a register counts only when all its bytes are there.
@@ -2720,22 +2951,27 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 # Procedures
 
 
-def set_configuration(configuration: Configuration | int) -> tuple[Step, ...]:
+def set_configuration(configuration: Configuration | int, *, variant: Variant | None = None) -> tuple[Step, ...]:
     """Set and save the configuration (6.4 p.31; 6.6.1 p.35).
 
     After: The new configuration is active and saved.
 
     Args:
         configuration: Value of the whole register.
+        variant: The encoder, to be checked; the steps are the same for all of the family.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes(
             "configuration",
             Address.CONFIGURATION,
-            whole("configuration", configuration, 1, "big"),
+            whole("configuration", Configuration, configuration, 1, "big"),
             "active at once",
         ),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "keep it over power-off"),
@@ -2757,9 +2993,10 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        ValueError: The encoder has another interface.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
-    check_interface(variant.interface, Interface.BISS)
+    check_encoder(variant, Variant, _BISS)
     check_limits("position", position, PresetOffset.preset_limits(variant))
     return (
         *writes(
@@ -2778,11 +3015,20 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     )
 
 
-def select_preset() -> tuple[Step, ...]:
+def select_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     """Enable the function and select preset (6.4 p.30).
 
     After: The register Preset / Offset holds a preset.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00),
         Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x00),
@@ -2814,9 +3060,10 @@ def set_offset(variant: Variant, offset: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        ValueError: The encoder has another interface.
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
-    check_interface(variant.interface, Interface.BISS)
+    check_encoder(variant, Variant, _BISS)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let preset and offset be used"),
@@ -2839,38 +3086,65 @@ def set_offset(variant: Variant, offset: int) -> tuple[Step, ...]:
     )
 
 
-def save_parameters() -> tuple[Step, ...]:
+def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
     """Save the parameters (6.4 p.29).
 
     After: Newly set register values are saved.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def restore_defaults() -> tuple[Step, ...]:
+def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
     """Load and save all default parameters (6.4 p.29).
 
     Before: All parameters that were set before are lost.
 
     After: The default parameters are active and saved.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def identify_steps() -> tuple[Step, ...]:
+def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
     """Identify the device (6.4 p.28).
 
     After: Manufacturer, device, resolution and serial number are known; the supply is not.
 
     Erratum device_id_shared, open (6.4 p.34; prot: p.14-15). Printed: One device ID, SM21 with the release, for all
     models. Used: As printed.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _BISS)
     return (
         Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Lika's are 4C 69"),
         Read(Address.DEVICE_ID, 6, "device_id", "name SM21, and the release"),
@@ -2879,7 +3153,7 @@ def identify_steps() -> tuple[Step, ...]:
     )
 
 
-def reset_errors() -> tuple[Step, ...]:
+def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     """Reset all errors (7.3.3.2 p.41).
 
     After: All errors are reset and the encoder initializes itself.
@@ -2894,13 +3168,22 @@ def reset_errors() -> tuple[Step, ...]:
 
     Erratum rs485_reset_duration, open (7.3.3.2 p.41). Printed: Send no request until the initialization is over; none
     is accepted while the position is reset. No time is given. Used: No wait is made up.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _RS485)
     return (
         Send(b"\xda", times=10, every_us=40, meaning="in succession, no other request in between"),
     )
 
 
-def reset_position() -> tuple[Step, ...]:
+def reset_position(variant: Variant | None = None) -> tuple[Step, ...]:
     """Reset the position to 0 (7.3.3.2 p.41).
 
     Before: Encoder at rest.
@@ -2920,7 +3203,16 @@ def reset_position() -> tuple[Step, ...]:
 
     Erratum rs485_reset_duration, open (7.3.3.2 p.41). Printed: Send no request until the initialization is over; none
     is accepted while the position is reset. No time is given. Used: No wait is made up.
+
+    Args:
+        variant: The encoder, to be checked; the steps are the same for all of the family.
+
+    Raises:
+        FamilyError: The encoder is of another family.
+        InterfaceError: The encoder has another interface.
     """
+    if variant is not None:
+        check_encoder(variant, Variant, _RS485)
     return (
         Send(b"\x7a", times=10, every_us=40, meaning="in succession, no other request in between"),
     )
