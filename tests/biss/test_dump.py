@@ -124,7 +124,7 @@ def test_every_fact_of_the_spec_is_there(path: Path, devices: tuple[Device, ...]
     for key, value in leaves(document.data):
         if key in WRITTEN or isinstance(value, bool) or (isinstance(value, str) and is_expression(value)):
             continue
-        if key == "source":
+        if key == "source" or key.endswith("_source"):
             missing += [str(item) for item in parse_sources(value) if (item.document, item.section, item.page) not in cited]
         elif isinstance(value, int):
             scaled = {value, value * 1000}

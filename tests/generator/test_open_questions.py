@@ -29,7 +29,7 @@ OPEN: Mapping[tuple[str, str], tuple[str, ...]] = {
     ("amm5", "mem_busy_on_read"): ("7.5 p.46", "writing is being executed"),
     ("amm5", "mem_busy_position"): (
         "hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst",
-        "ti_sdk: source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c",
+        "ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c",
         "32 7F 01 4C", "32 01 5A 69", "EA 01 EB", "EA 05 EF", "EA 0A E0",
     ),
     ("amm5", "preset_setting_enable_default"): ("10 p.52",),
