@@ -289,7 +289,7 @@ class LayoutSource:
         if isinstance(field.equals, int):
             fixed = f"{field.equals:#x} by the manual, not enforced"
         explains = field.kind == "constant" and not field.name.startswith("zero_") and not field.padding_of
-        outside = () if self.is_member(field) else (printed(field),)
+        outside = () if self.is_member(field) and field.equals is None else (printed(field),)
         return "; ".join(part for part in (*outside, fixed, field.meaning if explains and "always" not in field.meaning.lower() else "") if part)
 
     def _where(self, field: Field) -> str:

@@ -26,7 +26,7 @@ PRINTED = {
     },
     "amm5": {
         "Preset setting enable": "_ADDRESS 0x40U", "Save parameters": "= 0x01,", "Activate Preset": "= 0x02", "EEPROM": "_AT_LEAST_US 30000U", "Data ID 8": "0xC2U", "Data ID D": "0xEAU",
-        "Data ID 3": "0x1AU", "ENID": "always 0x23", "PS error": "_MASK 0x20U /* in the alarm field, ALMC", "ST error": "_MASK 0x04U", "BUSY flag": "_BUSY_MASK 0x02U",
+        "Data ID 3": "0x1AU", "ENID": "0x23 by the manual", "PS error": "_MASK 0x20U /* in the alarm field, ALMC", "ST error": "_MASK 0x04U", "BUSY flag": "_BUSY_MASK 0x02U",
         "Battery alarm": "_BELOW_MV 3150U", "MT error": "_BELOW_MV 3050U", "Tp": "_AT_LEAST_US 20U", "Baud rate": "2500000U", "Data bits": "8U", "Parity": "'N'", "Stop bits": "1U",
         "MEM BUSY": "byte 1 bit 0", "Serial number": "_ADDRESS 0x44U", "Manufacturer ID": "_ADDRESS 0x7EU",
     },
@@ -37,7 +37,7 @@ PRINTED = {
     },
     "sma21": {
         "Comando": "_ADDRESS 0x48U", "Salva e attiva Preset / Offset": "= 0x02,", "Carica e salva tutti i parametri di default": "= 0x04", "Configurazione": "_DEFAULT 0x20U",
-        "Risoluzione assoluta": "_ADDRESS 0x4DU", "Tipo di dispositivo": "_DEFAULT 0x08U", "Risoluzione SENO-COSENSO": "_ADDRESS 0x58U", "Controllo posizione": "_ADDRESS 0x59U",
+        "Risoluzione assoluta": "_ADDRESS 0x4DU", "Tipo di dispositivo": "_DEFAULT 0x08U", "Risoluzione SENO-COSENO": "_ADDRESS 0x58U", "Controllo posizione": "_ADDRESS 0x59U",
         "ENID1": "always 0x51", "Low amplitude error": "_MASK 0x20U", "Overspeed": "_MASK 0x01U", "Data ID B": "0xDAU", "Data ID F": "0x7AU", "ID Profilo": "_ADDRESS 0x42U",
     },
 }  # fmt: skip
