@@ -22,8 +22,8 @@ from .layouts import build_layout
 from .limits import bounded, bounded_width, bounds, representable
 from .measured import check_measurements
 from .model import (
-    Argument, CableLength, Characteristic, CodePart, CodeValue, ControlField, Crc, DataId, Device, Document, FieldGroup, Interface, Led,
-    LedState, LostFigure, Manufacturer, Measurement, MemoryAccess, Network, OrderCode, Parameter, Port, PrintedTimeout, Procedure, Register,
+    Argument, CableLength, Characteristic, CodePart, CodeValue, ControlField, Crc, DataId, Device, Document, FieldGroup, Interface, Led, LedState,
+    LostFigure, Manufacturer, Measurement, MemoryAccess, Network, OrderCode, Parameter, Port, PrintedTimeout, Procedure, Register,
     RegisterMeaning, SpelledValue, Spelling, Step, Timeout, Variant,
 )
 from .order_codes import combinations
@@ -117,8 +117,9 @@ def _order_code(raw: Raw) -> OrderCode:
 
 
 def _spelling(raw: Raw) -> Spelling:
-    values = (SpelledValue(part, text, value) for part, texts in raw.get("values", {}).items() for text, value in texts.items())
-    return Spelling(raw["pattern"], raw["where"], tuple(values), raw.get("then", ""), sources(raw))
+    texts = ((part, *item) for part, found in raw.get("values", {}).items() for item in found.items())
+    values = tuple(SpelledValue(part, text, value) for part, text, value in texts)
+    return Spelling(raw["pattern"], raw["where"], values, raw.get("then", ""), sources(raw))
 
 
 def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:

@@ -77,7 +77,8 @@ def find(device: Device, text: str) -> Match:
         match = re.fullmatch(_regex_of(device.order_code, spelling) + _AFTER, code, re.IGNORECASE)
         if match is not None:
             listed = {(item.part, item.text.upper()): item.value for item in spelling.values}
-            parts = {part.name: listed.get((part.name, match[part.name]), match[part.name]) for part in device.order_code.parts}
+            found_here = ((part.name, match[part.name]) for part in device.order_code.parts)
+            parts = {name: listed.get((name, text), text) for name, text in found_here}
             found = _resolve(device, parts, match["tail_"] or "", match["special_"] is not None, code)
             return replace(found, written_as_in=spelling.where)
     raise _explain(device, code)
@@ -130,14 +131,19 @@ def _regex(order_code: OrderCode, anything: str = "") -> str:
 
 def _regex_of(order_code: OrderCode, spelling: Spelling) -> str:
     """A regular expression for the whole code in another spelling."""
-    own = {item.part for item in spelling.values}
-    parts = {part.name: _any_of(spelled(part, spelling)) if part.name in own else _alternatives(part) for part in order_code.parts}
+    parts = {part.name: _alternatives(part) for part in order_code.parts}
+    for part in order_code.parts:
+        if part.name in {item.part for item in spelling.values}:
+            parts[part.name] = _any_of(spelled(part, spelling))
     return _joined(spelling.pattern, parts) + (f"(?:{spelling.then})" if spelling.then else "")
 
 
 def _joined(pattern: str, parts: Mapping[str, str]) -> str:
-    pieces = _BRACES.split(pattern)
-    return "".join(f"(?P<{piece}>{parts[piece]})" if index % 2 else re.escape(without_blanks(piece)) for index, piece in enumerate(pieces))
+    pieces = [
+        f"(?P<{piece}>{parts[piece]})" if index % 2 else re.escape(without_blanks(piece))
+        for index, piece in enumerate(_BRACES.split(pattern))
+    ]
+    return "".join(pieces)
 
 
 def _alternatives(part: CodePart) -> str:

@@ -45,7 +45,8 @@ def variant_dump(device: Device, match: Match) -> Item:
     """One order code as plain data, everything resolved; what belongs to another interface is left out."""
     variant = match.variant
     label = {
-        "code": variant.code, "unlisted": list(match.unlisted), "tail": match.tail, "special": match.special, "written_as_in": match.written_as_in,
+        "code": variant.code, "unlisted": list(match.unlisted), "tail": match.tail, "special": match.special,
+        "written_as_in": match.written_as_in,
     }
     return _Dump(for_interface(device, variant.interface), variant).whole((variant,), variant.parameters, label)
 

@@ -73,9 +73,9 @@ class SpelledValue:
 
 @dataclass(frozen=True, slots=True)
 class Spelling:
-    """Another way in which a label may be written, ``where`` it is so: in the parts of ``values`` with the texts listed there alone.
+    """Another way in which a label may be written, ``where`` it is so.
 
-    ``then`` is a regular expression for what follows and means nothing here.
+    The parts of ``values`` have the texts listed there alone. ``then`` is a regular expression for what follows and means nothing here.
     """
 
     pattern: str

@@ -117,20 +117,23 @@ def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, spelling in items(spec, "order_code", "also_written"):
         used = _BRACES.findall(spelling["pattern"])
         if sorted(used) != sorted(parts):
-            wrong = f"has the parts {', '.join(used) or 'none'}; it needs each of {', '.join(parts)} once, as in {quoted(pattern)}"
+            needed = f"it needs each of {', '.join(parts)} once, as in {quoted(pattern)}"
+            wrong = f"has the parts {', '.join(used) or 'none'}; {needed}"
             report.add("also-written", (*path, "pattern"), f"{quoted(spelling['pattern'])} {wrong}")
             continue
         for name, texts in mapping(spelling, "values").items():
             if name not in parts:
-                report.add("also-written", (*path, "values", name), f"there is no part {quoted(name)}; known are {', '.join(parts)}", at_key=True)
+                wrong = f"there is no part {quoted(name)}; known are {', '.join(parts)}"
+                report.add("also-written", (*path, "values", name), wrong, at_key=True)
                 continue
             for text, value in texts.items():
                 if value not in parts[name]["values"]:
-                    listed = ", ".join(parts[name]["values"])
-                    report.add("also-written", (*path, "values", name, text), f"{quoted(value)} is no value of {name}; listed are {listed}")
+                    wrong = f"{quoted(value)} is no value of {name}; listed are {', '.join(parts[name]['values'])}"
+                    report.add("also-written", (*path, "values", name, text), wrong)
         wrong = _wrong_expression(spelling.get("then", ""))
         if wrong:
-            report.add("also-written", (*path, "then"), f"{quoted(spelling['then'])} is no regular expression for what follows: {wrong}")
+            wrong = f"{quoted(spelling['then'])} is no regular expression for what follows: {wrong}"
+            report.add("also-written", (*path, "then"), wrong)
 
 
 def _without_blanks(text: str) -> str:

@@ -1,4 +1,4 @@
-"""Order codes whose parts the manual leaves open, and labels that are written otherwise, as a table of patterns that C can look through.
+"""Order codes with open parts, and labels that are written otherwise, as a table of patterns that C can look through.
 
 The regular expression of an open part is written out: ``[0-9]`` becomes the mark ``#``, ``[A-Z]`` ``@``, both together ``%``, a digit that may be
 missing ``~``. Whatever else a regular expression can say is not, and the header says which parts it knows only as listed.
@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from ..model import CodePart, Device, Variant
+from ..model import CodePart, Device, Spelling, Variant
 from ..order_codes import spelled, without_blanks
 
 _ATOM = re.compile(r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?")
@@ -33,7 +33,10 @@ class OpenCode:
 
 @dataclass(frozen=True)
 class _Choice:
-    """What may stand for a part: a listed text, or a pattern that the manual leaves open; ``label`` where the label has another text."""
+    """What may stand for a part: a listed text, or a pattern that the manual leaves open.
+
+    ``label`` is what stands on the label where that is another text.
+    """
 
     text: str
     is_open: bool
@@ -80,7 +83,7 @@ def unknown_parts(device: Device) -> tuple[str, ...]:
 
 
 def open_codes(device: Device) -> tuple[OpenCode, ...]:
-    """What order codes with open parts, and labels that are written otherwise, look like; the first pattern that fits a label decides.
+    """What order codes with open parts, and labels that are written otherwise, look like; the first that fits decides.
 
     A pattern with an open part fits listed values as well. Where those are of no order code in this combination, a pattern that is refused
     comes before it.
@@ -89,8 +92,7 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
     rows = _rows(device, code.pattern, [_choices(part) for part in code.parts], is_listed=True)
     for spelling in code.also_written:
         own = {item.part for item in spelling.values}
-        spelled_here = [[_Choice(value, False, text) for text, value in spelled(part, spelling).items()] for part in code.parts]
-        choices = [there if part.name in own else _choices(part) for part, there in zip(code.parts, spelled_here)]
+        choices = [_spelled_choices(part, spelling) if part.name in own else _choices(part) for part in code.parts]
         for then in written_out(spelling.then) if spelling.then else ("",):
             rows += _rows(device, spelling.pattern + then, choices, is_listed=False)
     return tuple(rows)
@@ -99,7 +101,8 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
 def _rows(device: Device, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
     """The rows of one way to write the code; where it is that of the list, codes without open parts are found there."""
     names = [part.name for part in device.order_code.parts]
-    found = [(chosen, _stands_for(device, chosen)) for chosen in (dict(zip(names, values)) for values in itertools.product(*choices))]
+    combinations = [dict(zip(names, values)) for values in itertools.product(*choices)]
+    found = [(chosen, _stands_for(device, chosen)) for chosen in combinations]
     allowed = [chosen for chosen, code in found if code is not None and any(item.is_open for item in chosen.values())]
     rows = []
     for chosen, code in found:
@@ -109,6 +112,10 @@ def _rows(device: Device, pattern: str, choices: Sequence[Sequence[_Choice]], is
             text = _BRACES.sub(lambda brace: chosen[brace[1]].shown, without_blanks(pattern))
             rows.append(OpenCode(text, code, unlisted))
     return sorted(rows, key=lambda row: len(row.unlisted))
+
+
+def _spelled_choices(part: CodePart, spelling: Spelling) -> list[_Choice]:
+    return [_Choice(value, False, text) for text, value in spelled(part, spelling).items()]
 
 
 def _choices(part: CodePart) -> list[_Choice]:

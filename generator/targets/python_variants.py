@@ -56,12 +56,14 @@ class Variants:
         spellings = tuple(
             record(
                 "Spelling", {"pattern": item.pattern, "where": item.where},
-                values=tuple(call("SpelledValue", value.part, value.text, value.value) for value in item.values), then=item.then, source=cite(item.source),
+                values=tuple(call("SpelledValue", value.part, value.text, value.value) for value in item.values),
+                then=item.then, source=cite(item.source),
             )
             for item in code.also_written
         )
         made = record(
-            "OrderCode", {"pattern": code.pattern, "parts": parts}, special=code.special, note=code.note, source=cite(code.source), also_written=spellings,
+            "OrderCode", {"pattern": code.pattern, "parts": parts}, special=code.special, note=code.note,
+            source=cite(code.source), also_written=spellings,
         )
         return constant("ORDER_CODE", made)
 
