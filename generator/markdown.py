@@ -53,9 +53,11 @@ def anchor(name: str) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of cells that are Markdown already; a column without any content is left out."""
+    """A table of cells that are Markdown already; a column without any content is left out, and of a table without content there is nothing."""
     listed = [list(row) for row in rows]
     kept = [index for index in range(len(head)) if any(row[index] for row in listed)]
+    if not kept:
+        return ""
     lines = [[head[index] for index in kept], ["---"] * len(kept), *([row[index] for index in kept] for row in listed)]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 

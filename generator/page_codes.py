@@ -13,8 +13,8 @@ from .words import number
 
 
 def parameter_value(parameter: Parameter, value: int) -> str:
-    """A quantity as a number; what counts nothing and has no unit is a code, written as manuals do."""
-    return number(value) if parameter.unit or value < 10 else hexadecimal(value)
+    """A quantity as a number; one that is a code, such as an ID, as manuals write it."""
+    return hexadecimal(value) if parameter.hexadecimal else number(value)
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -92,7 +92,9 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """What a position counts, for all interfaces or for one."""
     for over, item in [("", device.measurement), *((part.title, part.measurement) for part in device.interfaces)]:
         if item is not None:
-            members = (("counts in a revolution", item.steps_per_turn), ("revolutions", item.turns), ("µm to a count", item.step_um), ("counts in all", item.steps))
+            one_turn = item.turns is not None and item.turns.is_constant and item.turns.constant == 1
+            turns = "revolution" if one_turn else "revolutions"
+            members = (("counts in a revolution", item.steps_per_turn), (turns, item.turns), ("µm to a count", item.step_um), ("counts in all", item.steps))
             words = [f"{expression(value)} {name}" for name, value in members if value is not None]
             words += [f"{expression(item.highest)} the highest"] if item.highest is not None else []
             yield code(item.of) + (f" over {over}" if over else ""), "<br>".join(words), cited(item.source)

@@ -71,7 +71,7 @@ def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
     yield "without its top bit", f"`0x{crc.poly:02X}`"
     if full & 1:
         yield "without its last 1", f"`0x{full >> 1:X}`"
-    yield "Width", f"{crc.width} bits"
+    yield "Width", f"{crc.width} bit{'s' * (crc.width > 1)}"
     yield "Start value", f"`0x{crc.init:X}`"
     yield "Input, output reflected", f"{_yes(crc.refin)}, {_yes(crc.refout)}"
     inverted = " (sent inverted)" if crc.xorout == crc.mask else " (sent as it is)" if crc.xorout == 0 else ""

@@ -1,7 +1,7 @@
 """Pictures of layouts as SVG: strips of boxes, one box for each field.
 
 The card behind them is white and every colour is stated, so that a picture reads the same on a light page and on a dark one. Names that do not
-fit into their box stand below it at the end of a line.
+fit into their box stand below it at the end of a line. A bit that is 0 when it is active has a line over its name, and says so where there is room.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ _LETTER = 0.58
 
 @dataclass(frozen=True)
 class Box:
-    """A field at ``start``, ``size`` bits wide as it is drawn; ``place`` says which bits it has."""
+    """A field at ``start``, ``size`` bits wide as it is drawn; ``place`` says which bits it has, ``active_low`` that 0 means yes."""
 
     start: float
     size: float
     name: str
     place: str
     fill: str
+    active_low: bool = False
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,8 @@ class Strip:
 def bit_strip(caption: str, placed: PlacedLayout, widest: int, left: bool = False, marks: tuple[tuple[float, str], ...] = ()) -> Strip:
     """A layout with its highest bit on the left; ``widest`` is the length to which shorter strips are aligned, to the right unless ``left``."""
     shift = 0 if left else widest - placed.bits
-    boxes = [Box(shift + placed.bits - 1 - item.high, item.width, _label(item.field), _range(item.high, item.low), _fill(item.field)) for item in placed.fields]
+    boxes = [Box(shift + placed.bits - 1 - item.high, item.width, _label(item.field), _range(item.high, item.low), _fill(item.field), item.field.active_low)
+             for item in placed.fields]
     boxes += [Box(shift + placed.bits - 1 - high, high - low + 1, "-", _range(high, low), _NOTHING) for high, low in _gaps(placed)]
     return Strip(caption, tuple(sorted(boxes, key=lambda box: box.start)), marks)
 
@@ -89,14 +91,14 @@ def byte_strip(caption: str, placed: PlacedLayout) -> Strip:
         size = high - low + 1 if inside else 8 * bytes_taken
         place = "" if not inside or size == 8 else _range(high % 8, low % 8)
         name = whole.replace("_", " ") if field.group else _label(placed.layout.field(field.padding_of) if field.padding_of else field)
-        boxes.append(Box(start, size, name, place, _FILL["group"] if field.group else _fill(field)))
+        boxes.append(Box(start, size, name, place, _FILL["group"] if field.group else _fill(field), field.active_low and not field.group))
     marks = tuple((8 * index + 4.0, f"byte {index}") for index in range(count))
     return Strip(caption, tuple(sorted(boxes, key=lambda box: box.start)), marks)
 
 
 def group_strip(fields: Sequence[tuple[Field, int, int]], bits: int) -> Strip:
     """A group of fields, each with its highest and lowest bit within the group."""
-    boxes = (Box(bits - 1 - high, high - low + 1, _label(field), _range(high, low), _fill(field)) for field, high, low in fields)
+    boxes = (Box(bits - 1 - high, high - low + 1, _label(field), _range(high, low), _fill(field), field.active_low) for field, high, low in fields)
     return Strip("", tuple(sorted(boxes, key=lambda box: box.start)))
 
 
@@ -118,14 +120,14 @@ def draw(title: str, strips: Sequence[Strip], scale: float) -> str:
             body.append(f'<rect x="{_n(left)}" y="{_n(top)}" width="{_n(width)}" height="{_n(_BOX)}" fill="{box.fill}" stroke="{_EDGE}"/>')
             right = max(right, left + width)
             lines = _lines(box, width)
-            body += _centred(left + width / 2, top, lines)
+            body += _centred(left + width / 2, top, lines, box)
             if not lines:
                 outside.append(box)
         top += _BOX
         if outside and not _repeated(outside, strips[index + 1 : index + 2]):
             for row, box in enumerate(reversed(outside)):
                 middle, bottom = _MARGIN + (box.start + box.size / 2) * scale, top + 6 + _ROW * (row + 0.5)
-                label = f"{box.name} (bit{'s' * (':' in box.place)} {box.place})" if box.place else box.name
+                label = _outside(box)
                 body.append(f'<path d="M{_n(middle)} {_n(top)}V{_n(bottom)}h6" fill="none" stroke="{_EDGE}"/>')
                 body.append(_text(middle + 9, bottom + 4, label, 11, "start", _INK))
                 right = max(right, middle + 9 + _width(label, 11))
@@ -138,6 +140,12 @@ def draw(title: str, strips: Sequence[Strip], scale: float) -> str:
     )
     card = f'<rect x="0.5" y="0.5" width="{_n(width - 1)}" height="{_n(height - 1)}" rx="6" fill="#ffffff" stroke="#cbd5e1"/>'
     return "\n".join([head, f"<title>{escape(plain(title))}</title>", card, *body, "</svg>", ""])
+
+
+def _outside(box: Box) -> str:
+    """A name that stands below its box."""
+    said = [f"bit{'s' * (':' in box.place)} {box.place}" if box.place else "", "0 = active" if box.active_low else ""]
+    return f"{box.name} ({', '.join(filter(None, said))})" if any(said) else box.name
 
 
 def _repeated(outside: Sequence[Box], following: Sequence[Strip]) -> bool:
@@ -179,13 +187,16 @@ def _lines(box: Box, width: float) -> list[tuple[str, int, str]]:
     return []
 
 
-def _centred(middle: float, top: float, lines: Sequence[tuple[str, int, str]]) -> list[str]:
+def _centred(middle: float, top: float, lines: Sequence[tuple[str, int, str]], box: Box) -> list[str]:
     first = top + _BOX / 2 + 4 - 7 * (len(lines) - 1)
-    return [_text(middle, first + 14 * index, text, size, "middle", colour) for index, (text, size, colour) in enumerate(lines)]
+    return [
+        _text(middle, first + 14 * index, text, size, "middle", colour, over=box.active_low and text in box.name)
+        for index, (text, size, colour) in enumerate(lines)
+    ]
 
 
-def _text(x: float, y: float, text: str, size: int, anchor: str, colour: str, bold: bool = False) -> str:
-    weight = ' font-weight="600"' if bold else ""
+def _text(x: float, y: float, text: str, size: int, anchor: str, colour: str, bold: bool = False, over: bool = False) -> str:
+    weight = ' font-weight="600"' * bold + ' text-decoration="overline"' * over
     return f'<text x="{_n(x)}" y="{_n(y)}" font-size="{size}" text-anchor="{anchor}" fill="{colour}"{weight}>{escape(plain(text))}</text>'
 
 

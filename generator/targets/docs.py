@@ -212,7 +212,8 @@ def _register_row(device: Device, register: Register) -> tuple[str, ...]:
     data = register.default_bytes()
     name = link(code(register.name), f"#register-{register.name}")
     default = f"`{data.hex(' ').upper()}`" if data is not None else ""
-    return page.address(register), name, page_facts.access(register), default, device.interface(register.interface).title, cited(register.source)
+    bank = "" if register.bank is None else f"{register.bank}"
+    return bank, page.address(register), name, page_facts.access(register), default, device.interface(register.interface).title, cited(register.source)
 
 
 def _wiring(device: Device) -> dict[str, Any]:

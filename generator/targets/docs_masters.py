@@ -13,6 +13,7 @@ from ..masters_text import bound, facts, legend, mark
 from ..model import Device, Interface
 
 Row = tuple[str, ...]
+Table = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,14 +55,13 @@ def _groups(device: Device, interface: Interface) -> list[Group]:
 
 
 def _interface(device: Device, interface: Interface, groups: Sequence[Group], masters: Sequence[Master]) -> dict[str, Any]:
-    same, head, rows = _split([(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups])
-    codes = [] if rows else [("Order codes", ", ".join(group.label for group in groups))]
+    same, tables = _split([(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups])
+    codes = [] if tables else [("Order codes", ", ".join(group.label for group in groups))]
     return {
         "title": interface.title,
         "anchor": interface.kind,
         "facts": [*codes, *((text(name), value) for name, value in same)],
-        "head": ["Order codes", *map(text, head)],
-        "rows": rows,
+        "tables": tables,
         "cable_errata": ", ".join(link(code(name), f"{device.name}.md#erratum-{name}") for name in groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
         "masters": [_master(master, groups) for master in masters if interface.kind in master.takes],
@@ -69,8 +69,8 @@ def _interface(device: Device, interface: Interface, groups: Sequence[Group], ma
     }
 
 
-def _split(columns: Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]) -> tuple[list[Row], list[str], list[list[str]]]:
-    """Rows that are the same for every group, and a table of the others: its heads, and a row for all groups with the same values.
+def _split(columns: Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]) -> tuple[list[Row], list[Table]]:
+    """Rows that are the same for every group, and tables of the others. What follows from the supply alone has a table of its own.
 
     Each column is a group with its rows by key; the first cell of a row names it, the second is its value.
     """
@@ -84,26 +84,41 @@ def _split(columns: Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]) -> tuple[
             other.append(key)
         else:
             same.append(only)
-    names = {key: next(rows[key][0] for _, rows in by_key if key in rows) for key in other}
-    table: dict[Row, list[str]] = {}
-    for group, rows in by_key:
-        table.setdefault(tuple(rows[key][1] if key in rows else "–" for key in other), []).append(group.label)
-    return same, [names[key] for key in other], [[", ".join(labels), *cells] for cells, labels in table.items()] if other else []
+    by_supply = [key for key in other if _follows_supply(key, by_key)]
+    parts = ([key for key in other if key not in by_supply], by_supply)
+    return same, [_table(keys, by_key) for keys in parts if keys]
+
+
+def _follows_supply(key: Any, columns: Sequence[tuple[Group, dict[Any, Row]]]) -> bool:
+    """Whether groups with the same supply have the same row."""
+    found: dict[tuple[int | None, int | None], set[Row | None]] = {}
+    for group, rows in columns:
+        numbers = group.record.numbers
+        found.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(key))
+    return all(len(rows) == 1 for rows in found.values())
+
+
+def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]]) -> Table:
+    """The heads, and a row for all groups with the same values."""
+    heads = [next(rows[key][0] for _, rows in columns if key in rows) for key in keys]
+    found: dict[Row, list[str]] = {}
+    for group, rows in columns:
+        found.setdefault(tuple(rows[key][1] if key in rows else "–" for key in keys), []).append(group.label)
+    return {"head": ["Order codes", *heads], "rows": [[", ".join(labels), *cells] for cells, labels in found.items()]}
 
 
 def _master(master: Master, groups: Sequence[Group]) -> dict[str, Any]:
     sheets = [(group, sheet(master, group.record)) for group in groups]
     taken = [(group, item) for group, item in sheets if not item.refusals]
-    same, head, rows = _split([(group, [((item.name, item.at), _row(item)) for item in found.settings]) for group, found in taken])
+    same, tables = _split([(group, [((item.name, item.at), _row(item)) for item in found.settings]) for group, found in taken])
     return {
         "name": master.name,
         "title": text(master.title),
         "settings": same,
-        "head": ["Order codes", *head],
-        "rows": rows,
+        "tables": tables,
         "row_notes": _row_notes(taken, {row[0] for row in same}),
         "refused": list(_refused(sheets)),
-        "notes": list(dict.fromkeys(text(note) for _, item in taken for note in item.notes)),
+        "notes": list(_notes(taken)),
         "documents": [(code(item.key), text(item.title), f"<{item.url}>" if item.url else "") for item in master.documents],
     }
 
@@ -127,6 +142,16 @@ def _row_notes(taken: Sequence[tuple[Group, Sheet]], same: set[str]) -> list[str
     notes = dict.fromkeys(f"{name}: {note}" for name, _, note, _ in rows if note)
     sources = dict.fromkeys(f"{name} \\[{source}\\]" for name, _, _, source in rows)
     return [*notes, f"Sources: {', '.join(sources)}"]
+
+
+def _notes(taken: Sequence[tuple[Group, Sheet]]) -> Iterator[str]:
+    """What else is to be known; a note that is not about all order codes names its own."""
+    found: dict[str, list[str]] = {}
+    for group, item in taken:
+        for note in item.notes:
+            found.setdefault(text(note), []).append(group.label)
+    for note, labels in found.items():
+        yield note if len(labels) == len(taken) else f"{', '.join(labels)}: {note}"
 
 
 def _refused(sheets: Sequence[tuple[Group, Sheet]]) -> Iterator[str]:

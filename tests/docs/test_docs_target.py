@@ -194,3 +194,63 @@ def test_two_runs_are_the_same(library: Library) -> None:
     again, _ = load_library([Path(__file__).parents[2] / "specs"])
     assert generate(library) == generate(Library(again))
     assert all(made.endswith("\n") and "\n\n\n" not in made for made in generate(library).values())
+
+
+def page_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
+    """The page of the smallest sound spec, changed."""
+    spec = (Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml").read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in spec
+        spec = spec.replace(old, new)
+    (tmp_path / "minimal.yaml").write_text(spec, encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text('codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n', encoding="utf-8")
+    devices, report = load_library([tmp_path])
+    assert not report.problems, report.problems[0].format()
+    return generate(Library(devices))["docs/minimal.md"]
+
+
+def test_no_table_is_empty(library: Library, tmp_path: Path) -> None:
+    """Of order codes that set nothing, since a register holds the width, there is no table of what follows from them."""
+    held = page_of(
+        tmp_path,
+        ("{meaning: Bits of the position}", "{meaning: Bits of the position, read_from: width.bits, min: 1, max: 20}"),
+        ("12: {sets: {position_bits: 12}}", "12: {}"),
+        ('"16": {sets: {position_bits: 16}}', '"16": {}'),
+        ("registers:\n", 'registers:\n  - {name: width, address: 0x41, length: 1, access: read_write, default: 16, source: "6.3", other_bits: zero, fields: [{name: bits, at: 4:0}]}\n'),
+    )
+    assert "The quantities that follow from what registers hold" in held and "The quantities that follow from an order code" not in held
+    for page in (held, *(made for name, made in generate(library).items() if name.endswith(".md"))):
+        assert not re.search(r"(?m)^\|(  \|)*\n\|( --- \|)*\n(?!\|)", page)
+
+
+def test_a_quantity_without_a_unit_is_a_number(tmp_path: Path) -> None:
+    """16 bits are 16, not 10h; an ID is what is written in hexadecimal."""
+    assert "`position_bits` = 16" in page_of(tmp_path)
+    assert "`position_bits` = 10h" in page_of(tmp_path, ("{meaning: Bits of the position}", "{meaning: Bits of the position, hexadecimal: true}"))
+
+
+def test_profile_ids_stay_hexadecimal(library: Library) -> None:
+    assert "`profile_id` = 2814h" in generate(library)["docs/sma21.md"]
+
+
+def test_the_bank_stands_in_the_table_of_registers(library: Library) -> None:
+    """TV62, 4.2 and 4.3: 00h to 03h is the preset in bank 1, and 00h and 01h the upper limit in bank 2."""
+    banked, _ = load_library([Path(__file__).parents[2] / "docs" / "example"])
+    page = generate(Library(banked))["docs/tv62.md"]
+    assert "| Bank | Address | Register |" in page
+    assert "| 1 | 00h–03h | [`preset`]" in page and "| 2 | 00h–01h | [`upper_limit`]" in page and "|  | 40h | [`bank`]" in page
+    assert "| Bank |" not in generate(library)["docs/amm5.md"]
+
+
+def test_one_of_a_thing_is_no_plural(library: Library) -> None:
+    """ASC85 has no turns, and prints one time-out."""
+    page = generate(library)["docs/asc85.md"]
+    assert "<br>1 revolution |" in page and not re.search(r"\b1 revolutions\b", page)
+    assert "| Time-out | follows the clock, 350 ns at 10 MHz |" in page
+
+
+def test_a_picture_says_which_level_is_active(library: Library) -> None:
+    """Error and warning of BiSS are 0 when active; those of the RS-485 reply are 1."""
+    files = generate(library)
+    assert "error (bit 7, 0 = active)" in files["docs/amm5/single_cycle_data.svg"]
+    assert "0 = active" not in "".join(made for name, made in files.items() if name.startswith("docs/amm5/") and "reply" in name)
