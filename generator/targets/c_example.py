@@ -25,7 +25,11 @@ _FEW = 40
 
 @dataclass(frozen=True)
 class FrameView:
-    """A frame as it comes from the bus, as a word or as bytes, and what it holds."""
+    """A frame as it comes from the bus, as a word or as bytes, and what it holds.
+
+    ``usable`` is the expression that says whether its position is to be used, empty where nothing in the frame speaks of that; ``meaning`` are the
+    statements that make something of the position.
+    """
 
     title: str
     about: str
@@ -37,6 +41,8 @@ class FrameView:
     request: str
     length: str
     shown: tuple[str, ...]
+    meaning: tuple[str, ...]
+    usable: str
 
 
 @dataclass(frozen=True)
@@ -173,7 +179,9 @@ class ExampleBuilder:
             bytes=tuple(number(byte, True) for byte in data),
             request=f"{self.view.PREFIX}_{self.interface.kind.upper()}_CONTROL_{sent.name.upper()}" if sent is not None else number(data[0], True) if data else "",
             length=f"{self.view.PREFIX}_{layout.name.upper()}_LENGTH",
-            shown=(*shown(source, "frame"), *self._meaning(layout)),
+            shown=tuple(shown(source, "frame")),
+            meaning=tuple(self._meaning(layout, 8 if spoilers(layout) else 4)),
+            usable=" && ".join(f"!frame->{c_name(field.name)}" for field in spoilers(layout)),
         )
 
     def _on_the_line(self) -> tuple[Layout, int, str]:
@@ -206,7 +214,7 @@ class ExampleBuilder:
             return 1000, "made up, since the manual shows none: 1000 counts"
         return measurement.steps_per_turn.value(self.variant.parameters) // 4, "made up, since the manual shows none: a quarter of a turn"
 
-    def _meaning(self, layout: Layout) -> Iterable[str]:
+    def _meaning(self, layout: Layout, indent: int) -> Iterable[str]:
         """What the position is in degrees or millimetres."""
         measurement = self.device.measurement_of(self.interface.kind)
         if measurement is None or measurement.of not in _members(layout):
@@ -215,7 +223,7 @@ class ExampleBuilder:
             unit = {"degrees": "degrees", "millimetres": "mm"}.get(function.name.rsplit("_", 1)[1], "")
             if unit and function.name.removesuffix(f"_{function.name.rsplit('_', 1)[1]}") in (self.view.prefix, f"{self.view.prefix}_{self.interface.kind}"):
                 kind = function.arguments.split()[0]
-                yield code(f'printf("  that is %.3f {unit}\\n", {function.name}(&encoder, ({kind})frame.{c_name(measurement.of)}));', 4)
+                yield code(f'printf("  that is %.3f {unit}\\n", {function.name}(&encoder, ({kind})frame.{c_name(measurement.of)}));', indent)
 
     # -- registers and procedures
 
@@ -242,6 +250,11 @@ class ExampleBuilder:
         for register, example in sorted(registers, key=lambda item: item[0].address):
             data = register.default_bytes() or bytes(register.length) if register.name in written else example.bytes
             yield Line(f"[0x{register.address:02X}] = {', '.join(number(byte, True) for byte in data)}", title(register) + (", as delivered" if register.name in written else ""))
+
+
+def spoilers(layout: Layout) -> tuple[Field, ...]:
+    """The flags of a frame during which what it holds is not to be used; a warning leaves it usable."""
+    return tuple(field for field in layout.fields if field.kind == "flag" and field.implemented and "warning" not in field.name)
 
 
 def shown(source: LayoutSource, struct: str) -> Iterable[str]:

@@ -16,6 +16,8 @@ from ..words import sentence
 from . import TargetError
 
 COLUMNS = 100
+#: The reason of an erratum is told in comments up to so many characters, and at any length where data is at stake.
+_SHORT = 100
 #: The least width that a text beside its lead gets.
 _NARROWEST = 36
 
@@ -234,8 +236,9 @@ def addresses(register: Register) -> str:
 
 
 def errata_text(erratum: Erratum) -> Paragraph:
-    where = cite(erratum.source)
-    return (f"Erratum ({erratum.status}): ", f"printed: {sentence(erratum.printed)} Used: {sentence(erratum.used)} [{where}]")
+    """What is printed and what is used; and why, where a mistake would put wrong bytes on the wire, or where it is said in a few words."""
+    why = f" Why: {sentence(erratum.why)}" if erratum.severity == "wrong_data" or len(erratum.why) <= _SHORT else ""
+    return (f"Erratum ({erratum.status}): ", f"printed: {sentence(erratum.printed)} Used: {sentence(erratum.used)}{why} [{cite(erratum.source)}]")
 
 
 def bracketed(text: str) -> str:

@@ -116,6 +116,14 @@ int main(void)
     uint64_t position = 0U;
     lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0 };
     printf("%d %lu\\n", (int)read_encoder(0xFBU, &position), (unsigned long)position);
+    /* 1,000,003 with error and warning active, with the warning alone, and with neither; the CRC is right each time. */
+    printf("%d %lu\\n", (int)read_encoder(0xF424316U, &position), (unsigned long)position);
+    position = 0U;
+    printf("%d", (int)read_encoder(0xF424390U, &position));
+    printf(" %lu\\n", (unsigned long)position);
+    position = 0U;
+    printf("%d", (int)read_encoder(0xF4243D3U, &position));
+    printf(" %lu\\n", (unsigned long)position);
     printf("%d", (int)set_up(&failure));
     printf(" %d %02X %d\\n", (int)failure.step, (unsigned)failure.address, (int)failure.error);
     return 0;
@@ -124,7 +132,7 @@ int main(void)
     program = compile_c(["gcc", "-std=c99"], code[0] + code[1] + main, tmp_path, include)
     preset = "".join(f"w {line}\n" for line in ("40 01", "11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00", "40 00", "77 01"))
     # The serial number is read, and the manual's preset written until the command fails in step 9 with the bus's own -5.
-    assert subprocess.run([str(program)], capture_output=True, text=True).stdout == f"0 0\nr 44 4\n{preset}5 9 77 -5\n"
+    assert subprocess.run([str(program)], capture_output=True, text=True).stdout == f"0 0\n0 0\n1 1000003\n1 1000003\nr 44 4\n{preset}5 9 77 -5\n"
 
 
 def test_a_constant_variant_costs_nothing(include: Path, tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ PRINTED = {
     "am36_biss": ["Preset 50h: 00 00 01 86 A0\n  position: 100000\n", "Information per revolution 4Bh: 10 00 00\n  steps: 1048576\n", "Number of revolutions 4Eh: 00 00\n  revolutions: 65536\n", "  counting_direction: 0 (0 CW, 1 CCW)\n  output_code: 1 (0 Gray, 1 Binary)\n  enable_preset: 0 (0 Enable, 1 Disable)\n"],
     "am36_ssi": ["that is 90.000 degrees\n"],
     "amm5_biss": ["Preset 11h: 00 30 24 F4 00 00 00\n", "  position: 1000003\n", "Serial number 44h: 0A E8 69 EE\n  serial: 183003630\n  year: 18\n  week: 30\n  number: 3630\n"],
-    "amm5_rs485": ["singleturn: 7000519\n", "Reset all errors\n  send BA\n  wait 40 us\n  send BA\n", "send BA\n  wait 2000 us\n"],
+    "amm5_rs485": ["singleturn: 7000519\n  the encoder reports a fault: the position is not to be used\n", "Reset all errors\n  send BA\n  wait 40 us\n  send BA\n", "send BA\n  wait 2000 us\n"],
     "amm5_ssi": ["that is 90.000 degrees\n"],
     "asc85_biss": ["Profile ID 42h: 28 1A\n", "Serial number 44h: 0A 35 2C 0E\n  serial: 171256846\n", "  name: AS85\n"],
     "asc85_ssi": ["that is 90.000 degrees\n"],
@@ -68,6 +68,32 @@ def test_a_program_prints_what_the_manual_prints(name: str, package: Path) -> No
     assert status == 0
     for part in PRINTED[name]:
         assert part in text
+
+
+def test_a_program_looks_at_the_error_bit(package: Path) -> None:
+    """A made up frame of AMM5 without an error is a quarter of a turn; with its error bit 0, no angle is made of it."""
+    path = package / "examples" / "amm5_biss.c"
+    text = path.read_text(encoding="ascii")
+    assert "that is 90.000 degrees" in ran(package, "amm5_biss")[1]
+    (made_up,) = re.findall(r"return UINT64_C\((0x[0-9A-F]+)\);", text)
+    faulty = package / "examples" / "amm5_biss_faulty.c"
+    # Both bits 0, and the CRC of 39 bits that goes with them.
+    data = int(made_up, 16) >> 8 << 2
+    faulty.write_text(text.replace(made_up, f"0x{data << 6 | crc_of(data, 39):X}"), encoding="ascii")
+    try:
+        status, printed = ran(package, "amm5_biss_faulty")
+    finally:
+        faulty.unlink()
+    assert status == 0 and "the position is not to be used" in printed and "degrees" not in printed
+
+
+def crc_of(data: int, bits: int) -> int:
+    """x^6 + x + 1, sent inverted, bit by bit."""
+    found = 0
+    for bit in range(bits - 1, -1, -1):
+        found ^= (data >> bit & 1) << 5
+        found = (found << 1 ^ (0x03 if found & 0x20 else 0)) & 0x3F
+    return found ^ 0x3F
 
 
 @pytest.mark.parametrize("name", ["bits22", "words", "tv62"])

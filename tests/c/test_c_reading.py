@@ -104,3 +104,11 @@ def test_the_readme_names_the_macros_that_there_are(names: list[str], there: lis
 def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[Device, ...]) -> None:
     # AM36 set_resolution: 3 + 2 register bytes, save, wait, open, 5 preset bytes, activate, wait, 2 readings.
     assert "17 at most (`lika_am36_set_resolution`)" in generate(Library(c_devices))["c/README.md"]
+
+
+def test_an_erratum_says_why_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
+    """A write to the EEPROM of AMM5 with the address where others have it reaches another one: the reason stands at its functions."""
+    header = " ".join(generate(Library(c_devices))["c/include/lika/amm5.h"].replace("\n *", "\n").split())
+    for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
+        before = header.partition(f"#define LIKA_AMM5_{name}_LENGTH")[0].rpartition("/*")[2]
+        assert "MEM BUSY is bit 0 of the address field" in before and "Why: " in before and "would reach another address" in before
