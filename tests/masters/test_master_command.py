@@ -170,3 +170,11 @@ def test_a_device_without_masters(library: Library) -> None:
     alone = replace(device, variants=tuple(item for item in device.variants if item.interface == "rs485"))
     assert not docs_masters.has_masters(alone)
     assert "docs/amm5-masters.md" not in generate(Library((alone,)))
+
+
+def test_a_note_on_the_page_names_its_order_codes(pages: dict[str, str]) -> None:
+    """ASC85/SC2 needs 10 V, /SC1 5 V: that the terminal cannot feed the encoder is said of the former alone, and the supply has a table of its own."""
+    page = pages["docs/asc85-masters.md"].partition('<a id="biss-beckhoff_el5042"></a>')[2].partition("<a id=")[0]
+    note = next(line for line in page.splitlines() if "cannot feed this encoder" in line)
+    assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`") and "/SC1`" not in note
+    assert re.search(r"\| Order codes \| Supply Voltage \(80p8:12\) \|\n\| --- \| --- \|\n\| `ASC8520/SC1`, [^|]*\| `50` \|\n\| `ASC8520/SC2`, [^|]*\| – \|", page)
