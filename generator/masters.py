@@ -47,7 +47,10 @@ class Master:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One thing to set. ``value`` is None where it is unknown, and ``text`` says why; ``bound`` is ``at_least``, ``at_most``, ``below`` or empty."""
+    """One thing to set. ``value`` is None where it is unknown, and ``text`` says why.
+
+    ``bound`` is ``at_least``, ``at_most``, ``below`` or empty.
+    """
 
     name: str
     at: str
@@ -263,7 +266,8 @@ def _best_listed(item: Raw, record: Record) -> Raw:
     fitting = [clock for clock in item["clocks"] if slowest <= clock["hz"] <= fastest]
     if not fitting:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
-        raise _Refused(f"{item['name']}: none of its clocks lies between {hertz(slowest)} and {_fastest(record)}, which the encoder takes{with_cable}")
+        taken = f"between {hertz(slowest)} and {_fastest(record)}, which the encoder takes{with_cable}"
+        raise _Refused(f"{item['name']}: none of its clocks lies {taken}")
     found: Raw = max(fitting, key=lambda clock: clock["hz"])
     return found
 

@@ -1,4 +1,4 @@
-"""The clock by length of cable: the table of the encoder's manual, or else for BiSS a public one, and what either says of one cable or one clock."""
+"""The clock by length of cable: by the table of the encoder's manual, or for BiSS by a public one."""
 
 from __future__ import annotations
 
@@ -8,14 +8,19 @@ from dataclasses import dataclass
 from .model import Device, Interface
 from .words import hertz
 
-#: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: the clock on MA for encoders with RS-422.
-_BISS = ((10, 10_000_000), (25, 5_000_000), (60, 2_000_000), (100, 1_000_000), (200, 500_000), (500, 200_000), (1000, 100_000))
+#: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: the clock on MA with RS-422.
+_BISS = (
+    (10, 10_000_000), (25, 5_000_000), (60, 2_000_000), (100, 1_000_000), (200, 500_000), (500, 200_000), (1000, 100_000),
+)
 _MANUAL, _PUBLIC = "the encoder's manual", "AN15 of iC-Haus, revision A3, for RS-422"
 
 
 @dataclass(frozen=True, slots=True)
 class CableRow:
-    """A row of a table. With ``is_below``, the cable is shorter than ``metres`` and the clock below ``hz``; without, both may be reached."""
+    """A row of a table. With ``is_below``, the cable is shorter than ``metres`` and the clock below ``hz``.
+
+    Without, both may be reached.
+    """
 
     metres: int
     hz: int
@@ -53,11 +58,13 @@ class CableTable:
         """Which cables may be run at a clock, as a sentence; empty without a table."""
         if not self.rows:
             return ""
-        longest = max((row for row in self.rows if clock_hz <= row.highest_hz), key=lambda row: row.metres, default=None)
+        allowing = (row for row in self.rows if clock_hz <= row.highest_hz)
+        longest = max(allowing, key=lambda row: row.metres, default=None)
         if longest is None:
             fastest = max(self.rows, key=lambda row: row.hz)
             needed = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
-            return f"By the table of {self.origin}, no cable allows this clock: one {fastest.cable} needs a clock {needed}, a longer one less."
+            why = f"one {fastest.cable} needs a clock {needed}, a longer one less"
+            return f"By the table of {self.origin}, no cable allows this clock: {why}."
         return f"For a cable {longest.cable}, by the table of {self.origin}."
 
 

@@ -71,7 +71,8 @@ class Part:
 class Record:
     """What masters ask of one order code; ``parts`` stand in sending order, ``notes`` are whole sentences.
 
-    ``cable_m`` is the length of cable that the highest clock is chosen for, ``cable_row`` the row of the table that says it; None without one.
+    ``cable_m`` is the length of cable that the highest clock is chosen for, ``cable_row`` the row of the table that says
+    it; None without one.
     """
 
     code: str
@@ -98,7 +99,7 @@ def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m:
         device: The family.
         variant: The order code, with the parameters that registers hold.
         as_delivered: Whether those are the defaults of the registers.
-        cable_m: Length of the cable in metres, for which the highest clock is chosen; without it, it is that of the interface.
+        cable_m: Length of the cable in metres, for which the highest clock is chosen; without it, that of the interface.
 
     Raises:
         NoRecord: It has no BiSS or SSI interface, or its frame is not of the common form: padding, position, padding, status, CRC;
@@ -121,11 +122,13 @@ def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m:
         "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
     }
     widths = _widths(parts)
-    numbers = widths | _crc_numbers(crc) | _times(interface) | _measured(measurement, variant, widths["multiturn_bits"] or 0) | _supply(device, variant)
+    numbers = widths | _crc_numbers(crc) | _times(interface) | _supply(device, variant)
+    numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
     cables = cable_table(device, interface)
     timeout = timeout_words(interface.timeout) if interface.timeout is not None else ""
     notes = (*_clock_notes(numbers, cables, cable_m), *_notes(device, interface, placed, parts, as_delivered))
-    found = Record(variant.code, device.name, words, {name: numbers[name] for name in NUMBERS}, parts, timeout, cables, notes)
+    ordered = {name: numbers[name] for name in NUMBERS}
+    found = Record(variant.code, device.name, words, ordered, parts, timeout, cables, notes)
     return found if cable_m is None else _with_cable(found, cable_m)
 
 
@@ -134,14 +137,15 @@ def _with_cable(found: Record, metres: int) -> Record:
     row = found.cables.row_of(metres)
     if row is None:
         longest = max((item.metres for item in found.cables.rows), default=0)
-        wrong = f"the table of {found.cables.origin} ends at {longest} m" if longest else "neither the manual nor a public table says what clock a cable allows"
+        wrong = "neither the manual nor a public table says what clock a cable allows"
+        if longest:
+            wrong = f"the table of {found.cables.origin} ends at {longest} m"
         raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
     slowest, fastest = found.numbers["clock_min_hz"], found.numbers["clock_max_hz"]
     highest = min(row.highest_hz, fastest if fastest is not None else row.highest_hz)
     if slowest is not None and highest < slowest:
-        raise NoRecord(
-            f"{found.code}, cable of {metres} m: the table of {found.cables.origin} has {row.text}; the encoder takes {hertz(slowest)} at least"
-        )
+        wrong = f"the table of {found.cables.origin} has {row.text}; the encoder takes {hertz(slowest)} at least"
+        raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
     limited = row if highest == row.highest_hz else None
     return replace(found, numbers={**found.numbers, "clock_max_hz": highest}, cable_m=metres, cable_row=limited)
 
@@ -277,7 +281,8 @@ def _times(interface: Interface) -> dict[str, int | None]:
 
 def _supply(device: Device, variant: Variant) -> dict[str, int | None]:
     found = device.supply_of(variant)
-    return {"supply_min_mv": found.min_mv if found is not None else None, "supply_max_mv": found.max_mv if found is not None else None}
+    lowest, highest = (found.min_mv, found.max_mv) if found is not None else (None, None)
+    return {"supply_min_mv": lowest, "supply_max_mv": highest}
 
 
 def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
@@ -291,7 +296,10 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
 
 def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
     if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
-        yield "The clocks shown are the fastest that encoder and master take, whatever the cable; codewheel master --cable METRES chooses them for one."
+        yield (
+            "The clocks shown are the fastest that encoder and master take, whatever the cable; codewheel master --cable METRES "
+            "chooses them for one."
+        )
 
 
 def _notes(device: Device, interface: Interface, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool) -> Iterator[str]:

@@ -34,7 +34,9 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     yield "CRC", _crc(record)
     slowest, fastest = number["clock_min_hz"], number["clock_max_hz"]
     row = record.cable_row
-    highest = f"below {hertz(row.hz)}" if row is not None and row.is_below else f"at most {hertz(fastest)}" if fastest is not None else ""
+    highest = f"at most {hertz(fastest)}" if fastest is not None else ""
+    if row is not None and row.is_below:
+        highest = f"below {hertz(row.hz)}"
     limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
     yield "Clock", ", ".join(filter(None, limits)) or NOT_SAID
     if record.cables.rows:

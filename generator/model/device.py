@@ -413,12 +413,15 @@ class Device:
         return self.interface(interface).measurement or self.measurement
 
     def supply_of(self, variant: Variant) -> Supply | None:
-        """The supply that an order code needs; None where the manual does not give it, as of an unlisted value of the part that tells it."""
+        """The supply that an order code needs.
+
+        None where the manual does not give it, as of an unlisted value of the part that tells it.
+        """
         telling = [part for part in self.order_code.parts if any(value.supply is not None for value in part.values)]
         if not telling:
             return self.supply
-        chosen = (value.supply for part in telling for value in part.values if variant.parts.get(part.name) == value.text)
-        return next((item for item in chosen if item is not None), None)
+        values = (value for part in telling for value in part.values if variant.parts.get(part.name) == value.text)
+        return next((value.supply for value in values if value.supply is not None), None)
 
     def position_names(self, interface: str) -> frozenset[str]:
         """The fields and joins that are the position over this interface or a part of it: what is measured, else those named ``position``."""

@@ -77,7 +77,7 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """The lowest supply voltage is not above the highest, and stands either with the device or with values of its order code."""
+    """The lowest supply voltage is not above the highest; it stands with the device or with values of its order code."""
     device = mapping(spec, "supply")
     supplies: list[tuple[Path, Spec]] = [(("supply",), device)] if device else []
     for path, part in items(spec, "order_code", "parts"):
@@ -86,10 +86,12 @@ def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 here = (*path, "values", text, "supply")
                 supplies.append((here, value["supply"]))
                 if device:
-                    report.add("supply-range", here, "the device has a 'supply' of its own; say it in one place only", at_key=True)
+                    wrong = "the device has a 'supply' of its own; say it in one place only"
+                    report.add("supply-range", here, wrong, at_key=True)
     for path, supply in supplies:
         if supply["min_mv"] > supply["max_mv"]:
-            report.add("supply-range", (*path, "min_mv"), f"'min_mv' is {supply['min_mv']}, above 'max_mv', which is {supply['max_mv']}")
+            wrong = f"'min_mv' is {supply['min_mv']}, above 'max_mv', which is {supply['max_mv']}"
+            report.add("supply-range", (*path, "min_mv"), wrong)
 
 
 def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -254,7 +254,8 @@ class ExampleBuilder:
 
 def spoilers(layout: Layout) -> tuple[Field, ...]:
     """The flags of a frame during which what it holds is not to be used; a warning leaves it usable."""
-    return tuple(field for field in layout.fields if field.kind == "flag" and field.implemented and "warning" not in field.name)
+    flags = (field for field in layout.fields if field.kind == "flag" and field.implemented)
+    return tuple(field for field in flags if "warning" not in field.name)
 
 
 def shown(source: LayoutSource, struct: str) -> Iterable[str]:
