@@ -51,6 +51,12 @@ static const lika_transport transport = {
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
+/* A frame can be well formed, its CRC right, and still say that its position is not to be used. */
+static bool is_usable(const lika_amm5_singleturn_reply *frame)
+{
+    return !frame->status_st_error && !frame->status_other_error;
+}
+
 static lika_result show_frame(void)
 {
     uint8_t bytes[LIKA_AMM5_SINGLETURN_REPLY_LENGTH];
@@ -65,6 +71,9 @@ static lika_result show_frame(void)
     printf("  status_st_error: %s\n", frame.status_st_error ? "yes" : "no");
     printf("  status_other_error: %s\n", frame.status_other_error ? "yes" : "no");
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
+    if (!is_usable(&frame)) {
+        printf("  the encoder reports a fault: the position is not to be used\n");
+    }
     return LIKA_OK;
 }
 

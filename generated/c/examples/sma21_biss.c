@@ -83,6 +83,12 @@ static const lika_transport transport = {
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
+/* A frame can be well formed, its CRC right, and still say that its position is not to be used. */
+static bool is_usable(const lika_sma21_single_cycle_data *frame)
+{
+    return !frame->error;
+}
+
 static lika_result show_frame(void)
 {
     lika_sma21_single_cycle_data frame;
@@ -95,7 +101,12 @@ static lika_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
-    printf("  that is %.3f mm\n", lika_sma21_biss_millimetres(&encoder, (int64_t)frame.position));
+    if (!is_usable(&frame)) {
+        printf("  the encoder reports a fault: the position is not to be used\n");
+    } else {
+        printf("  that is %.3f mm\n", lika_sma21_biss_millimetres(&encoder,
+            (int64_t)frame.position));
+    }
     return LIKA_OK;
 }
 

@@ -48,6 +48,13 @@ static const lika_transport transport = {
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
+/* A frame can be well formed, its CRC right, and still say that its position is not to be used. */
+static bool is_usable(const lika_sma21_position_reply *frame)
+{
+    return !frame->status_alarm && !frame->status_error && !frame->overspeed &&
+        !frame->initialization_error && !frame->hardware_error && !frame->low_amplitude_error;
+}
+
 static lika_result show_frame(void)
 {
     uint8_t bytes[LIKA_SMA21_POSITION_REPLY_LENGTH];
@@ -70,7 +77,12 @@ static lika_result show_frame(void)
     printf("  low_amplitude_error: %s\n", frame.low_amplitude_error ? "yes" : "no");
     printf("  signal_strength_alarm: %s\n", frame.signal_strength_alarm ? "yes" : "no");
     printf("  temperature_alarm: %s\n", frame.temperature_alarm ? "yes" : "no");
-    printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(&encoder, (int64_t)frame.position));
+    if (!is_usable(&frame)) {
+        printf("  the encoder reports a fault: the position is not to be used\n");
+    } else {
+        printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(&encoder,
+            (int64_t)frame.position));
+    }
     return LIKA_OK;
 }
 

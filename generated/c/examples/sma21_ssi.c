@@ -24,6 +24,12 @@ static uint64_t receive_word(void)
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
+/* A frame can be well formed, its CRC right, and still say that its position is not to be used. */
+static bool is_usable(const lika_sma21_ssi_word *frame)
+{
+    return !frame->error;
+}
+
 static lika_result show_frame(void)
 {
     lika_sma21_ssi_word frame;
@@ -34,7 +40,12 @@ static lika_result show_frame(void)
     printf("%s\n", "SSI word");
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
-    printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(&encoder, (int64_t)frame.position));
+    if (!is_usable(&frame)) {
+        printf("  the encoder reports a fault: the position is not to be used\n");
+    } else {
+        printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(&encoder,
+            (int64_t)frame.position));
+    }
     return LIKA_OK;
 }
 

@@ -1139,10 +1139,10 @@ class EepromWriteRequest(NamedTuple):
     In the manual: Master → Encoder: CF ADF EDF CRC.
 
     Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
-    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
-    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
-    write, and compare.
+    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
+    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
+    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
+    compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
@@ -1222,10 +1222,10 @@ class EepromReadRequest(NamedTuple):
     In the manual: Master → Encoder: CF ADF CRC.
 
     Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
-    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
-    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
-    write, and compare.
+    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
+    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
+    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
+    compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
@@ -1824,10 +1824,10 @@ class EepromWriteReply(NamedTuple):
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
     Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
-    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
-    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
-    write, and compare.
+    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
+    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
+    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
+    compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
@@ -1908,10 +1908,10 @@ class EepromReadReply(NamedTuple):
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
     Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the
-    address field, the address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts
-    the address into bits 6:0, these requests reach twice the address, and a write destroys other data: read before you
-    write, and compare.
+    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
+    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
+    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
+    compare.
 
     Of its parts, see ERRATA: control_field_structure.
 
@@ -4331,7 +4331,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         source=(
             "7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk: "
-            "source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c"
+            "tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c"
         ),
     ),
     Erratum(

@@ -78,17 +78,25 @@ extern "C" {
  *                 SCx as I7, and BG and GG without the hyphen and with a digit after them as well.
  *                 [5; 6; am36_1_1_biss: p.21; am36_1_1: p.22]
  * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
- *                 or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1; 5.2;
+ *                 or Binary, see the order code. Used: BG is binary, GG is Gray. Why: Which is
+ *                 which is printed nowhere. The AMM5 manual calls the output of its BG1 models
+ *                 binary; the SMA21 manual calls that of its G1x models Gray and has BG and GG
+ *                 beside them. That the letters mean the same here is an inference. Turn the shaft
+ *                 slowly: if neighbouring positions jump, the code is the other one. [5; 5.1; 5.2;
  *                 amm5: 5 p.27; amm5: 5.2]
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
- *                 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
+ *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
+ *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
+ *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
+ *                 p.22; am36_1_1: p.29]
  * Erratum (open): printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and
  *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
  *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
  *                 the label says. [6.5 p.28; 6.5 p.31]
- * Erratum (settled): printed: AMx3616/4096: 28 bits, 268,425,456. Used: 268,435,456. [5.2]
+ * Erratum (settled): printed: AMx3616/4096: 28 bits, 268,425,456. Used: 268,435,456. Why: 2^28 is
+ *                    268,435,456; 2^31 in the next row is right. [5.2]
  * Erratum (open): printed: Position has a variable length according to the resolution of the
  *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
  *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
@@ -401,9 +409,11 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
  * The word is aligned to the left: the most significant bit comes with the first clock [5.2].
  * Output code: by order code [5.2].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 3 MHz.
- *                 Used: Both as printed. [5.3]
+ *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
+ *                 range. [5.3]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3 MHz.
- *                 Used: Both as printed. [5.3]
+ *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
+ *                 cable may be run at 400 kHz to 3 MHz. [5.3]
  * Erratum (open): printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12 us
  *                 (Tp > 12 us). Used: At least 12 us; take more. [5.1; 5.3; amm5: 5.3]
  */
@@ -447,10 +457,15 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  *   multiturn_bits from bit singleturn_bits up  multiturn
  *   singleturn_bits from bit 0 up               singleturn
  * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
- *                 or Binary, see the order code. Used: BG is binary, GG is Gray. [5; 5.1; 5.2;
+ *                 or Binary, see the order code. Used: BG is binary, GG is Gray. Why: Which is
+ *                 which is printed nowhere. The AMM5 manual calls the output of its BG1 models
+ *                 binary; the SMA21 manual calls that of its G1x models Gray and has BG and GG
+ *                 beside them. That the letters mean the same here is an inference. Turn the shaft
+ *                 slowly: if neighbouring positions jump, the code is the other one. [5; 5.1; 5.2;
  *                 amm5: 5 p.27; amm5: 5.2]
  * Erratum (settled): printed: SSI word with bits 28 ... 1 and 31 ... 1. Used: Bits 27:0 and 30:0.
- *                    [5.2; 6.3.1 p.21]
+ *                    Why: The table counts from 1; in section 6 the same manual counts from 0, as
+ *                    this spec does everywhere. [5.2; 6.3.1 p.21]
  * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
  *                 as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy
  *                 both. [5.1; 5.2]
@@ -574,8 +589,11 @@ static inline lika_result lika_am36_ssi_word_encode(
  *   bits 5:0                            crc         CRC; CRC biss_6 over everything before it
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
- *                 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
+ *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
+ *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
+ *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
+ *                 p.22; am36_1_1: p.29]
  * Erratum (open): printed: Only the length of the position; no words on which of singleturn and
  *                 multiturn comes first. Used: Multiturn first, as the more significant part;
  *                 singleturn after it; in Gray code both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
@@ -784,8 +802,10 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  * The manual refers to "Standard encoder profile", "data format", "Variant 0-24" beside it.
  *   bytes 0 to 1  profile  0x0 by the manual, not enforced
  * Erratum (open): printed: Profile ID 00 00; see Standard encoder profile, Variant 0-24. Used: 00
- *                 00, and no data length from it. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4;
- *                 asc85: 6.4]
+ *                 00, and no data length from it. Why: By the BiSS protocol description 0000 stands
+ *                 for no profile; the SMA21 and ASC85 manuals have 28xx, with the data length in
+ *                 the low byte, for variants 0-24 and the like. Nor does a position of up to 36
+ *                 bits fit 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
  */
 #define LIKA_AM36_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_AM36_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -854,8 +874,12 @@ static inline lika_result lika_am36_read_profile_id(
  * The lowest address holds the high byte.
  * Erratum (open): printed: In hexadecimal notation; register 44: year, register 45: week, registers
  *                 46 and 47: serial number. Used: Plain binary numbers, the year as it stands in
- *                 its byte; of the serial number 46h is the high byte. [6.5 p.24; amm5: 6.4 p.38;
- *                 asc85: 6.4; amm36: p.38]
+ *                 its byte; of the serial number 46h is the high byte. Why: Whether year and week
+ *                 are binary or packed decimal digits, where the year counts from, and which of 46h
+ *                 and 47h is the high byte is not said, and there is no example. The same registers
+ *                 hold decimal digits of one number in the AMM5, and one running number in the
+ *                 ASC85, both high byte first; the AMM36 manual prints the AMM5's example with its
+ *                 four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38]
  */
 #define LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AM36_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -996,12 +1020,17 @@ static inline lika_result lika_am36_write_command(
  *   bits 1:0  -                   always 0
  * Erratum (settled): printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be
  *                    entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is
- *                    Disable. Used: 0 enables, 1 disables. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33;
- *                    sma21: 6.4; am36_1_1: p.30]
+ *                    Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4,
+ *                    both examples and the list of defaults have 0 for enable, and so has the same
+ *                    bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25;
+ *                    6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
  * Erratum (settled): printed: Bit 8 Counting direction, in the list of the configuration example.
- *                    Used: Bit 6. [6.5 p.25; 6.5]
+ *                    Used: Bit 6. Why: It stands between bits 5 and 7, the register has 8 bits, the
+ *                    table has bit 6, and the result 60h = 01100000 has bit 6 set. [6.5 p.25; 6.5]
  * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
- *                    register 49h: bit 2 at 0, the other bits at their defaults. [6.5]
+ *                    register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is
+ *                    written as a whole byte; 00h in 49h would also set the output code to Gray
+ *                    (bit 5). [6.5]
  */
 #define LIKA_AM36_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_AM36_REG_CONFIGURATION_LENGTH 1U /* byte */
@@ -1141,8 +1170,11 @@ static inline lika_result lika_am36_write_configuration(
  *   bytes 0 to 2  steps
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
- *                 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
+ *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
+ *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
+ *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
+ *                 p.22; am36_1_1: p.29]
  * Erratum (open): printed: Position has a variable length according to the resolution of the
  *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
  *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
@@ -1363,10 +1395,13 @@ static inline lika_result lika_am36_write_number_of_revolutions(
  *                 preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
  * Erratum (settled): printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be
  *                    entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is
- *                    Disable. Used: 0 enables, 1 disables. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33;
- *                    sma21: 6.4; am36_1_1: p.30]
- * Erratum (settled): printed: Default = 00 00 00 00 00 00h. Used: Five bytes of 00. [6.5 p.29; 7
- *                    p.33]
+ *                    Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4,
+ *                    both examples and the list of defaults have 0 for enable, and so has the same
+ *                    bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25;
+ *                    6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
+ * Erratum (settled): printed: Default = 00 00 00 00 00 00h. Used: Five bytes of 00. Why: The
+ *                    register has five bytes, 50h to 54h; the list of defaults and both limits have
+ *                    five. The byte after them is Device type. [6.5 p.29; 7 p.33]
  */
 #define LIKA_AM36_REG_PRESET_ADDRESS 0x50U
 #define LIKA_AM36_REG_PRESET_LENGTH 5U /* bytes, 50h to 54h */
@@ -1481,8 +1516,11 @@ static inline lika_result lika_am36_read_device_type(
  * Width of the singleturn part of the position [bits].
  * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
  *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. [6; 6.5 p.27;
- *                 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
+ *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
+ *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
+ *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
+ *                 p.22; am36_1_1: p.29]
  * Erratum (open): printed: Position has a variable length according to the resolution of the
  *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
  *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
@@ -1976,7 +2014,9 @@ static inline lika_result lika_am36_set_configuration(
  * Result: The position at which the command arrived has the preset value; all other positions
  *         follow from it.
  * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
- *                    register 49h: bit 2 at 0, the other bits at their defaults. [6.5]
+ *                    register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is
+ *                    written as a whole byte; 00h in 49h would also set the output code to Gray
+ *                    (bit 5). [6.5]
  */
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 8U
 
@@ -2036,7 +2076,9 @@ static inline lika_result lika_am36_set_preset(
  * Result: The preset is saved; the position is the same as before. The Zero setting/Preset input or
  *         activate_preset activates it.
  * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
- *                    register 49h: bit 2 at 0, the other bits at their defaults. [6.5]
+ *                    register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is
+ *                    written as a whole byte; 00h in 49h would also set the output code to Gray
+ *                    (bit 5). [6.5]
  */
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 8U
 
@@ -2404,8 +2446,10 @@ static inline lika_result lika_am36_identify(
  *                 Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
  * Erratum (settled): printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be
  *                    entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is
- *                    Disable. Used: 0 enables, 1 disables. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33;
- *                    sma21: 6.4; am36_1_1: p.30]
+ *                    Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4,
+ *                    both examples and the list of defaults have 0 for enable, and so has the same
+ *                    bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25;
+ *                    6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
  */
 
 /*

@@ -60,9 +60,12 @@ extern "C" {
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
  * Erratum (settled): printed: Heading of the cable table: ...G1-... and ...SC1-... order codes.
- *                    Used: ...BG1-... and ...SC1-... [4.1.2 p.20; it: 4.1.2 p.21]
+ *                    Used: ...BG1-... and ...SC1-... Why: The connector that the cable mates with
+ *                    (4.1.1) and all lists of models have BG1; no model has G1. [4.1.2 p.20; it:
+ *                    4.1.2 p.21]
  * Erratum (settled): printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
- *                    Used: 65KBG1. [5.2; it: 5.2]
+ *                    Used: 65KBG1. Why: The table just below it and the Italian edition have
+ *                    65KBG1; no model has KG1. [5.2; it: 5.2]
  */
 
 /* What differs between order codes. */
@@ -311,7 +314,9 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
  * With this polynomial the CRC of whole bytes is their XOR.
  * Erratum (settled): printed: Data is configured LSB first; the printed code takes the bits of a
  *                    string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1
- *                    with input and output reflected. [7.6]
+ *                    with input and output reflected. Why: Fed with the bits of the example LSB
+ *                    first the code returns CDh, the printed B3h with its bits reversed; it returns
+ *                    B3h only when each byte is fed MSB first. [7.6]
  */
 static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
@@ -335,9 +340,11 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
  * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.28].
  * Output code: binary [5.2 p.28].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. [5.3]
+ *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
+ *                 range. [5.3]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. [5.3]
+ *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
+ *                 cable may be run at 400 kHz to 4 MHz. [5.3]
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3 p.29] */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U /* highest clock [5.3 p.29] */
@@ -377,12 +384,15 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
  *   multiturn_bits from bit singleturn_bits up  multiturn
  *   singleturn_bits from bit 0 up               singleturn
  * Erratum (settled): printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2:
- *                    the output code is BINARY, see the order code. Used: Binary. [5.1; 5.2]
+ *                    the output code is BINARY, see the order code. Used: Binary. Why: 5.1
+ *                    describes SSI in general, 5.2 this encoder; the order code has no place for a
+ *                    code and only one SSI variant, BG1. [5.1; 5.2]
  * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary),
  *                 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is
  *                 enforced; n + 1 clocks satisfy both. [5.1; 5.2; it: 5.1]
  * Erratum (settled): printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
- *                    Used: 65KBG1. [5.2; it: 5.2]
+ *                    Used: 65KBG1. Why: The table just below it and the Italian edition have
+ *                    65KBG1; no model has KG1. [5.2; it: 5.2]
  * Erratum (open): printed: Only "17 + 16 bits" and the like; no words on which of singleturn and
  *                 multiturn comes first in the position. Used: Multiturn first, as the more
  *                 significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
@@ -462,7 +472,8 @@ static inline lika_result lika_amm5_ssi_word_encode(
  * Erratum (open): printed: The encoder complies with the "Standard encoder profile"; no register
  *                 42h to 43h is listed. Used: No profile ID. [6 p.31; 6.4 p.35; prot: p.14-15]
  * Erratum (open): printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz as well.
- *                 Used: 50 kHz. [6.5 p.40; prot: p.18]
+ *                 Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40;
+ *                 prot: p.18]
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /* lowest clock [6.5 p.40] */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U /* highest clock [6.5 p.40] */
@@ -511,8 +522,9 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * Erratum (open): printed: Only "17 + 16 bits" and the like; no words on which of singleturn and
  *                 multiturn comes first in the position. Used: Multiturn first, as the more
  *                 significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
- * Erratum (settled): printed: SCD data is nbitres+7 long. Used: position_bits + 8. [6.2.1 p.32; it:
- *                    6.2.1 p.32]
+ * Erratum (settled): printed: SCD data is nbitres+7 long. Used: position_bits + 8. Why: Position, 1
+ *                    error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8; nbitres+7 is
+ *                    the number of the top bit in the table. [6.2.1 p.32; it: 6.2.1 p.32]
  * Erratum (open): printed: nE and LED 1: misalignment and the like, or battery spent, see MT error.
  *                 nW and LED 2: an error in the magnetic multiturn system, or battery low, see
  *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
@@ -654,15 +666,18 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  *   write, busy 1: A write is being carried out, the request is invalid and not executed. Address:
  *                  that of the request; data: 00h [7.5 p.46].
  * Erratum (open): printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn
- *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. [7.4.2
- *                 p.45; ti_sdk:
- *                 docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. Why:
+ *                 The table says it twice, the note only in passing. But public T-format documents
+ *                 know three resets, of the data in one revolution, of the multiturn data, and of
+ *                 errors; with C and 7 taken, the first is left for this request. [7.4.2 p.45;
+ *                 ti_sdk: docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
  * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
  *                 Used: No other request in between, and 40 us or more after each request before
  *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
  * Erratum (settled): printed: One byte for each data ID, without its structure. Used: Bits 2:0 are
- *                    010, bits 6:3 the data ID, bit 7 the even parity of the data ID. [7.3.1 p.42;
- *                    stmbl: src/comps/smartabs.c]
+ *                    010, bits 6:3 the data ID, bit 7 the even parity of the data ID. Why: All nine
+ *                    printed bytes fit this structure, which public sources give for the T-format.
+ *                    [7.3.1 p.42; stmbl: src/comps/smartabs.c]
  * Erratum (open): printed: nE and LED 1: misalignment and the like, or battery spent, see MT error.
  *                 nW and LED 2: an error in the magnetic multiturn system, or battery low, see
  *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
@@ -817,9 +832,14 @@ static inline lika_result lika_amm5_data_request_encode(
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
  *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
  *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 data: read before you write, and compare. Why: Two independent T-format stacks
+ *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+ *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
+ *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
+ *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
+ *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
  *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH 4U
 
@@ -894,9 +914,14 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
  *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
  *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 data: read before you write, and compare. Why: Two independent T-format stacks
+ *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+ *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
+ *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
+ *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
+ *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
  *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH 3U
 
@@ -974,7 +999,9 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  *                 has been read. [7.3.2 p.42; 7.4.1 p.44]
  * Erratum (settled): printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF,
  *                    DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for
- *                    its length. [7.6]
+ *                    its length. Why: The CRC is right. A reply begins with the control field of
+ *                    its request; 32h is that of data ID 6, whose reply has four bytes and no SF.
+ *                    No data ID has four data bytes. [7.6]
  */
 #define LIKA_AMM5_SINGLETURN_REPLY_LENGTH 6U
 
@@ -1161,11 +1188,15 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
  *   byte 1 bit 4     status_st_error     active high
  *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
- *   byte 2           encoder_id          0x23 by the manual, not enforced
+ *   byte 2           encoder_id          ENID; 0x23 by the manual, not enforced
  *   byte 3           crc                 CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID
- *                 should be; a frame with another one is decoded, and the other one reported.
- *                 [7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ *                 should be; a frame with another one is decoded, and the other one reported. Why:
+ *                 T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
+ *                 sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for
+ *                 hexadecimal, and the value says nothing about the frame: sync code, data ID,
+ *                 length and CRC do. [7.3.1 p.42; 7.4 p.43; hpm_sdk:
+ *                 samples/drivers/sei/slave/tamagawa/README_en.rst]
  */
 #define LIKA_AMM5_ENCODER_ID_REPLY_LENGTH 4U
 
@@ -1255,7 +1286,7 @@ static inline bool lika_amm5_encoder_id_reply_is_expected(
  *   byte 1 bit 5     status_other_error  active high
  *   byte 1 bits 7:6  status_zero         always 0
  *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
- *   byte 5           encoder_id          0x23 by the manual, not enforced
+ *   byte 5           encoder_id          ENID; 0x23 by the manual, not enforced
  *   bytes 6 to 8     multiturn           multiturn_bits, those above always 0
  *   byte 9 bit 0     alarm_zero_0        always 0
  *   byte 9 bit 1     busy                active high
@@ -1266,8 +1297,12 @@ static inline bool lika_amm5_encoder_id_reply_is_expected(
  *   byte 9 bit 7     battery_alarm       active high
  *   byte 10          crc                 CRC; CRC rs485_8 over everything before it
  * Erratum (open): printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID
- *                 should be; a frame with another one is decoded, and the other one reported.
- *                 [7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ *                 should be; a frame with another one is decoded, and the other one reported. Why:
+ *                 T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
+ *                 sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for
+ *                 hexadecimal, and the value says nothing about the frame: sync code, data ID,
+ *                 length and CRC do. [7.3.1 p.42; 7.4 p.43; hpm_sdk:
+ *                 samples/drivers/sei/slave/tamagawa/README_en.rst]
  */
 #define LIKA_AMM5_COMPLETE_REPLY_LENGTH 11U
 
@@ -1422,9 +1457,14 @@ static inline bool lika_amm5_complete_reply_is_expected(
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
  *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
  *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 data: read before you write, and compare. Why: Two independent T-format stacks
+ *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+ *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
+ *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
+ *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
+ *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
  *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH 4U
 
@@ -1500,9 +1540,14 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
  * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
  *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
  *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. [7.5 p.46; hpm_sdk:
+ *                 data: read before you write, and compare. Why: Two independent T-format stacks
+ *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+ *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
+ *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
+ *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
+ *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
  *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 source/position_sense/tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
  */
 #define LIKA_AMM5_EEPROM_READ_REPLY_LENGTH 4U
 
@@ -1751,8 +1796,9 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  *   singleturn_bits from bit 33 - singleturn_bits up  singleturn
  *   33 - singleturn_bits from bit 0 up                -           always 0
  * Erratum (settled): printed: English: less than the total hardware resolution. Italian: less than
- *                    or equal to it (minore o uguale). Used: At most 2^position_bits - 1. [6.4; it:
- *                    6.4]
+ *                    or equal to it (minore o uguale). Used: At most 2^position_bits - 1. Why: The
+ *                    total resolution itself needs one bit more than the register has for it. [6.4;
+ *                    it: 6.4]
  * Erratum (settled): printed: English: the number of revolutions is always 65,536 in all models.
  *                    Italian: in all multiturn models. Used: Singleturn models have no multiturn
  *                    bits; their bits 48:33 are taken as 0. [6.4; it: 6.4]
@@ -1761,8 +1807,9 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  *                 bit are 0. [6.4; amm80: 6.4 p.40]
  * Erratum (open): printed: Register 40h is Preset setting enable; the preset is at 11h to 17h.
  *                 Used: As printed. [6.4 p.38; prot: p.14-15]
- * Erratum (settled): printed: Default of Preset: 00 00 00 00 00. Used: Seven bytes of 00. [10 p.52;
- *                    it: 10 p.53]
+ * Erratum (settled): printed: Default of Preset: 00 00 00 00 00. Used: Seven bytes of 00. Why: The
+ *                    register has seven bytes, 11h to 17h; five bytes written from 11h on leave 16h
+ *                    and 17h, most of the multiturn part, as they were. [10 p.52; it: 10 p.53]
  */
 #define LIKA_AMM5_REG_PRESET_ADDRESS 0x11U
 #define LIKA_AMM5_REG_PRESET_LENGTH 7U /* bytes, 11h to 17h */
@@ -1952,7 +1999,11 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * The lowest address holds the high byte.
  *   bytes 0 to 3  serial  decimal digits: year, week, number
  * Erratum (open): printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630. Used: High byte first,
- *                 as printed. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
+ *                 as printed. Why: The manual of the AMM36, a sister with the same example, reads
+ *                 EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
+ *                 one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may
+ *                 answer in the other order. A year or a week that cannot be tells. [6.4 p.38;
+ *                 amm36: p.38; amm80: 6.4 p.41]
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -2486,9 +2537,11 @@ static inline lika_result lika_amm5_activate_preset(
  *         or without an external battery.
  * The ten requests have to follow one another: stop polling the position meanwhile.
  * Erratum (open): printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn
- *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. [7.4.2
- *                 p.45; ti_sdk:
- *                 docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. Why:
+ *                 The table says it twice, the note only in passing. But public T-format documents
+ *                 know three resets, of the data in one revolution, of the multiturn data, and of
+ *                 errors; with C and 7 taken, the first is left for this request. [7.4.2 p.45;
+ *                 ti_sdk: docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
  * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
  *                 Used: No other request in between, and 40 us or more after each request before
  *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
@@ -2638,7 +2691,9 @@ static inline lika_result lika_amm5_reset_errors(
  * Remedy: Reset the error with data ID 7 or C.
  * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
  * Erratum (open): printed: Battery voltage between 3 V and 5.5 V; alarms below 3.15 V (Battery
- *                 alarm) and below 3.05 V (MT error). Used: Both as printed. [4.3 p.23; 7.4.1 p.44]
+ *                 alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V to
+ *                 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23;
+ *                 7.4.1 p.44]
  * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
  *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
  *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
@@ -2652,7 +2707,9 @@ static inline lika_result lika_amm5_reset_errors(
  * Remedy: Reset the error with data ID 7 or C.
  * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
  * Erratum (open): printed: Battery voltage between 3 V and 5.5 V; alarms below 3.15 V (Battery
- *                 alarm) and below 3.05 V (MT error). Used: Both as printed. [4.3 p.23; 7.4.1 p.44]
+ *                 alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V to
+ *                 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23;
+ *                 7.4.1 p.44]
  */
 #define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U /* in the alarm field, ALMC */
 #define LIKA_AMM5_ALARM_MT_ERROR_BELOW_MV 3050U /* threshold in millivolts */

@@ -63,7 +63,11 @@ extern "C" {
  *                 other digit is accepted as unlisted. [Cover; 4 p.13; 5 p.15]
  * Erratum (open): printed: The output code can be Gray or binary, see the order code; the order
  *                 codes are BG and GG, without a word on which is which. Used: BG is binary, GG is
- *                 Gray. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
+ *                 Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary;
+ *                 the SMA21 manual calls the output of its G1x models Gray and has BG and GG beside
+ *                 them. That the letters mean the same here is an inference. Turn the shaft slowly:
+ *                 if neighbouring positions jump, the code is the other one. [Cover; 5.2 p.16;
+ *                 amm5: 5.2; sma21: 4.1; sma21: 5]
  */
 
 /* What differs between order codes. */
@@ -331,9 +335,11 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
  * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.16].
  * Output code: by order code [5.2 p.16].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. [5.3 p.17]
+ *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
+ *                 range. [5.3 p.17]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. [5.3 p.17]
+ *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
+ *                 cable may be run at 400 kHz to 4 MHz. [5.3 p.17]
  * Erratum (open): printed: Pause of at least 12 us (Tp > 12 us); Tm has a typical duration of 12
  *                 us. Used: At least 12 us; take more. [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]
  */
@@ -380,12 +386,19 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  *   position_bits from bit 0 up  position
  * Erratum (open): printed: The output code can be Gray or binary, see the order code; the order
  *                 codes are BG and GG, without a word on which is which. Used: BG is binary, GG is
- *                 Gray. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
+ *                 Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary;
+ *                 the SMA21 manual calls the output of its G1x models Gray and has BG and GG beside
+ *                 them. That the letters mean the same here is an inference. Turn the shaft slowly:
+ *                 if neighbouring positions jump, the code is the other one. [Cover; 5.2 p.16;
+ *                 amm5: 5.2; sma21: 4.1; sma21: 5]
  * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
  *                 as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy
  *                 both. [5.1; 5.2]
  * Erratum (settled): printed: SSI bits numbered 20 ... 1 to 25 ... 1. Used: 19:0 to 24:0, with bit
- *                    0 as the LSB. [5.2; sma21: 5.2]
+ *                    0 as the LSB. Why: The words are 20 to 25 bits long, by the table of lengths,
+ *                    which leaves no room for a further bit at 0; everything else in the manual
+ *                    counts from 0. (The SMA21 manual numbers its position n ... 1 as well, and has
+ *                    an error bit at 0.). [5.2; sma21: 5.2]
  */
 typedef struct lika_asc85_ssi_word {
     uint32_t position; /* Position within one revolution [counts] */
@@ -466,11 +479,21 @@ static inline lika_result lika_asc85_ssi_word_encode(
  *   bits 5:0                     crc       CRC; CRC biss_6 over everything before it
  * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
  *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- *                 position_bits + 9, with the 0 bit between position and error bit. [6.2.1 p.20;
- *                 Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ *                 position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8
+ *                 is the number of the top bit in the table, and the profile ID too has 25 + 1
+ *                 bits. But the one public driver written for this encoder reads 25 bits, nE, nW
+ *                 and 6 CRC bits, 33 in all, without the 0 bit. With the 0 bit left out the length
+ *                 would be nbitres+8 as printed; a model of 24 bits with it is 33 bits long as
+ *                 well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
+ *                 without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information
+ *                 p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
- *                 for all models, as printed; frames of position_bits + 9 bits. [6.2.1 p.20; 6.4
- *                 p.23; sma21: 6.4; icmr: p.34-35]
+ *                 for all models, as printed; frames of position_bits + 9 bits. Why: It fits the
+ *                 model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
+ *                 SMA21 manual the same byte differs with the model and is its data length. Another
+ *                 ID at a lower resolution is likely; a public controller with the same registers
+ *                 knows 24 or 26 singleturn bits only, so that the frame might differ instead.
+ *                 [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
  * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
  *                 called errors. Used: No bit of the error register is taken as a warning; all are
  *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
@@ -617,11 +640,21 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  * profile, data format.
  * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
  *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- *                 position_bits + 9, with the 0 bit between position and error bit. [6.2.1 p.20;
- *                 Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ *                 position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8
+ *                 is the number of the top bit in the table, and the profile ID too has 25 + 1
+ *                 bits. But the one public driver written for this encoder reads 25 bits, nE, nW
+ *                 and 6 CRC bits, 33 in all, without the 0 bit. With the 0 bit left out the length
+ *                 would be nbitres+8 as printed; a model of 24 bits with it is 33 bits long as
+ *                 well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
+ *                 without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information
+ *                 p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
- *                 for all models, as printed; frames of position_bits + 9 bits. [6.2.1 p.20; 6.4
- *                 p.23; sma21: 6.4; icmr: p.34-35]
+ *                 for all models, as printed; frames of position_bits + 9 bits. Why: It fits the
+ *                 model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
+ *                 SMA21 manual the same byte differs with the model and is its data length. Another
+ *                 ID at a lower resolution is likely; a public controller with the same registers
+ *                 knows 24 or 26 singleturn bits only, so that the frame might differ instead.
+ *                 [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
  */
 #define LIKA_ASC85_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_ASC85_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -954,9 +987,15 @@ static inline lika_result lika_asc85_write_command(
  * Present status of the system, the side of Command & status that is read.
  * The same address is another register when written: Command & status, Command mode.
  * Erratum (settled): printed: Command 02: the status bit 2 Absolute data valid. List of status
- *                    bits: bit 1. Used: Bit 1. [6.4 p.26; 6.4 p.28; icmr: p.41]
+ *                    bits: bit 1. Used: Bit 1. Why: The list gives each of the eight bits once and
+ *                    has Internal data bus busy at bit 2. A public controller with the same
+ *                    commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28;
+ *                    icmr: p.41]
  * Erratum (settled): printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of
- *                    status bits: bit 2. Used: Bit 2. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
+ *                    status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits
+ *                    once and has the write access to the EDS memory area at bit 3. A public
+ *                    controller with the same commands lists its status byte in the order of the
+ *                    list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
  * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
  *                 called errors. Used: No bit of the error register is taken as a warning; all are
  *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
@@ -1076,12 +1115,21 @@ static inline lika_result lika_asc85_read_status(
  *   position_bits from bit 32 - position_bits up  position
  * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
  *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- *                 position_bits + 9, with the 0 bit between position and error bit. [6.2.1 p.20;
- *                 Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ *                 position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8
+ *                 is the number of the top bit in the table, and the profile ID too has 25 + 1
+ *                 bits. But the one public driver written for this encoder reads 25 bits, nE, nW
+ *                 and 6 CRC bits, 33 in all, without the 0 bit. With the 0 bit left out the length
+ *                 would be nbitres+8 as printed; a model of 24 bits with it is 33 bits long as
+ *                 well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
+ *                 without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information
+ *                 p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * Erratum (open): printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used,
  *                 for all models. Used: The exponents number the bits of the register: the position
  *                 is left-aligned at bit 31 and position_bits wide; the bits below it are
- *                 unspecified. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
+ *                 unspecified. Why: 26 bits are more than any model has; 25 and the constant 0 bit
+ *                 of the frame fill them. Whether the position stays left-aligned at 20 to 24 bits,
+ *                 and what the bits below it hold then, is not said. A public controller with the
+ *                 same addresses holds 26 singleturn bits there. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
  * Erratum (open): printed: The reset is performed upon reading out position data. Used: Reading the
  *                 position register. [6.4 p.29; icmr: p.42]
  */
@@ -1540,7 +1588,10 @@ static inline lika_result lika_asc85_request_position(
  * Result: The configuration registers and a new check sum are in the EEPROM.
  * The configuration registers, 00h to 2Dh, are reserved to the maker.
  * Erratum (settled): printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of
- *                    status bits: bit 2. Used: Bit 2. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
+ *                    status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits
+ *                    once and has the write access to the EDS memory area at bit 3. A public
+ *                    controller with the same commands lists its status byte in the order of the
+ *                    list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
  */
 #define LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT 3U
 
@@ -1594,7 +1645,10 @@ static inline lika_result lika_asc85_save_configuration(
  *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
  *                 p.26]
  * Erratum (settled): printed: Command 02: the status bit 2 Absolute data valid. List of status
- *                    bits: bit 1. Used: Bit 1. [6.4 p.26; 6.4 p.28; icmr: p.41]
+ *                    bits: bit 1. Used: Bit 1. Why: The list gives each of the eight bits once and
+ *                    has Internal data bus busy at bit 2. A public controller with the same
+ *                    commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28;
+ *                    icmr: p.41]
  */
 #define LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT 3U
 
@@ -1696,7 +1750,10 @@ static inline lika_result lika_asc85_software_reset(
  * Verify the CRC of the configuration [6.4 p.27].
  * Result: Configuration error tells whether the configuration registers agree with their check sum.
  * Erratum (settled): printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of
- *                    status bits: bit 2. Used: Bit 2. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
+ *                    status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits
+ *                    once and has the write access to the EDS memory area at bit 3. A public
+ *                    controller with the same commands lists its status byte in the order of the
+ *                    list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
  */
 #define LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT 3U
 

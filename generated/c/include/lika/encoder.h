@@ -23,6 +23,7 @@ extern "C" {
 /*
  * What a decoder or encoder says. Several faults in one frame give the first of this order.
  * A function that does not return LIKA_OK has left its results as they were.
+ * LIKA_OK means well formed: what the encoder reports of errors stands in the flags of the frame.
  */
 typedef enum lika_result {
     LIKA_OK = 0,

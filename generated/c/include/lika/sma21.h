@@ -71,10 +71,17 @@ extern "C" {
  *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
  *                 selected in the register Configuration: the position takes the whole field of 24
  *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. [6.2 p.25; 6.4 p.32]
+ *                 there is refused. Why: The limit of the offset is the whole field less the
+ *                 positions of the resolution, with a reference to that field: the sum is meant to
+ *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
+ *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
+ *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
- *                 6.4 p.23]
+ *                 for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85
+ *                 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts
+ *                 the whole field and not the position, and one bit more has one plus less. A
+ *                 master that takes the length of the data from the profile ID would miss 4, 2 or 1
+ *                 bits here. [6.4 p.28; asc85: 6.4 p.23]
  * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
  *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
  *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
@@ -426,9 +433,11 @@ static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length
  * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.20].
  * Output code: by order code [5.2 p.20].
  * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 1 MHz.
- *                 Used: Both as printed. [5.3 p.22]
+ *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
+ *                 range. [5.3 p.22]
  * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1 MHz.
- *                 Used: Both as printed. [5.3 p.22]
+ *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
+ *                 cable may be run at 400 kHz to 1 MHz. [5.3 p.22]
  */
 #define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3 p.22] */
 #define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U /* highest clock [5.3 p.22] */
@@ -539,8 +548,11 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *               main fields and refers to the document "Protocol description C-mode" for the whole
  *               structure.
  * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
- *                 6.4 p.23]
+ *                 for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85
+ *                 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts
+ *                 the whole field and not the position, and one bit more has one plus less. A
+ *                 master that takes the length of the data from the profile ID would miss 4, 2 or 1
+ *                 bits here. [6.4 p.28; asc85: 6.4 p.23]
  * Erratum (open): printed: The BiSS time-out adapts itself to the clock, 16 us at most, without
  *                 saying how. Used: At most 16 us. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
  */
@@ -583,19 +595,26 @@ static inline lika_result lika_sma21_ssi_word_encode(
  *                 frame it covers. Used: The position alone; error and warning bit and the CRC are
  *                 sent as they are. [5.2 p.20; 6.4 p.31]
  * Erratum (settled): printed: SCD (32 bit), with a position of 24 or 25 bits. Used: 32 bits from 50
- *                    um to 2 um, 33 bits at 1 um. [6.2 p.25]
+ *                    um to 2 um, 33 bits at 1 um. Why: Position, error, warning and CRC add up to
+ *                    25 + 1 + 1 + 6 = 33 at 1 um; the table below has bits 32 to 0 for it. [6.2
+ *                    p.25]
  * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
  *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
  *                 selected in the register Configuration: the position takes the whole field of 24
  *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. [6.2 p.25; 6.4 p.32]
+ *                 there is refused. Why: The limit of the offset is the whole field less the
+ *                 positions of the resolution, with a reference to that field: the sum is meant to
+ *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
+ *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
+ *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: Positions before the preset get a value according to it, without saying
  *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
  *                 position starts again after 2^position_bits counts, in the 24-bit replies over
  *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
  *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  * Erratum (open): printed: Warning, nW, without saying which level means a warning. Used: 0 is a
- *                 warning, as with the error bit. [6.2 p.26; 9.1]
+ *                 warning, as with the error bit. Why: The name nW and the BiSS documents have it
+ *                 active low. The bit is for Lika's technicians anyway. [6.2 p.26; 9.1]
  * Erratum (open): printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error
  *                 in the position, or the motor has to stop. nE: the last valid position may be
  *                 frozen, wrong data may be sent. What single alarms and nW do to the position is
@@ -716,11 +735,16 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
  *                 p.47]
  * Erratum (open): printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are 0, as 7.3.2 has
  *                 it; the example checks the CRC only, and as a reply it is refused for its
- *                 constant. [7.3.4; 7.3.2 p.38]
+ *                 constant. Why: 02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h
+ *                 and 20h. Yet it is the only reply to data ID 5 that the manual prints, with a
+ *                 right CRC. Whether the example is wrong, or an encoder may set these bits, only
+ *                 hardware can tell. Where sound replies are refused for status_info, the bits are
+ *                 set. [7.3.4; 7.3.2 p.38]
  * Erratum (settled): printed: When the fault is gone the error bit goes to the high level (commuta
  *                    al livello logico alto). Used: So with SSI and BiSS. Over RS-485 the error bit
- *                    is high while there is an error, and stays so until it is reset. [9 p.47; 9.1;
- *                    7.3.2 p.38]
+ *                    is high while there is an error, and stays so until it is reset. Why: 7.3.2
+ *                    and the note in 9.1 say so; section 9 does not tell the interfaces apart. [9
+ *                    p.47; 9.1; 7.3.2 p.38]
  */
 #define LIKA_SMA21_RS485_BAUD 2500000U /* baud rate in bits per second [7.1 p.37] */
 #define LIKA_SMA21_RS485_DATA_BITS 8U /* data bits of a byte */
@@ -851,13 +875,16 @@ static inline lika_result lika_sma21_data_request_encode(
  *                 position starts again after 2^position_bits counts, in the 24-bit replies over
  *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
  *                 zero. [6.4 p.32; 7.3.3.2 p.41]
- * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. [7.3.3]
+ * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. Why:
+ *                    Seven digits are 28 bits. [7.3.3]
  * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
  *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
  *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
  *                 7.3.3.2]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
- *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
+ *                    order of transmission. Used: ABS0 first. Why: The text above both tables says
+ *                    that the position is sent from the least to the most significant byte, and the
+ *                    examples do so. [7.3.3 p.39]
  */
 #define LIKA_SMA21_POSITION_REPLY_LENGTH 7U
 
@@ -986,14 +1013,21 @@ static inline lika_result lika_sma21_position_reply_encode(
  *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
  *                 zero. [6.4 p.32; 7.3.3.2 p.41]
  * Erratum (settled): printed: 48-bit position from 800000000000h to 7FFFFFFFFFh. Used: To
- *                    7FFFFFFFFFFFh. [7.3.3; a4: p.298]
+ *                    7FFFFFFFFFFFh. Why: Two digits are missing; the highest number of 48 bits as
+ *                    two's complement has twelve. [7.3.3; a4: p.298]
  * Erratum (open): printed: Unused high bits are 0; the 48-bit position is signed. Used: Signed,
  *                 over all 48 bits. [7.3.3]
  * Erratum (open): printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are 0, as 7.3.2 has
  *                 it; the example checks the CRC only, and as a reply it is refused for its
- *                 constant. [7.3.4; 7.3.2 p.38]
+ *                 constant. Why: 02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h
+ *                 and 20h. Yet it is the only reply to data ID 5 that the manual prints, with a
+ *                 right CRC. Whether the example is wrong, or an encoder may set these bits, only
+ *                 hardware can tell. Where sound replies are refused for status_info, the bits are
+ *                 set. [7.3.4; 7.3.2 p.38]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
- *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
+ *                    order of transmission. Used: ABS0 first. Why: The text above both tables says
+ *                    that the position is sent from the least to the most significant byte, and the
+ *                    examples do so. [7.3.3 p.39]
  */
 #define LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH 9U
 
@@ -1099,13 +1133,16 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
  *   byte 7 bit 6     signal_strength_alarm       not implemented
  *   byte 7 bit 7     temperature_alarm           not implemented
  *   byte 8           crc                         CRC; CRC rs485_8 over everything before it
- * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. [7.3.3]
+ * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. Why:
+ *                    Seven digits are 28 bits. [7.3.3]
  * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
  *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
  *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
  *                 7.3.3.2]
  * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
- *                    order of transmission. Used: ABS0 first. [7.3.3 p.39]
+ *                    order of transmission. Used: ABS0 first. Why: The text above both tables says
+ *                    that the position is sent from the least to the most significant byte, and the
+ *                    examples do so. [7.3.3 p.39]
  */
 #define LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH 9U
 
@@ -1430,8 +1467,11 @@ static inline double lika_sma21_rs485_millimetres(
  * Standard encoder profile, data format, Variant 0-24 from 50 um to 2 um, Variant 0-24+++ at 1 um.
  *   bytes 0 to 1  profile_id
  * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. [6.4 p.28; asc85:
- *                 6.4 p.23]
+ *                 for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85
+ *                 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts
+ *                 the whole field and not the position, and one bit more has one plus less. A
+ *                 master that takes the length of the data from the profile ID would miss 4, 2 or 1
+ *                 bits here. [6.4 p.28; asc85: 6.4 p.23]
  */
 #define LIKA_SMA21_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_SMA21_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -1623,7 +1663,9 @@ static inline lika_result lika_sma21_write_command(
  *   bit 2     enable_preset_offset
  *   bit 1     select_preset_offset
  *   bit 0     unused_0              Non utilizzato; always 0; Not used
- * Erratum (settled): printed: Bit 8 Direzione di conteggio. Used: Bit 6. [6.6.1 p.35; 6.4 p.30]
+ * Erratum (settled): printed: Bit 8 Direzione di conteggio. Used: Bit 6. Why: The register has bits
+ *                    7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the example sets
+ *                    bits 6 and 5. [6.6.1 p.35; 6.4 p.30]
  */
 #define LIKA_SMA21_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_SMA21_REG_CONFIGURATION_LENGTH 1U /* byte */
@@ -1806,10 +1848,16 @@ static inline lika_result lika_sma21_read_absolute_resolution(
  *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
  *                 selected in the register Configuration: the position takes the whole field of 24
  *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. [6.2 p.25; 6.4 p.32]
+ *                 there is refused. Why: The limit of the offset is the whole field less the
+ *                 positions of the resolution, with a reference to that field: the sum is meant to
+ *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
+ *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
+ *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: An offset gives a position a wanted value, is applied to the position at
  *                 its activation, and shifts all values by its amount. Used: All transmitted values
- *                 are shifted by the offset. [6.4 p.32]
+ *                 are shifted by the offset. Why: The range that the text gives, from the offset
+ *                 up, and the limit fit a mere shift, which does not depend on where the sensor
+ *                 stands; a value given to a position would be a preset. [6.4 p.32]
  * Erratum (settled): printed: The values run from the offset to the sum of offset and number of
  *                    positions. Used: To that sum less 1. [6.4 p.32]
  */
@@ -2453,10 +2501,16 @@ static inline lika_result lika_sma21_select_preset(
  *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
  *                 selected in the register Configuration: the position takes the whole field of 24
  *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. [6.2 p.25; 6.4 p.32]
+ *                 there is refused. Why: The limit of the offset is the whole field less the
+ *                 positions of the resolution, with a reference to that field: the sum is meant to
+ *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
+ *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
+ *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
  * Erratum (open): printed: An offset gives a position a wanted value, is applied to the position at
  *                 its activation, and shifts all values by its amount. Used: All transmitted values
- *                 are shifted by the offset. [6.4 p.32]
+ *                 are shifted by the offset. Why: The range that the text gives, from the offset
+ *                 up, and the limit fit a mere shift, which does not depend on where the sensor
+ *                 stands; a value given to a position would be a preset. [6.4 p.32]
  */
 #define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 10U
 
