@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 CLASS_NAMES = ("bit_fields", "cls", "count", "decode", "encode", "frame_bits", "index", "is_as_documented", "limits", "self", "variant")
 LOCAL_NAMES = (
     "as_bytes", "as_word", "bits", "body", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "cls", "computed", "data", "from_gray",
-    "index", "isinstance", "len", "number", "remainder", "self", "signed", "text_number", "to_gray", "too_long", "type", "variant", "whole_number", "word",
+    "index", "isinstance", "len", "made", "number", "remainder", "self", "signed", "text_number", "to_gray", "too_long", "type", "values", "variant", "whole_number", "word",
     "wrong_encoder", "zero_for",
 )
 

@@ -40,7 +40,7 @@ _IMPORTS = (
         (
             "BitField", "ConstantError", "CrcError", "Data", "Interface", "LengthError", "RangeError", "Word", "as_bytes", "as_word", "by_class",
             "check_encoder", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "crc_by_xor", "crc_of_bits", "crc_of_bytes",
-            "from_gray", "signed", "text_number", "to_gray", "too_long", "unwrap", "whole_number", "wrong_encoder", "zero_for",
+            "from_gray", "made", "signed", "text_number", "to_gray", "too_long", "unwrap", "whole_number", "wrong_encoder", "zero_for",
         ),
     ),
     (
