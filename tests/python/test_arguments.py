@@ -1,0 +1,512 @@
+"""What the generated package takes for a number, for bytes, for an encoder and for a label: the right one, or none."""
+
+from __future__ import annotations
+
+import array
+import copy
+import inspect
+import json
+import pickle
+import subprocess
+import sys
+import time
+import unittest.mock
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy
+import pytest
+
+from codewheel.model import Device
+
+#: A reply of an AMM5 that is published: control field, status, 7,000,519, CRC (tests/vectors.json).
+REPLY, SINGLETURN = bytes.fromhex("02 20 C7 D1 6A 5E"), 7_000_519
+#: The manual's reply of an SMA21.
+LONG_REPLY, LONG_POSITION = bytes.fromhex("A2 00 10 32 54 00 D4"), 0x543210
+#: A BiSS frame that is published, of 22 bits, with two zeros of padding before it (tests/vectors.json).
+BITS, POSITION = "00" + "000010111011111100101011011100", 192_458
+
+
+@pytest.fixture(scope="session")
+def lika(generated_python: tuple[Path, ModuleType]) -> Any:
+    return generated_python[1]
+
+
+@pytest.fixture(scope="session")
+def rs485(lika: Any) -> Any:
+    return lika.lookup("AMM5A23/65KJP1")
+
+
+@pytest.fixture(scope="session")
+def biss(lika: Any) -> Any:
+    return lika.lookup("SMA21-SC1-0010")
+
+
+def test_the_frames_are_the_published_ones(vectors: list[dict[str, Any]]) -> None:
+    replies = [row for row in vectors if row["protocol"].startswith("Tamagawa T-format response")]
+    assert [(bytes.fromhex(row["frame_hex_or_bits"]), row["fields"]["ABS"]) for row in replies] == [(REPLY, SINGLETURN)]
+    assert any(row["frame_hex_or_bits"] == BITS[2:] and row["fields"]["position"] == POSITION for row in vectors)
+
+
+# ------------------------------------------------------------------------------------------------------------------- bytes
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        bytearray,
+        memoryview,
+        lambda data: memoryview(b"x" + data + b"y")[1:-1],
+        lambda data: memoryview(bytes(byte for item in data for byte in (item, 0)))[::2],
+        lambda data: array.array("B", data),
+        lambda data: numpy.frombuffer(data, numpy.uint8),
+        lambda data: numpy.frombuffer(data, numpy.int8),
+        lambda data: numpy.frombuffer(data + data, numpy.uint8).reshape(2, -1)[1],
+        lambda data: numpy.frombuffer(data, numpy.uint8).repeat(3)[::3],
+    ],
+)
+def test_any_row_of_bytes_decodes(lika: Any, rs485: Any, made: Any) -> None:
+    assert rs485.decode(made(REPLY)).singleturn == SINGLETURN
+    assert lika.amm5.decode_reply(made(REPLY), rs485).singleturn == SINGLETURN
+    assert lika.amm5.SingleturnReply.decode(made(REPLY), rs485).singleturn == SINGLETURN
+    assert lika.lookup("SMA21-JP1-0005").decode(made(LONG_REPLY)).position == LONG_POSITION
+    assert lika.amm5.Preset.decode(made(bytes.fromhex("00 30 24 f4 00 00 00")), lika.lookup("AMM5A21/65KSC1")).position == 1_000_003
+    assert lika.amm5.Command.decode(made(lika.amm5.Command.SAVE_PARAMETERS.encode())) is lika.amm5.Command.SAVE_PARAMETERS
+    assert lika.amm5.crc_rs485_8(made(REPLY[:-1])) == REPLY[-1]
+    with pytest.raises(lika.CrcError) as caught:
+        rs485.decode(made(REPLY[:-1] + b"\x00"))
+    assert (caught.value.received, caught.value.computed) == (0, 0x5E)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        list(REPLY), tuple(REPLY), REPLY.hex(" "), REPLY.hex(), 2, True, None, 2.0, array.array("H", REPLY), array.array("H", list(REPLY)),
+        numpy.frombuffer(REPLY, numpy.uint8).astype(numpy.uint16), numpy.frombuffer(REPLY, numpy.uint8).reshape(2, 3), numpy.uint8(2),
+        numpy.frombuffer(REPLY, numpy.uint8).astype(bool), memoryview(REPLY).cast("H"), object(),
+    ],
+)
+def test_what_is_no_row_of_bytes_is_refused(lika: Any, rs485: Any, wrong: Any) -> None:
+    for take in (rs485.decode, lambda data: lika.amm5.decode_reply(data, rs485), lika.amm5.EepromReadReply.decode, lika.amm5.Command.decode, lika.amm5.crc_rs485_8):
+        with pytest.raises(TypeError, match="give bytes"):
+            take(wrong)
+
+
+# ------------------------------------------------------------------------------------------------------------------- words
+
+
+@pytest.mark.parametrize("made", [int, numpy.uint32, numpy.uint64, numpy.int64, numpy.array])
+def test_any_whole_number_is_a_word(lika: Any, biss: Any, made: Any) -> None:
+    assert biss.decode(made(int(BITS, 2))).position == POSITION
+    assert lika.lookup("AMM5A23/65KBG1").decode(made(5)).singleturn == 5
+    with pytest.raises(lika.CrcError):
+        biss.decode(made(int(BITS, 2) ^ 1))
+
+
+@pytest.mark.parametrize("wrong", [True, False, None, 3.0, numpy.float64(3), [1], numpy.array([1, 2]), object()])
+def test_what_is_no_number_is_no_word(lika: Any, biss: Any, wrong: Any) -> None:
+    for encoder in (biss, lika.lookup("AMM5A23/65KBG1")):
+        with pytest.raises(TypeError, match="the frame is .*; it has to be a whole number"):
+            encoder.decode(wrong)
+
+
+@pytest.mark.parametrize("wrong", [b"\x01", bytearray(1), memoryview(b"\x01")])
+def test_bytes_are_no_word(biss: Any, wrong: Any) -> None:
+    with pytest.raises(TypeError, match="give it as one number"):
+        biss.decode(wrong)
+
+
+def test_a_negative_word_is_told_as_such(lika: Any, biss: Any) -> None:
+    with pytest.raises(lika.RangeError, match="the frame is -5; it has to be 0 or more"):
+        biss.decode(-5)
+
+
+# ------------------------------------------------------------------------------------------------------- a word has a length
+
+
+def test_text_of_bits_has_every_bit(lika: Any, biss: Any) -> None:
+    for text in (BITS, f"0b{BITS}", f"{BITS[:16]}_{BITS[16:]}", f" {BITS[:8]} {BITS[8:]}\n"):
+        assert biss.decode(text).position == POSITION
+        assert biss.decode(text, bits=32).position == POSITION
+    for text, found in ((BITS[1:], 31), (f"0{BITS}", 33), (f"{BITS}0", 33), ("", 0), ("0b", 0)):
+        with pytest.raises(lika.LengthError) as caught:
+            biss.decode(text)
+        assert (caught.value.expected, caught.value.found, caught.value.unit) == (32, found, "bits")
+    for text in (f"0x{int(BITS, 2):X}", "２" * 32, "１" * 32, BITS[:-1] + "2", "x" * 10**6):
+        with pytest.raises(lika.RangeError, match="a string of the bits 0 and 1") as wrong:
+            biss.decode(text)
+        assert len(str(wrong.value)) < 200
+
+
+def test_a_count_of_bits_that_is_wrong_is_refused(lika: Any) -> None:
+    """A word of 39 bits, read with 40 clocks, or with the last 7 lost: no CRC tells."""
+    encoder = lika.lookup("AMM5A23/65KBG1")
+    word = 358_337_813
+    assert encoder.frame_bits == 39
+    assert encoder.decode(word, bits=39).position == word
+    assert encoder.decode(word, bits=numpy.uint8(39)).position == word
+    for read, bits in ((word << 1, 40), (word >> 7, 32)):
+        with pytest.raises(lika.LengthError, match=f"{bits} bits where 39 belong"):
+            encoder.decode(read, bits=bits)
+        with pytest.raises(lika.LengthError, match=f"{bits} bits where 39 belong"):
+            lika.amm5.SsiWord.decode(read, encoder, bits=bits)
+        with pytest.raises(lika.LengthError):
+            encoder.decode(f"{read:0{bits}b}")
+    with pytest.raises(lika.LengthError):
+        encoder.decode(f"{word:039b}", bits=40)
+    with pytest.raises(TypeError, match="bits= is for frames that are strings of bits"):
+        lika.lookup("AMM5A23/65KJP1").decode(REPLY, bits=48)
+
+
+def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        for variant in device.variants:
+            made = lika.lookup(variant.code)
+            layout = next(item for item in device.interface(variant.interface).layouts if item.sender == "encoder")
+            if layout.carried_as == "bytes":
+                with pytest.raises(ValueError, match="no frame bits over RS485: frames are made of bytes"):
+                    made.frame_bits
+                continue
+            assert made.frame_bits == layout.bits.value(variant.parameters)
+    encoder = lika.lookup("AM3616/4096-I7")
+    assert encoder.frame_bits - encoder.with_registers({0x56: 16}).frame_bits == 4
+    amm5 = lika.lookup("AMM5A21/65KSC1")
+    assert lika.amm5.SingleCycleData.frame_bits(amm5) == amm5.frame_bits == 37 + 8
+
+
+# ----------------------------------------------------------------------------------------------------------------- numbers
+
+
+def test_numbers_of_any_width_encode_rightly(lika: Any, rs485: Any) -> None:
+    amm5 = lika.amm5
+    biss = lika.lookup("AMM5A23/65KSC1")
+    wanted = amm5.SingleCycleData(biss, 5, SINGLETURN)
+    made = amm5.SingleCycleData(biss, numpy.uint16(5), numpy.uint32(SINGLETURN), numpy.False_, numpy.False_)
+    assert made.encode() == wanted.encode() and made.position == wanted.position == 5 << 23 | SINGLETURN
+    assert type(made.encode()) is int and type(made.position) is int
+    assert amm5.SingleCycleData.from_position(biss, numpy.uint64(wanted.position)) == wanted
+    assert amm5.SsiWord(lika.lookup("AMM5A23/65KBG1"), numpy.uint8(5), numpy.uint32(7)).encode() == 5 << 23 | 7
+    made = amm5.SingleturnReply(rs485, numpy.uint8(0), numpy.False_, numpy.True_, numpy.uint32(SINGLETURN))
+    assert made.encode() == REPLY
+    assert amm5.EepromWriteRequest(numpy.uint8(0x7F), numpy.uint8(0xFF)).encode() == amm5.EepromWriteRequest(0x7F, 0xFF).encode()
+    assert amm5.DataRequest(numpy.uint8(12)).encode() == b"\x62"
+    small = amm5.SerialNumber(*(numpy.uint8(value) for value in (20, 19, 1)))
+    assert (small.encode(), small.serial) == (amm5.SerialNumber(20, 19, 1).encode(), amm5.SerialNumber(20, 19, 1).serial)
+    assert lika.am36.NumberOfRevolutions(numpy.uint32(65536)).encode() == b"\x00\x00"
+    assert lika.am36.InformationPerRevolution(numpy.uint16(4096)).encode() == b"\x00\x10\x00"
+    assert amm5.crc_biss_6(numpy.uint16(0x1234), 16) == 0x07
+    assert amm5.SingleCycleData.bit_fields(biss)[1].of(numpy.uint64(wanted.encode())) == SINGLETURN
+
+
+def test_numbers_of_any_width_in_procedures(lika: Any) -> None:
+    encoder = lika.lookup("AMM5A21/65KSC1")
+    assert lika.amm5.set_preset(encoder, numpy.uint32(1_000_003)) == lika.amm5.set_preset(encoder, 1_000_003)
+    assert lika.am36.set_preset(numpy.int32(100_000)) == lika.am36.set_preset(100_000)
+    for module in (lika.am36, lika.sma21):
+        assert module.set_configuration(numpy.uint8(0x60)) == module.set_configuration(0x60)
+    with pytest.raises(lika.RangeError):
+        lika.amm5.set_preset(encoder, numpy.int64(-1))
+    with pytest.raises(lika.RangeError):
+        lika.am36.set_configuration(numpy.uint16(0x100))
+
+
+def test_numbers_of_any_width_as_counts(lika: Any) -> None:
+    encoder = lika.lookup("AMM5A23/65KJP1")
+    position = 7_000_000
+    assert encoder.degrees(numpy.int32(position)) == encoder.degrees(position) == position * 360 / (1 << 23)
+    assert encoder.turns(numpy.uint32(position)) == encoder.turns(position)
+    assert encoder.unwrap(numpy.int64(3), numpy.uint32(5)) == 5
+    linear = lika.lookup("SMA21-SC1-0050")
+    assert linear.micrometres(numpy.uint16(40_000)) == 2_000_000 and linear.millimetres(numpy.uint16(40_000)) == 2000.0
+    for method in (encoder.degrees, encoder.turns, linear.micrometres, linear.millimetres):
+        for wrong in (numpy.array([1, 2]), 1.5, "1"):
+            with pytest.raises(TypeError):
+                method(wrong)
+
+
+def test_registers_held_and_read_take_any_whole_number(lika: Any) -> None:
+    encoder = lika.lookup("AM3616/4096-I7")
+    held = {0x4E: 0x07, 0x4F: 0xD0}
+    assert encoder.with_registers({numpy.uint8(key): numpy.uint8(value) for key, value in held.items()}) == encoder.with_registers(held)
+    for wrong, error in ((256, lika.RangeError), (-1, lika.RangeError), (True, TypeError), (1.0, TypeError), ("1", TypeError)):
+        with pytest.raises(error, match="register 0x56"):
+            encoder.with_registers({0x56: wrong})
+    codes = lika.identify({"manufacturer_id": b"Li"})
+    assert codes and lika.identify({"manufacturer_id": numpy.frombuffer(b"Li", numpy.uint8)}) == codes
+    assert lika.identify({numpy.uint8(0x7E): numpy.uint8(ord("L")), numpy.uint8(0x7F): numpy.uint8(ord("i"))}) == codes
+    for read in ({"manufacturer_id": [76, 105]}, {0x7E: b"L"}, {0x7E: True}, {None: 1}):
+        with pytest.raises(TypeError):
+            lika.identify(read)
+
+
+def test_half_of_a_register_leaves_the_other_half(lika: Any) -> None:
+    encoder = lika.lookup("AM3616/4096-I7").with_registers({0x4E: 0x07, 0x4F: 0xD0})
+    assert encoder.with_registers({0x4F: 0xD1}).used_revolutions == 2001
+
+
+@pytest.mark.parametrize("wrong", [True, False, 5.0, "5", None])
+def test_what_is_no_number_is_not_encoded(lika: Any, wrong: Any) -> None:
+    amm5, encoder = lika.amm5, lika.lookup("AMM5A21/65KSC1")
+    for call in (
+        lambda: amm5.SingleCycleData(encoder, 0, wrong).encode(),
+        lambda: amm5.SingleCycleData.from_position(encoder, wrong),
+        lambda: amm5.EepromReadRequest(wrong).encode(),
+        lambda: amm5.DataRequest(wrong).encode(),
+        lambda: amm5.set_preset(encoder, wrong),
+        lambda: lika.am36.set_configuration(wrong),
+        lambda: lika.am36.NumberOfRevolutions(wrong).encode(),
+        lambda: lika.am36.InformationPerRevolution(wrong).encode(),
+        lambda: lika.biss.encode_byte(wrong),
+        lambda: encoder.unwrap(0, wrong),
+    ):
+        with pytest.raises(TypeError, match="it has to be a whole number"):
+            call()
+
+
+def test_a_register_of_another_class_is_refused(lika: Any) -> None:
+    with pytest.raises(TypeError, match=r"configuration is Configuration\(.*; it has to be a whole number, or a lika_encoders.am36.Configuration"):
+        lika.am36.set_configuration(lika.sma21.Configuration.decode(b"\x60"))
+
+
+def test_control_frames_take_numbers_of_any_width(lika: Any, vectors: list[dict[str, Any]]) -> None:
+    rows = [row for row in vectors if row["protocol"].startswith("BiSS-C register read")]
+    assert len(rows) == 13
+    for row in rows:
+        request = lika.biss.Request(numpy.uint8(row["fields"]["ID"]), numpy.uint8(row["fields"]["ADR"]))
+        assert f"0x{request.encode():X}" == row["frame_hex_or_bits"].split()[0]
+    assert lika.biss.encode_byte(numpy.uint8(0x40)) == 0x408
+    assert lika.biss.decode_byte(numpy.uint16(0x408)) == 0x40
+
+
+@pytest.mark.parametrize("bit", [int, bool, numpy.uint8, numpy.bool_, numpy.int8])
+def test_control_bits_of_any_kind(lika: Any, bit: Any) -> None:
+    master, slave, cdm = lika.biss.Master(), lika.biss.Slave(), 0
+    master.read(numpy.uint8(0x78), numpy.uint8(2), busy_limit=0)
+    while master.outcome is lika.biss.Outcome.RUNNING:
+        cds = slave.next(bit(cdm))
+        if slave.wants is lika.biss.Wants.BYTE:
+            slave.give(numpy.uint8(slave.address))
+        cdm = master.next(bit(cds))
+    assert (master.outcome, master.data) == (lika.biss.Outcome.DONE, b"xy")
+
+
+def test_a_master_writes_bytes_only(lika: Any) -> None:
+    for wrong in (array.array("H", [1, 2]), numpy.array([1, 2], numpy.uint16), "ab"):
+        with pytest.raises(TypeError, match="give bytes"):
+            lika.biss.Master().write(0x10, wrong, busy_limit=0)
+    lika.biss.Master().write(0x10, numpy.array([1, 2], numpy.uint8), busy_limit=0)
+
+
+def test_the_package_does_not_import_numpy(generated_python: tuple[Path, ModuleType]) -> None:
+    script = "import sys, lika_encoders.biss; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], cwd=generated_python[0], check=False).returncode == 0
+
+
+# ---------------------------------------------------------------------------------------------------------------- encoders
+
+
+def functions(module: Any) -> list[tuple[str, Any]]:
+    """Everything public of a family module that takes an encoder, with a name."""
+    found = []
+    for name in module.__all__:
+        item = getattr(module, name)
+        if inspect.isclass(item):
+            members = [(f"{name}.{key}", getattr(item, key)) for key in vars(item) if not key.startswith("_")]
+            found += [(key, part) for key, part in members if inspect.isroutine(part) and "variant" in inspect.signature(part).parameters]
+        elif inspect.isfunction(item) and "variant" in inspect.signature(item).parameters:
+            found.append((name, item))
+    return found
+
+
+def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices: Mapping[str, Device]) -> None:
+    """Every function of every module, with the encoders of all the others; before any other argument is looked at."""
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        taking = functions(module)
+        assert len(taking) > 12, device.name
+        others = [next(iter(getattr(lika, name).VARIANTS.values())) for name in devices if name != device.name]
+        for name, function in taking:
+            for encoder in others:
+                with pytest.raises(lika.FamilyError) as caught:
+                    _call(function, encoder)
+                assert str(caught.value) == f"{encoder.code} is of the family {encoder.family.name}; this belongs to {device.name}", name
+            kinds = {item.interface: item for item in module.VARIANTS.values()}
+            refused = 0
+            for encoder in kinds.values():
+                try:
+                    _call(function, encoder)
+                except lika.InterfaceError as error:
+                    assert encoder.code in str(error) and error.found is encoder.interface
+                    refused += 1
+                except (ValueError, TypeError):
+                    pass
+            assert refused == len(kinds) - 1, name
+
+
+def _call(function: Any, encoder: Any) -> object:
+    """Calls a function with the encoder by name, and with 0 for all else that it needs."""
+    parameters = inspect.signature(function).parameters
+    needed = [key for key, item in parameters.items() if key != "variant" and item.default is inspect.Parameter.empty]
+    return function(**dict.fromkeys(needed, 0), variant=encoder)
+
+
+def test_what_was_accepted_before_is_refused(lika: Any) -> None:
+    am36, biss, ssi = lika.lookup("AM3616/4096-I7"), lika.lookup("AMM5A21/65KSC1"), lika.lookup("AMM5A21/65KBG1")
+    for call in (
+        lambda: lika.amm5.set_preset(am36, 1),
+        lambda: lika.amm5.SingleCycleData.decode(0xF4243D3, am36),
+        lambda: lika.amm5.Preset.from_position(am36, 1),
+        lambda: lika.amm5.set_preset(lika.lookup("ASC8525/SC1"), 1),
+        lambda: lika.amm5.SingleCycleData(am36, 0, 5).encode(),
+        lambda: lika.amm5.SingleCycleData(am36, 0, 5).position,
+        lambda: lika.am36.set_preset(1, variant=biss),
+    ):
+        with pytest.raises(lika.FamilyError):
+            call()
+    with pytest.raises(lika.InterfaceError, match="AMM5A21/65KBG1 is connected by SSI; BISS is needed"):
+        lika.amm5.SingleCycleData.decode(0xF4243D3, ssi)
+    for wrong in ("AMM5A21/65KSC1", None, 5, lika.amm5.FAMILY):
+        with pytest.raises(TypeError, match=r"is no encoder; lookup\(\) gives one"):
+            lika.amm5.set_preset(wrong, 1)
+    assert not issubclass(lika.FamilyError, lika.FrameError) and not issubclass(lika.InterfaceError, lika.FrameError)
+    assert issubclass(lika.FamilyError, ValueError) and issubclass(lika.InterfaceError, ValueError)
+
+
+def test_every_procedure_takes_the_encoder(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        for procedure in device.procedures:
+            function = getattr(module, f"{procedure.name}_steps", None) or getattr(module, procedure.name)
+            encoder = next(item for item in module.VARIANTS.values() if item.interface.value == procedure.interface)
+            if not procedure.arguments:
+                assert function(encoder) == function(variant=encoder)
+                if inspect.signature(function).parameters["variant"].default is None:
+                    assert function() == function(encoder)
+
+
+# ------------------------------------------------------------------------------------------------------------------ labels
+
+
+@pytest.mark.parametrize("wrong", ["x" * 10**6, "AMM5A21/65KSC1-" + "A" * 10**6, "-" * 10**6, " " * 10**6])
+def test_a_label_without_end_is_refused_at_once(lika: Any, wrong: str) -> None:
+    for find in (lika.lookup, lika.amm5.lookup, lika.am36.lookup):
+        begin = time.monotonic()
+        with pytest.raises(lika.OrderCodeError, match="no label has more than 100") as caught:
+            find(wrong)
+        assert time.monotonic() - begin < 0.5
+        assert len(str(caught.value)) < 200 and len(caught.value.label) < 50 and caught.value.nearest == ()
+
+
+@pytest.mark.parametrize("wrong", [None, 5, True, b"AMM5A21/65KSC1", ["AMM5A21/65KSC1"]])
+def test_what_is_no_text_is_no_label(lika: Any, wrong: Any) -> None:
+    for find in (lika.lookup, lika.amm5.lookup):
+        with pytest.raises(TypeError, match="a label is text, .* this is of the type"):
+            find(wrong)
+
+
+# ---------------------------------------------------------------------------------------------------------------- equality
+
+
+def test_frames_of_different_classes_are_never_equal(lika: Any, rs485: Any) -> None:
+    amm5, biss, ssi = lika.amm5, lika.lookup("AMM5A21/65KSC1"), lika.lookup("AMM5A21/65KBG1")
+    pairs = [
+        (amm5.EepromWriteReply(False, 1, 2), amm5.EepromReadReply(False, 1, 2)),
+        (amm5.SsiWord(ssi, 0, 5), amm5.Preset(ssi, 0, 5)),
+        (amm5.DataRequest(amm5.DataId.SINGLETURN), amm5.EepromReadRequest(0)),
+        (lika.am36.SsiWord(biss, 0, 5), amm5.SsiWord(biss, 0, 5)),
+        (lika.Modify(1, 1, "a", 1, 1), lika.Poll(1, 1, "a", 1, 1)),
+        (amm5.SsiWord(ssi, 0, 5), (ssi, 0, 5)),
+    ]
+    for one, other in pairs:
+        assert one != other and other != one and not one == other and not other == one
+        assert len({one, other}) == 2 and hash(one) != hash(other)
+        copied = type(one)(*one)
+        assert one == copied and not one != copied and hash(one) == hash(copied) and len({one, copied}) == 1
+        assert pickle.loads(pickle.dumps(one)) == one == copy.deepcopy(one)
+    assert amm5.SsiWord(ssi, 0, 5) == unittest.mock.ANY and amm5.SsiWord(ssi, 0, 5) != amm5.SsiWord(ssi, 0, 6)
+
+
+def test_every_frame_and_register_is_equal_by_class(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        classes = [item for item in map(module.__dict__.get, module.__all__) if inspect.isclass(item) and hasattr(item, "_fields")]
+        assert len(classes) > 4
+        assert all(item.__eq__ is not tuple.__eq__ and item.__hash__ is not tuple.__hash__ for item in classes)
+
+
+def test_registers_and_special_labels_show_and_count(lika: Any) -> None:
+    encoder = lika.lookup("AM3616/4096-I7")
+    smaller = encoder.with_registers({0x56: 16, 0x49: 0x00})
+    assert repr(encoder) == "<AM3616/4096-I7>" and encoder.with_registers({0x56: 20}) == encoder
+    assert repr(smaller).startswith("<AM3616/4096-I7 ") and "used_singleturn_bits=16" in repr(smaller)
+    assert smaller != encoder and hash(smaller) != hash(encoder)
+    plain, special, other = (lika.lookup(f"AMM5A21/65KSC1{tail}") for tail in ("", "/S901", "-ABC/s902"))
+    assert [repr(item) for item in (plain, special, other)] == ["<AMM5A21/65KSC1>", "<AMM5A21/65KSC1/S901>", "<AMM5A21/65KSC1/S902>"]
+    assert len({plain, special, other}) == 3 and plain != special != other
+    assert [item.special for item in (plain, special, other)] == [False, True, True]
+    assert lika.lookup("AMM5A21/65KSC1-ABC") == plain and special == lika.lookup("amm5a21/65ksc1/s901")
+
+
+def test_as_delivered_nothing_shows(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        for code in getattr(lika, device.name).VARIANTS:
+            assert repr(lika.lookup(code)) == f"<{code}>"
+
+
+# ------------------------------------------------------------------------------------------------------------------- facts
+
+
+def test_no_fact_can_be_changed(lika: Any) -> None:
+    facts = lika._facts
+    for item in (facts.FieldFacts("x"), facts.Alarm("x", "y"), lika.amm5.REGISTERS["preset"]):
+        with pytest.raises(TypeError):
+            item.names["it"] = "changed"
+        assert not hasattr(item.names, "update") and not hasattr(item.names, "clear")
+    assert facts.FieldFacts("y").names == {} and "changed" not in lika.amm5.REGISTERS["preset"].names.values()
+    for part in lika.sma21.ORDER_CODE.parts:
+        with pytest.raises(TypeError):
+            part.open_only_with["x"] = ()
+    named = next(item for item in lika.sma21.REGISTERS.values() if item.names)
+    assert pickle.loads(pickle.dumps(named)) == named == copy.deepcopy(named) and json.dumps(dict(named.names))
+
+
+def test_only_their_own_names_are_offered(lika: Any, devices: Mapping[str, Device]) -> None:
+    """Every class, function and constant of a module, and nothing that it imports."""
+    for device in devices.values():
+        module = getattr(lika, device.name)
+        defined = {name for name, item in vars(module).items() if getattr(item, "__module__", "") == module.__name__ and not name.startswith("_")}
+        constants = {name for name in vars(module) if name.isupper() and not name.startswith("_")}
+        assert sorted(set(module.__all__)) == module.__all__
+        assert defined | constants <= set(module.__all__)
+        assert set(module.__all__) - defined - constants <= {"Frame", "Reply", "Request"} | {name for name in module.__all__ if name.endswith(("Reply", "Request"))}
+        assert not {"agrees", "check_width", "NamedTuple", "FieldFacts", "dataclasses"} & set(module.__all__)
+
+
+def test_the_version_is_known(lika: Any, library: Any) -> None:
+    assert lika.__version__ == library.devices[0].manufacturer.version
+
+
+def test_a_step_tells_its_byte_order(lika: Any) -> None:
+    step = next(item for item in lika.am36.set_preset(100_000) if isinstance(item, lika.Modify))
+    assert step.length == 1 and step.order == "little"
+    assert lika.Poll(0, 2, "x", 1, 1, order="big").order == "big"
+
+
+def test_a_reply_does_not_ask(lika: Any) -> None:
+    for reply in (lika.amm5.SingleturnReply, lika.amm5.CompleteReply.data_id, lika.amm5.DataId):
+        assert "What is asked for" not in (reply.__doc__ or "")
+
+
+# --------------------------------------------------------------------------------------------------------- what is copied
+
+
+def test_the_examples_look_at_the_flags_first(lika: Any, generated_python: tuple[Path, ModuleType], devices: Mapping[str, Device]) -> None:
+    readme = (generated_python[0] / "README.md").read_text(encoding="utf-8")
+    first = readme[: readme.index("frame.position")]
+    assert "if not (frame.error or frame.warning):" in first and "frame.multiturn" not in first[: first.index("frame.error")]
+    for device in devices.values():
+        layouts = [next(item for item in interface.layouts if item.sender == "encoder") for interface in device.interfaces]
+        flags = [field.name for layout in layouts for field in layout.fields if field.kind == "flag" and field.implemented]
+        assert not flags or "if not " in (getattr(lika, device.name).__doc__ or ""), device.name
