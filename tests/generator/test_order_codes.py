@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 
 import pytest
 
+from codewheel.cli import main
 from codewheel.model import Device
 from codewheel.order_codes import UnknownOrderCode, find
 
@@ -132,3 +134,14 @@ def test_what_edition_1_1_does_not_write_is_refused(devices: Mapping[str, Device
 def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: str, code: str) -> None:
     """The cover of the SMA21 manual prints SMA21 -BGx-..., all the rest of it SMA21-BGx-..."""
     assert find(devices["sma21"], label).variant.code == code
+
+
+@pytest.mark.parametrize("label", ["x" * 10**6, "AMM5A21/65KSC1-" + "A" * 10**6])
+def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys: pytest.CaptureFixture[str]) -> None:
+    begin = time.process_time()
+    with pytest.raises(UnknownOrderCode, match="no label has more than 100") as caught:
+        find(amm5, label)
+    assert time.process_time() - begin < 0.5 and len(str(caught.value)) < 200
+    assert main(["show", label]) == 2
+    shown = capsys.readouterr().err
+    assert shown.startswith(f"codewheel: '{label[:20]}...' is no order code: it has {len(label)} characters") and len(shown) < 200
