@@ -22,7 +22,8 @@ _AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 class UnknownOrderCode(ValueError):
     """No such order code; the message says which part is wrong and what would be right.
 
-    ``close`` says that the message is the one to show: the text is an order code of the family but for a part of it, or can be none at all.
+    ``close`` says that the message is the one to show: the text is an order code of the family but for a part of it, or
+    it can be none of any family.
     """
 
     def __init__(self, message: str, close: bool) -> None:

@@ -36,14 +36,16 @@ class EncodeText(LayoutText):
                     lines.append(f"if {local} not in ({', '.join(map(number_text, self.layout.selects))}):")
                     lines.append(f'    raise RangeError("{item.name}", {local}, "one of {listed}")')
             elif item.kind == "choice":
-                lines.append(f'{local} = choice({self.module.enum_for(item, self.layout.name)}, "{item.name}", self.{name})')
+                enum = self.module.enum_for(item, self.layout.name)
+                lines.append(f'{local} = choice({enum}, "{item.name}", self.{name})')
             elif item.kind == "digits":
                 for run in item.digits:
                     lines.append(f'check_limits("{run.name}", self.{self._attribute(run.name)}, (0, {grouped(run.modulus - 1)}))')
             elif item.signed:
                 lines.append(f'{local} = check_signed("{item.name}", self.{name}, {self._text(item.width)})')
             elif item.zero_means:
-                lines.append(f'{local} = zero_for("{item.name}", self.{name}, {grouped(item.zero_means)}, {self._text(item.width)})')
+                width = self._text(item.width)
+                lines.append(f'{local} = zero_for("{item.name}", self.{name}, {grouped(item.zero_means)}, {width})')
             else:
                 lines.append(f'{local} = check_width("{item.name}", self.{name}, {self._text(item.width)})')
             if item.power_of_two:
@@ -139,11 +141,12 @@ class EncodeText(LayoutText):
             return ""
         if item.kind == "parity":
             of = self.layout.field(item.parity_of)
-            return f"({f'index(self.{self._attribute(of.name)})' if of.kind == 'flag' else self._local(of)}.bit_count() & 1)"
+            value = f"index(self.{self._attribute(of.name)})" if of.kind == "flag" else self._local(of)
+            return f"({value}.bit_count() & 1)"
         if item.kind == "flag":
             return f"(not {name})" if item.active_low else f"bool({name})"
         if item.kind == "digits":
-            return f"({' + '.join(times(f'index(self.{self._attribute(run.name)})', run.divisor) for run in item.digits)})"
+            return f"({self._digits(item)})"
         if item.kind == "text":
             return f'text_number("{item.name}", {name}, {item.width.constant // 8})'
         local = self._local(item)

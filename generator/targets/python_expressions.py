@@ -14,12 +14,18 @@ if TYPE_CHECKING:
     from .python_module import Module
 
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = ("bit_fields", "cls", "count", "decode", "encode", "frame_bits", "index", "is_as_documented", "limits", "self", "variant")
-LOCAL_NAMES = (
-    "as_bytes", "as_word", "bits", "body", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "cls", "computed", "data", "from_gray",
-    "index", "isinstance", "len", "made", "number", "remainder", "self", "signed", "text_number", "to_gray", "too_long", "type", "values", "variant", "whole_number", "word",
-    "wrong_encoder", "zero_for",
+CLASS_NAMES = (
+    "bit_fields", "cls", "count", "decode", "encode", "frame_bits", "index", "is_as_documented", "limits", "self", "variant",
 )
+LOCAL_NAMES = (
+    "as_bytes", "as_word", "bits", "body", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice",
+    "cls", "computed", "data", "from_gray", "index", "isinstance", "len", "made", "number", "remainder", "self", "signed",
+    "text_number", "to_gray", "too_long", "type", "values", "variant", "whole_number", "word", "wrong_encoder", "zero_for",
+)
+
+
+#: What the argument ``bits`` of every decoder of a string of bits means.
+BITS = ("bits", "How many bits came in, where that is known. A number alone does not tell whether bits are missing.")
 
 
 def interface_name(kind: str) -> str:
@@ -31,7 +37,13 @@ class LayoutText:
     """Expressions for the parts of one layout."""
 
     def __init__(
-        self, module: Module, layout: Layout, name: str, doc: tuple[str, list[Block]], interface: str, register: Register | None
+        self,
+        module: Module,
+        layout: Layout,
+        name: str,
+        doc: tuple[str, list[Block]],
+        interface: str,
+        register: Register | None,
     ) -> None:
         self.module = module
         self.interface = interface_name(interface)
@@ -61,6 +73,10 @@ class LayoutText:
 
     def _attribute(self, name: str) -> str:
         return attribute(name, CLASS_NAMES)
+
+    def _digits(self, item: Field) -> str:
+        """The number that runs of decimal digits make."""
+        return " + ".join(times(f"index(self.{self._attribute(run.name)})", run.divisor) for run in item.digits)
 
     def _mask(self, width: Expression, owner: str = "variant") -> str:
         return f"0x{(1 << width.constant) - 1:X}" if width.is_constant else f"((1 << {operand(self._text(width, owner))}) - 1)"

@@ -10,7 +10,7 @@ from ..expressions import Expression
 from ..model import Field, Join, Layout, Register
 from ..words import sentence
 from .python_encode import EncodeText
-from .python_expressions import LOCAL_NAMES, compared, digits_of, meaning_of, moved_left, number_text, times
+from .python_expressions import BITS, LOCAL_NAMES, compared, digits_of, meaning_of, moved_left, number_text, times
 from .python_source import WIDTH, Block, Call, attribute, bare, chain, docstring, grouped, literal, operand, quoted, receiver, used_names
 from .python_views import Attribute, Check, Codec, Joined, JoinPart
 
@@ -20,15 +20,19 @@ if TYPE_CHECKING:
 #: The longest frame whose CRC is written out as one XOR of bytes.
 _UNROLLED = 16
 
-#: What the argument ``bits`` of every decoder of a string of bits means.
-_BITS = ("bits", "How many bits came in, where that is known. A number alone does not tell whether bits are missing.")
 
 
 class CodecBuilder(EncodeText):
     """Builds the Python of one layout."""
 
     def __init__(
-        self, module: Module, layout: Layout, name: str, doc: tuple[str, list[Block]], interface: str, register: Register | None
+        self,
+        module: Module,
+        layout: Layout,
+        name: str,
+        doc: tuple[str, list[Block]],
+        interface: str,
+        register: Register | None,
     ) -> None:
         super().__init__(module, layout, name, doc, interface, register)
         self.checks: list[Check] = []
@@ -42,7 +46,7 @@ class CodecBuilder(EncodeText):
         encode_checks = self._encode_checks()
         terms, finish, body = self._terms()
         length = f"word >> {operand(self._text(layout.bits))}" if not self.in_bytes else f"len(data) != {self.bytes}"
-        length_error = f"too_long(word, {self._text(layout.bits)})" if not self.in_bytes else f"LengthError({self.bytes}, len(data))"
+        length_error = f"LengthError({self.bytes}, len(data))" if self.in_bytes else f"too_long(word, {self._text(layout.bits)})"
         crc_setup, crc_check = self._crc_check()
         setup = (f'number = int.from_bytes(data, "{self.order}")',) if self.source == "number" else ()
         limits = self._limits()
@@ -204,7 +208,7 @@ class CodecBuilder(EncodeText):
             order = "in ascending order of address" if self.register is not None else "in the order in which they are sent"
             return docstring(f"The {what} in ``data``, its bytes {order}.", ("Raises", list(self._raises())), indent=8)
         given = f"The {what} in ``word``: a number whose most significant bit was sent first, or text of 0 and 1."
-        return docstring(given, ("Args", [_BITS]), ("Raises", list(self._raises())), indent=8)
+        return docstring(given, ("Args", [BITS]), ("Raises", list(self._raises())), indent=8)
 
     def _decode_arguments(self) -> Iterable[str]:
         yield "data: Data" if self.in_bytes else "word: Word"
@@ -272,8 +276,8 @@ class CodecBuilder(EncodeText):
         for item in self.layout.fields:
             if item.kind == "digits" and item.name not in {run.name for run in item.digits}:
                 runs = ", ".join(f"``{self._attribute(run.name)}``" for run in item.digits)
-                value = " + ".join(times(f"index(self.{self._attribute(run.name)})", run.divisor) for run in item.digits)
-                yield self._attribute(item.name), "int", docstring(f"The digits of {runs}, as one number.", indent=8), value
+                doc = docstring(f"The digits of {runs}, as one number.", indent=8)
+                yield self._attribute(item.name), "int", doc, self._digits(item)
 
     def _documented(self) -> Iterable[tuple[str, str, str, str]]:
         expected = [item for item in self.layout.fields if item.equals is not None]

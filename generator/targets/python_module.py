@@ -236,7 +236,10 @@ class Module:
     # ----------------------------------------------------------------------------------------------------------------- layouts
 
     def _section(self, interface: Interface) -> Section:
-        codecs = tuple(self._codec(item, self.classes[f"layout {item.name}"], self._layout_doc(interface, item), interface.kind) for item in interface.layouts)
+        codecs = tuple(
+            self._codec(item, self.classes[f"layout {item.name}"], self._layout_doc(interface, item), interface.kind)
+            for item in interface.layouts
+        )
         kind = interface.kind.upper()
         here = f"interfaces.{interface.kind}"
         layouts = {f"{here}.{item.name}" for item in interface.layouts}
@@ -256,7 +259,9 @@ class Module:
         more = f"Of its parts, see ERRATA: {', '.join(shared)}." if shared else ""
         return summary, [printed, sentence(layout.note), *self.erratum_paragraphs(errata), more]
 
-    def _codec(self, layout: Layout, name: str, doc: tuple[str, list[Block]], interface: str, register: Register | None = None) -> Codec:
+    def _codec(
+        self, layout: Layout, name: str, doc: tuple[str, list[Block]], interface: str, register: Register | None = None
+    ) -> Codec:
         return CodecBuilder(self, layout, name, doc, interface, register).build()
 
     def _dispatches(self, interface: Interface, codecs: Sequence[Codec]) -> Iterable[Dispatch]:
@@ -266,7 +271,8 @@ class Module:
             if not members or not members[0].layout.selector:
                 continue
             prefix = f"{interface.kind}_" if several else ""
-            yield self._dispatch(f"decode_{prefix}{word}", camel(f"{prefix}{word}"), interface_name(interface.kind), members)
+            own_name = interface_name(interface.kind)
+            yield self._dispatch(f"decode_{prefix}{word}", camel(f"{prefix}{word}"), own_name, members)
 
     def _dispatch(self, name: str, union: str, interface: str, members: Sequence[Codec]) -> Dispatch:
         branches: list[Branch] = []

@@ -9,7 +9,9 @@ from ..model import Argument, Procedure, Register, RegisterMeaning, Step, cite
 from ..words import sentence
 from .python_encode import depends_on_variant, meaning_limits
 from .python_expressions import CLASS_NAMES, interface_name, moved_left
-from .python_source import WIDTH, Call, Code, attribute, call, docstring, expression, grouped, literal, operand, quoted, used_names
+from .python_source import (
+    WIDTH, Call, Code, attribute, call, docstring, expression, grouped, literal, operand, quoted, used_names,
+)
 from .python_views import Codec, Enumeration, Function
 
 if TYPE_CHECKING:
@@ -43,9 +45,11 @@ class ProcedureBuilder:
         else:
             arguments += ["*"] * bool(arguments) + ["variant: Variant | None = None"]
         listed = [(self.names[entry.name], sentence(entry.meaning or f"Value for {entry.of}")) for entry in item.arguments]
-        encoder = ("variant", "The encoder." if takes_variant else "The encoder, to be checked; the steps are the same for all of the family.")
+        only_checked = "The encoder, to be checked; the steps are the same for all of the family."
+        encoder = ("variant", "The encoder." if takes_variant else only_checked)
         raises = [("RangeError", "An argument is outside the limits of its register.")] if listed else []
-        raises += [("FamilyError", "The encoder is of another family."), ("InterfaceError", "The encoder has another interface.")]
+        raises.append(("FamilyError", "The encoder is of another family."))
+        raises.append(("InterfaceError", "The encoder has another interface."))
         doc = docstring(
             sentence(f"{item.title} ({cite(item.source)})"),
             sentence(f"Before: {item.precondition}") if item.precondition else "",
@@ -99,12 +103,14 @@ class ProcedureBuilder:
         for step in self._written_by(argument):
             register = self.module.device.register(step.register)
             if step.field:
-                found.append(f'{name} = check_width("{argument.name}", {name}, {self._text(register.layout.field(step.field).width)})')
+                width = self._text(register.layout.field(step.field).width)
+                found.append(f'{name} = check_width("{argument.name}", {name}, {width})')
             elif self._is_whole(register) and (register.min is not None or register.max is not None) and meaning is None:
                 low = self._text(register.min or Expression(0))
                 high = self._text(register.max) if register.max is not None else f"0x{(1 << 8 * register.length) - 1:X}"
                 view = self._view(argument.of)
-                found += [f"if not isinstance({name}, {view.name}):", f'    check_limits("{argument.name}", {name}, ({low}, {high}))']
+                found.append(f"if not isinstance({name}, {view.name}):")
+                found.append(f'    check_limits("{argument.name}", {name}, ({low}, {high}))')
         return list(dict.fromkeys(found))
 
     def _meaning(self, argument: Argument) -> RegisterMeaning | None:
@@ -137,7 +143,8 @@ class ProcedureBuilder:
         if step.do == "poll" or step.field:
             mask, value = self._bits(step, register)
             order = (("order", byte_order(register)),) if register.length > 1 else ()
-            return literal(Call("Poll" if step.do == "poll" else "Modify", (*place, ("", Code(mask)), ("", Code(value)), *meaning, *order)), 8, 8, 1)
+            bits = (("", Code(mask)), ("", Code(value)))
+            return literal(Call("Poll" if step.do == "poll" else "Modify", (*place, *bits, *meaning, *order)), 8, 8, 1)
         return literal(Call("*writes", (("", register.name), ("", address), ("", Code(self._written(step, register))), *meaning)), 8, 8, 1)
 
     def _bits(self, step: Step, register: Register) -> tuple[str, str]:

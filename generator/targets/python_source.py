@@ -112,7 +112,8 @@ def literal(value: Literal, indent: int = 0, before: int = 0, after: int = 0) ->
     if isinstance(value, Call):
         return "\n".join([f"{value.function}(", *(_item(item, name and f"{name}=", indent + 4) for name, item in value.arguments), f"{pad})"])
     if isinstance(value, Mapping):
-        return "\n".join(["ReadOnly(", f"{inner}{{", *(_item(item, f"{quoted(key)}: ", indent + 8) for key, item in value.items()), f"{inner}}}", f"{pad})"])
+        items = [_item(item, f"{quoted(key)}: ", indent + 8) for key, item in value.items()]
+        return "\n".join(["ReadOnly(", f"{inner}{{", *items, f"{inner}}}", f"{pad})"])
     if isinstance(value, Sequence) and not isinstance(value, bytes):
         return "\n".join(["(", *(_item(item, "", indent + 4) for item in value), f"{pad})"])
     return flat

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Interface, Measurement, Parameter, Sources, Variant, cite
 from ..words import sentence
-from .python_expressions import interface_name
+from .python_expressions import BITS, interface_name
 from .python_facts import constant
 from .python_source import Block, Call, Code, Literal, attribute, bare, call, docstring, expression, grouped, literal, operand, quoted, record
 from .python_views import Codec, FrameKind, Measure, Section
@@ -21,7 +21,8 @@ def _only(allowed: Mapping[str, tuple[str, ...]]) -> Code | None:
     """Which values of other parts go with one, as a literal."""
     if not allowed:
         return None
-    return Code("ReadOnly({" + ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items()) + "})")
+    items = ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items())
+    return Code(f"ReadOnly({{{items}}})")
 
 
 #: The arguments of ``Variant.decode``, by whether frames are made of bytes.
@@ -171,7 +172,13 @@ class Variants:
         return self._measure("highest", "int", doc, branches)
 
     def _measure(
-        self, name: str, kind: str, doc: str, branches: list[tuple[str, str]], arguments: str = "", otherwise: str = "the manual does not say"
+        self,
+        name: str,
+        kind: str,
+        doc: str,
+        branches: list[tuple[str, str]],
+        arguments: str = "",
+        otherwise: str = "the manual does not say",
     ) -> Measure:
         """A method; where not every interface has a value, or not all the same one, it tells them apart."""
         everywhere = len(branches) == len(self.device.interfaces)
@@ -183,7 +190,8 @@ class Variants:
             (f"is {names[0]}" if len(names) == 1 else f"in ({', '.join(names)})", value) for value, names in sorted(kinds.items(), key=lambda item: len(item[1]))
         )
         raises: Block = "" if everywhere else ("Raises", [("ValueError", sentence(f"Over this interface {otherwise}"))])
-        return Measure(name, arguments, kind, docstring(doc, raises, indent=8), made, "" if everywhere else f"no {name.replace('_', ' ')} over {{self.interface.name}}: {otherwise}")
+        error = "" if everywhere else f"no {name.replace('_', ' ')} over {{self.interface.name}}: {otherwise}"
+        return Measure(name, arguments, kind, docstring(doc, raises, indent=8), made, error)
 
     def _measurement(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.kind)
@@ -200,7 +208,9 @@ class Variants:
             if (first := _first_sent(section)) is not None and not first.layout.carried_as == "bytes"
         ]
         doc = "How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one."
-        return self._measure("frame_bits", "int", doc, branches, otherwise="frames are made of bytes") if branches else None
+        if not branches:
+            return None
+        return self._measure("frame_bits", "int", doc, branches, otherwise="frames are made of bytes")
 
     @property
     def held(self) -> list[str]:
@@ -305,10 +315,10 @@ class Variants:
         both = f"What the encoder sent: bytes, or where the line carries bits {words}."
         return docstring(
             both if len(kinds) > 1 else given[True in kinds],
-            ("Args", [("bits", "How many bits came in, where that is known. A number alone does not tell whether bits are missing.")] if False in kinds else []),
+            ("Args", [BITS] if False in kinds else []),
             ("Raises", [
                 ("FrameError", "The frame is damaged, or none of this encoder; the subclass says in what way."),
-                ("TypeError", "``frame`` is a number where bytes are needed, or the other way round." if len(kinds) > 1 else "``frame`` is of another type."),
+                ("TypeError", "``frame`` is of another type than the frames of this encoder."),
             ]),
             indent=8,
         )

@@ -186,7 +186,11 @@ class FrameKind:
 
 @dataclass(frozen=True)
 class Shown:
-    """An example in the README: what is called, and what comes out; of a frame that is a string of ``bits``, their number and ``digits`` too."""
+    """An example in the README: what is called, and what comes out.
+
+    ``flags`` are those of a frame that tell of a fault; of a frame that is a string of bits there are their number and
+    ``digits``.
+    """
 
     code: str
     text: str
