@@ -93,9 +93,8 @@ def test_any_row_of_bytes_decodes(lika: Any, rs485: Any, made: Any) -> None:
 )
 def test_what_is_no_row_of_bytes_is_refused(lika: Any, rs485: Any, wrong: Any) -> None:
     amm5 = lika.amm5
-    for take in (
-        rs485.decode, lambda data: amm5.decode_reply(data, rs485), amm5.EepromReadReply.decode, amm5.Command.decode, amm5.crc_rs485_8,
-    ):
+    takers = [rs485.decode, lambda data: amm5.decode_reply(data, rs485)]
+    for take in (*takers, amm5.EepromReadReply.decode, amm5.Command.decode, amm5.crc_rs485_8):
         with pytest.raises(TypeError, match="give bytes"):
             take(wrong)
 
@@ -527,5 +526,6 @@ def test_the_examples_look_at_the_flags_first(
     for device in devices.values():
         sent = [[item for item in interface.layouts if item.sender == "encoder"] for interface in device.interfaces]
         layouts = [items[0] for items in sent]
-        flags = [field.name for layout in layouts for field in layout.fields if field.kind == "flag" and field.implemented]
+        fields = [field for layout in layouts for field in layout.fields]
+        flags = [field.name for field in fields if field.kind == "flag" and field.implemented]
         assert not flags or "if not " in (getattr(lika, device.name).__doc__ or ""), device.name

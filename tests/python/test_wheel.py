@@ -42,5 +42,6 @@ def test_both_licences_are_spdx_words(source: Path) -> None:
     root = Path(__file__).resolve().parents[2]
     for folder, licence in ((source, "0BSD"), (root, "MIT")):
         text = (folder / "pyproject.toml").read_text(encoding="utf-8")
-        assert f'license = "{licence}"\nlicense-files = ["LICENSE"]\n' in text and 'requires = ["setuptools>=77"]' in text
+        assert f'license = "{licence}"\nlicense-files = ["LICENSE"]\n' in text
+        assert 'requires = ["setuptools>=77"]' in text
         assert (folder / "LICENSE").is_file()
