@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from enum import Enum, IntEnum
 from operator import index
-from typing import NamedTuple, SupportsIndex, TypeVar, Union
+from typing import Final, NamedTuple, Protocol, SupportsIndex, TypeVar, Union, cast
 
 from ._facts import Family
 
@@ -130,6 +130,14 @@ def by_class(kind: type[_Kind]) -> type[_Kind]:
     return kind
 
 
+class _Made(Protocol):
+    def __call__(self, kind: type[_Kind], values: tuple[object, ...], /) -> _Kind: ...
+
+
+#: ``made(kind, values)`` is ``kind(*values)`` for a NamedTuple, in half the time.
+made: Final = cast(_Made, tuple.__new__)
+
+
 class BitField(NamedTuple):
     """Where a field lies in the number that a frame or register makes; bit 0 is the least significant."""
 
@@ -152,7 +160,8 @@ class BitField(NamedTuple):
         return (index(number) & self.mask) >> self.low
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
+    """``value`` for a message, at a length that can be read."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:60]}..."
 
@@ -164,7 +173,7 @@ def wrong_encoder(found: object, kind: type, interface: Interface) -> Exception:
     family = getattr(found, "family", None)
     if isinstance(family, Family):
         return FamilyError(getattr(found, "code"), family.name, getattr(kind, "family").name)
-    return TypeError(f"{_shown(found)} is no encoder; lookup() gives one for what is on its label")
+    return TypeError(f"{shown(found)} is no encoder; lookup() gives one for what is on its label")
 
 
 def check_encoder(found: object, kind: type, interface: Interface) -> None:
@@ -180,7 +189,7 @@ def whole_number(name: str, value: SupportsIndex) -> int:
             return index(value)
         except TypeError:
             pass
-    raise TypeError(f"{name} is {_shown(value)}; it has to be a whole number")
+    raise TypeError(f"{name} is {shown(value)}; it has to be a whole number")
 
 
 def as_word(frame: Word, length: int, bits: int | None) -> int:
@@ -194,8 +203,8 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         # Digits between which an underscore or a space stands are read more easily, and mean the same.
         text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
         if set(text) - {"0", "1"}:
-            shown = frame if len(frame) <= 80 else f"{frame[:80]}..."
-            raise RangeError("the frame", shown, "a string of the bits 0 and 1")
+            part = frame if len(frame) <= 80 else f"{frame[:80]}..."
+            raise RangeError("the frame", part, "a string of the bits 0 and 1")
         if bits is not None and bits != len(text):
             raise LengthError(bits, len(text), "bits")
         frame, bits = int(text or "0", 2), len(text)
@@ -218,7 +227,7 @@ def as_bytes(data: Data) -> bytes:
     try:
         view = memoryview(data)
     except TypeError:
-        raise TypeError(f"{_shown(data)} is not made of bytes: give bytes, or another buffer of bytes") from None
+        raise TypeError(f"{shown(data)} is not made of bytes: give bytes, or another buffer of bytes") from None
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"a buffer of {shape} of the format '{view.format}' is no row of bytes: give bytes")

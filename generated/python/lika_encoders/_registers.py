@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, SupportsIndex
 
-from ._codec import Data, FrameError, Interface, LengthError, as_bytes, check_limits, check_width, whole_number
+from ._codec import Data, FrameError, Interface, LengthError, as_bytes, check_limits, check_width, shown, whole_number
 
 
 class Encodable(Protocol):
@@ -24,7 +24,8 @@ def whole(
     if isinstance(value, kind):
         return value.encode()
     if not isinstance(value, SupportsIndex):
-        raise TypeError(f"{register} is a {type(value).__name__}; it has to be a {kind.__name__} or a whole number")
+        name = f"{kind.__module__}.{kind.__qualname__}"
+        raise TypeError(f"{register} is {shown(value)}; it has to be a whole number, or a {name}")
     return check_width(register, value, 8 * length).to_bytes(length, order)
 
 

@@ -43,6 +43,7 @@ from ._codec import (
     choice,
     crc_of_bits,
     from_gray,
+    made,
     text_number,
     to_gray,
     too_long,
@@ -378,7 +379,7 @@ class Variant:
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is of another type.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
         """
         if self.interface is _SSI:
             return SsiWord.decode(frame, self, bits=bits)
@@ -661,11 +662,12 @@ class SsiWord(NamedTuple):
             raise too_long(word, variant.singleturn_bits + variant.multiturn_bits)
         if variant.ssi_gray:
             word = from_gray(word, 0, variant.multiturn_bits + variant.singleturn_bits)
-        return cls(
+        values = (
             variant,
             word >> variant.singleturn_bits,
             word & ((1 << variant.singleturn_bits) - 1),
         )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant.
@@ -847,11 +849,12 @@ class SingleCycleData(NamedTuple):
             raise ConstantError("error", word >> 7 & 0x1, 0x1)
         if (word >> 6 & 0x1) != 0x1:
             raise ConstantError("warning", word >> 6 & 0x1, 0x1)
-        return cls(
+        values = (
             variant,
             word >> (variant.used_singleturn_bits + 8),
             word >> 8 & ((1 << variant.used_singleturn_bits) - 1),
         )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
@@ -1241,7 +1244,10 @@ class ProfileId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls(data[0] << 8 | data[1])
+        values = (
+            data[0] << 8 | data[1],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1291,11 +1297,12 @@ class SerialNumber(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return cls(
+        values = (
             data[0],
             data[1],
             data[2] << 8 | data[3],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1419,11 +1426,12 @@ class Configuration(NamedTuple):
         counting_direction = choice(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)
         output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
         enable_preset = choice(EnablePreset, "enable_preset", data[0] >> 2 & 0x1)
-        return cls(
+        values = (
             counting_direction,
             output_code,
             enable_preset,
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1494,7 +1502,10 @@ class InformationPerRevolution(NamedTuple):
             data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
-        return cls(data[0] << 16 | data[1] << 8 | data[2])
+        values = (
+            data[0] << 16 | data[1] << 8 | data[2],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1564,7 +1575,10 @@ class NumberOfRevolutions(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls((data[0] << 8 | data[1]) or 65_536)
+        values = (
+            (data[0] << 8 | data[1]) or 65_536,
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1635,7 +1649,10 @@ class Preset(NamedTuple):
             raise LengthError(5, len(data))
         if data[0] >> 4:
             raise ConstantError("zero_above_position", data[0] >> 4, 0)
-        return cls((data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4])
+        values = (
+            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1691,7 +1708,10 @@ class DeviceType(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(data[0])
+        values = (
+            data[0],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1741,7 +1761,10 @@ class SingleturnBitsUsed(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(data[0])
+        values = (
+            data[0],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1794,7 +1817,10 @@ class MultiturnBitsUsed(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(data[0])
+        values = (
+            data[0],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1853,12 +1879,13 @@ class DeviceId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return cls(
+        values = (
             data[0:2].decode("ascii", "replace"),
             data[2:4].decode("ascii", "replace"),
             data[4:5].decode("ascii", "replace"),
             data[5:6].decode("ascii", "replace"),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1915,7 +1942,10 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls(data[0:2].decode("ascii", "replace"))
+        values = (
+            data[0:2].decode("ascii", "replace"),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.

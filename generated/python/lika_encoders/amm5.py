@@ -47,6 +47,7 @@ from ._codec import (
     choice,
     crc_by_xor,
     crc_of_bits,
+    made,
     text_number,
     too_long,
     unwrap,
@@ -359,7 +360,7 @@ class Variant:
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is a number where bytes are needed, or the other way round.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
         """
         if self.interface is _SSI:
             return SsiWord.decode(frame, self, bits=bits)
@@ -516,7 +517,7 @@ def _remainder_biss_6_47(word: int) -> int:
 
 
 class DataId(IntEnum):
-    """What is asked for."""
+    """What the request asks for; a reply repeats it."""
 
     SINGLETURN = 0
     """Singleturn position."""
@@ -662,11 +663,12 @@ class SsiWord(NamedTuple):
             word = as_word(word, variant.singleturn_bits + variant.multiturn_bits, bits)
         if word >> (variant.singleturn_bits + variant.multiturn_bits):
             raise too_long(word, variant.singleturn_bits + variant.multiturn_bits)
-        return cls(
+        values = (
             variant,
             word >> variant.singleturn_bits,
             word & ((1 << variant.singleturn_bits) - 1),
         )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant.
@@ -877,13 +879,14 @@ class SingleCycleData(NamedTuple):
             raise too_long(word, variant.singleturn_bits + variant.multiturn_bits + 8)
         if remainder := _remainder_biss_6_47(word ^ 0x3F):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
-        return cls(
+        values = (
             variant,
             word >> (variant.singleturn_bits + 8),
             word >> 8 & ((1 << variant.singleturn_bits) - 1),
             not word & 0x80,
             not word & 0x40,
         )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
@@ -1084,7 +1087,7 @@ class DataRequest(NamedTuple):
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        data_id: What is asked for.
+        data_id: What the request asks for; a reply repeats it.
     """
 
     data_id: DataId
@@ -1108,7 +1111,10 @@ class DataRequest(NamedTuple):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
         if (data_id := data[0] >> 3 & 0xF) not in (0, 1, 2, 3, 7, 8, 0xC):
             raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
-        return cls(DataId(data_id))
+        values = (
+            DataId(data_id),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1156,7 +1162,7 @@ class EepromWriteRequest(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.EEPROM_WRITE
 
     @classmethod
@@ -1184,10 +1190,11 @@ class EepromWriteRequest(NamedTuple):
             raise ConstantError("mem_busy", data[1] & 0x1, 0)
         if (data[0] >> 3 & 0xF) != 6:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "6h")
-        return cls(
+        values = (
             data[1] >> 1,
             data[2],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1237,7 +1244,7 @@ class EepromReadRequest(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.EEPROM_READ
 
     @classmethod
@@ -1265,7 +1272,10 @@ class EepromReadRequest(NamedTuple):
             raise ConstantError("mem_busy", data[1] & 0x1, 0)
         if (data[0] >> 3 & 0xF) != 0xD:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "Dh")
-        return cls(data[1] >> 1)
+        values = (
+            data[1] >> 1,
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1310,7 +1320,7 @@ class SingleturnReply(NamedTuple):
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        data_id: What is asked for.
+        data_id: What the request asks for; a reply repeats it.
         status_st_error: True: ST error; False: no ST error; high active.
         status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
             False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
@@ -1357,13 +1367,14 @@ class SingleturnReply(NamedTuple):
             raise ConstantError("singleturn_padding", singleturn >> variant.singleturn_bits, 0)
         if (data_id := data[0] >> 3 & 0xF) not in (0, 7, 8, 0xC):
             raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
-        return cls(
+        values = (
             variant,
             DataId(data_id),
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             singleturn,
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1437,7 +1448,7 @@ class MultiturnReply(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.MULTITURN
 
     @classmethod
@@ -1473,12 +1484,13 @@ class MultiturnReply(NamedTuple):
             raise ConstantError("multiturn_padding", multiturn >> variant.multiturn_bits, 0)
         if (data[0] >> 3 & 0xF) != 1:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "1h")
-        return cls(
+        values = (
             variant,
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             multiturn,
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1544,7 +1556,7 @@ class EncoderIdReply(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.ENCODER_ID
 
     @property
@@ -1579,11 +1591,12 @@ class EncoderIdReply(NamedTuple):
             raise ConstantError("status_zero", data[1] >> 6, 0)
         if (data[0] >> 3 & 0xF) != 2:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "2h")
-        return cls(
+        values = (
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             data[2],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1661,7 +1674,7 @@ class CompleteReply(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.ALL_DATA
 
     @property
@@ -1747,7 +1760,7 @@ class CompleteReply(NamedTuple):
             raise ConstantError("alarm_zero_3_4", data[9] >> 3 & 0x3, 0)
         if (data[0] >> 3 & 0xF) != 3:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "3h")
-        return cls(
+        values = (
             variant,
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
@@ -1760,6 +1773,7 @@ class CompleteReply(NamedTuple):
             bool(data[9] & 0x40),
             bool(data[9] & 0x80),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1843,7 +1857,7 @@ class EepromWriteReply(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.EEPROM_WRITE
 
     @classmethod
@@ -1869,11 +1883,12 @@ class EepromWriteReply(NamedTuple):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
         if (data[0] >> 3 & 0xF) != 6:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "6h")
-        return cls(
+        values = (
             bool(data[1] & 0x01),
             data[1] >> 1,
             data[2],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1927,7 +1942,7 @@ class EepromReadReply(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.EEPROM_READ
 
     @classmethod
@@ -1953,11 +1968,12 @@ class EepromReadReply(NamedTuple):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
         if (data[0] >> 3 & 0xF) != 0xD:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "Dh")
-        return cls(
+        values = (
             bool(data[1] & 0x01),
             data[1] >> 1,
             data[2],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -2128,7 +2144,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2143,7 +2159,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2167,7 +2183,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2190,7 +2206,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2241,7 +2257,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2292,7 +2308,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2341,7 +2357,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2451,7 +2467,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2476,7 +2492,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
@@ -2697,11 +2713,12 @@ class Preset(NamedTuple):
             raise ConstantError("zero_below_multiturn", number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1), 0)
         if number & ((1 << (33 - variant.singleturn_bits)) - 1):
             raise ConstantError("zero_below_singleturn", number & ((1 << (33 - variant.singleturn_bits)) - 1), 0)
-        return cls(
+        values = (
             variant,
             number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1),
             number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2816,11 +2833,12 @@ class SerialNumber(NamedTuple):
             raise LengthError(4, len(data))
         if (serial := int.from_bytes(data, "big")) >= 1_000_000_000:
             raise RangeError("serial", serial, "at most 999999999")
-        return cls(
+        values = (
             serial // 10_000_000,
             serial // 100_000 % 100,
             serial % 100_000,
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2907,10 +2925,11 @@ class DeviceId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return cls(
+        values = (
             data[0:4].decode("ascii", "replace"),
             data[4] << 8 | data[5],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2961,7 +2980,10 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls(data[0:2].decode("ascii", "replace"))
+        values = (
+            data[0:2].decode("ascii", "replace"),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.

@@ -45,6 +45,7 @@ from ._codec import (
     choice,
     crc_of_bits,
     from_gray,
+    made,
     text_number,
     to_gray,
     too_long,
@@ -276,7 +277,7 @@ class Variant:
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is of another type.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
         """
         if self.interface is _SSI:
             return SsiWord.decode(frame, self, bits=bits)
@@ -503,7 +504,11 @@ class SsiWord(NamedTuple):
             raise too_long(word, variant.position_bits)
         if variant.ssi_gray:
             word = from_gray(word, 0, variant.position_bits)
-        return cls(variant, word)
+        values = (
+            variant,
+            word,
+        )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant.
@@ -660,12 +665,13 @@ class SingleCycleData(NamedTuple):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
         if word >> 8 & 0x1:
             raise ConstantError("zero", word >> 8 & 0x1, 0)
-        return cls(
+        values = (
             variant,
             word >> 9,
             not word & 0x80,
             not word & 0x40,
         )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
@@ -1165,10 +1171,11 @@ class ProfileId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls(
+        values = (
             data[0],
             data[1],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1218,7 +1225,10 @@ class SerialNumber(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return cls(int.from_bytes(data, "big"))
+        values = (
+            int.from_bytes(data, "big"),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1286,7 +1296,7 @@ class DiagnosticData(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(
+        values = (
             bool(data[0] & 0x80),
             bool(data[0] & 0x40),
             bool(data[0] & 0x20),
@@ -1296,6 +1306,7 @@ class DiagnosticData(NamedTuple):
             bool(data[0] & 0x02),
             bool(data[0] & 0x01),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1445,7 +1456,7 @@ class Status(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(
+        values = (
             bool(data[0] & 0x80),
             bool(data[0] & 0x40),
             bool(data[0] & 0x20),
@@ -1455,6 +1466,7 @@ class Status(NamedTuple):
             bool(data[0] & 0x02),
             bool(data[0] & 0x01),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1537,7 +1549,11 @@ class Position(NamedTuple):
         if len(data) != 4:
             raise LengthError(4, len(data))
         number = int.from_bytes(data, "little")
-        return cls(variant, number >> (32 - variant.position_bits))
+        values = (
+            variant,
+            number >> (32 - variant.position_bits),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1612,7 +1628,7 @@ class ErrorRegister(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(
+        values = (
             bool(data[0] & 0x40),
             bool(data[0] & 0x20),
             bool(data[0] & 0x10),
@@ -1620,6 +1636,7 @@ class ErrorRegister(NamedTuple):
             bool(data[0] & 0x02),
             bool(data[0] & 0x01),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1687,10 +1704,11 @@ class DeviceId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return cls(
+        values = (
             data[0:4].decode("ascii", "replace"),
             data[4:6].decode("ascii", "replace"),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1740,7 +1758,10 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls(data[0:2].decode("ascii", "replace"))
+        values = (
+            data[0:2].decode("ascii", "replace"),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.

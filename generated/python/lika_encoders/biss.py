@@ -41,9 +41,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
+from operator import index
 from typing import Final
 
-from ._codec import ConstantError, CrcError, LengthError, RangeError, check_width
+from ._codec import ConstantError, CrcError, Data, LengthError, RangeError, as_bytes, check_width, whole_number
 
 __all__ = [
     "Answer",
@@ -95,7 +96,7 @@ class Wants(Enum):
 
 def crc(value: int, bits: int) -> int:
     """The CRC of so many bits of control data, the highest sent first: 4 bits."""
-    register = 0
+    value, register = index(value), 0
     for left in range(bits - 1, -1, -1):
         out = (register >> 3 ^ value >> left) & 1
         register = register << 1 & 0xF ^ out * 0x3
@@ -108,7 +109,7 @@ def encode_byte(value: int) -> int:
     Raises:
         RangeError: It is no byte.
     """
-    check_width("value", value, 8)
+    value = check_width("value", value, 8)
     return value << 4 | crc(value, 8)
 
 
@@ -119,6 +120,7 @@ def decode_byte(bits: int) -> int:
         LengthError: There are more bits.
         CrcError: The CRC does not fit.
     """
+    bits = whole_number("bits", bits)
     if not 0 <= bits < 1 << 12:
         raise LengthError(12, bits.bit_length(), "bits")
     if bits & 0xF != crc(bits >> 4, 8):
@@ -142,9 +144,8 @@ class Request:
         Raises:
             RangeError: There is no such ID or address, or the value is no byte.
         """
-        check_width("slave_id", self.slave_id, 3)
-        check_width("address", self.address, 7)
-        head = 0x400 | self.slave_id << 7 | self.address
+        slave_id = check_width("slave_id", self.slave_id, 3)
+        head = 0x400 | slave_id << 7 | check_width("address", self.address, 7)
         access = _READS if self.value is None else _WRITES | encode_byte(self.value) << 2
         return head << 21 | crc(head, 11) << 17 | access
 
@@ -157,6 +158,7 @@ class Request:
             CrcError: One of its CRCs does not fit.
             ConstantError: CTS or S is 0, R W is neither 10 nor 01, or what has to be zero is not.
         """
+        word = whole_number("word", word)
         if not 0 <= word < 1 << 32:
             raise LengthError(32, word.bit_length(), "bits")
         head, received, access = word >> 21, word >> 17 & 0xF, word & (_READS | _WRITES)
@@ -221,6 +223,7 @@ class Answer:
             RangeError: There is no such request.
         """
         request.encode()
+        cds = whole_number("cds", cds)
         if not 0 <= cds < 1 << 32:
             raise LengthError(32, cds.bit_length(), "bits")
         slaves = _slaves(cds >> 16)
@@ -282,14 +285,15 @@ class Master:
             RangeError: There is no such ID or address, or the registers would run past 3Fh or 7Fh. Nothing is sent.
         """
         # A count without bound would be a list without bound.
-        values: list[int | None] = [None] * min(count, REGISTERS + 1)
+        values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
         self._begin(slave_id, address, values, busy_limit)
 
-    def write(self, address: int, data: bytes, *, slave_id: int = 0, busy_limit: int) -> None:
+    def write(self, address: int, data: Data, *, slave_id: int = 0, busy_limit: int) -> None:
         """Writes registers from an address on; else like :meth:`read`."""
-        self._begin(slave_id, address, list(data), busy_limit)
+        self._begin(slave_id, address, list(as_bytes(data)), busy_limit)
 
     def _begin(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
+        slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
         most = REGISTERS - (address & 0x3F)
         if not 0 < len(values) <= most:
@@ -310,6 +314,8 @@ class Master:
 
     def next(self, cds: int) -> int:
         """The CDM bit of this frame, by the CDS bit that came in it. MA shows the inverse during the time-out."""
+        # A pin may be read as a truth value, or as a number of few bits, in which the answers would not fit.
+        cds = int(cds & 1)
         if self._phase is _Phase.HEADER:
             cdm = self._header(cds)
         elif self._phase is _Phase.START:
@@ -330,7 +336,7 @@ class Master:
 
     def _header(self, cds: int) -> int:
         """Steps 2 and 3: the bit after S, CTS .. W, and S once R W is answered."""
-        self._answers = self._answers << 1 | cds & 1
+        self._answers = self._answers << 1 | cds
         self._at += 1
         if self._at <= 17:
             return self._sending >> 17 - self._at & 1
@@ -348,7 +354,7 @@ class Master:
 
     def _start(self, cds: int) -> int:
         """Step 4: DATA7 once S is answered, till then S again."""
-        if not cds & 1:
+        if not cds:
             if self._busy >= self._busy_limit:
                 return self._ends(Outcome.BUSY)
             self._busy += 1
@@ -362,8 +368,8 @@ class Master:
     def _byte(self, cds: int) -> int:
         """Steps 5 to 7: the other bits of DATA and CRC, P, and S where a register follows."""
         if self._at == 12:
-            return self._ends(Outcome.REFUSED) if cds & 1 else self._register()
-        self._answers = self._answers << 1 | cds & 1
+            return self._ends(Outcome.REFUSED) if cds else self._register()
+        self._answers = self._answers << 1 | cds
         self._at += 1
         if self._at < 12:
             return self._sending >> 11 - self._at & 1
@@ -426,7 +432,7 @@ class Slave:
             upstream: The CDS bit that arrives in this frame at SLI, from the next slave further from the master; 0
                 without one.
         """
-        cdm, upstream, ready = cdm & 1, upstream & 1, self._zeros >= ZEROS
+        cdm, upstream, ready = int(cdm & 1), int(upstream & 1), self._zeros >= ZEROS
         self._zeros = 0 if cdm else self._zeros + 1
         if self._zeros >= ZEROS:
             return self._leaves(upstream)

@@ -49,6 +49,7 @@ from ._codec import (
     crc_by_xor,
     crc_of_bits,
     from_gray,
+    made,
     signed,
     text_number,
     to_gray,
@@ -390,7 +391,7 @@ class Variant:
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is a number where bytes are needed, or the other way round.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
         """
         if self.interface is _SSI:
             return SsiWord.decode(frame, self, bits=bits)
@@ -543,7 +544,7 @@ def _remainder_biss_6_33(word: int) -> int:
 
 
 class DataId(IntEnum):
-    """What is asked for."""
+    """What the request asks for; a reply repeats it."""
 
     POSITION = 4
     """24-bit position and error code."""
@@ -701,11 +702,12 @@ class SsiWord(NamedTuple):
             raise too_long(word, variant.position_bits + 1)
         if variant.ssi_gray:
             word = from_gray(word, 1, variant.position_bits)
-        return cls(
+        values = (
             variant,
             word >> 1,
             not word & 0x01,
         )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant.
@@ -887,12 +889,13 @@ class SingleCycleData(NamedTuple):
             word = from_gray(word, 8, variant.scd_value_bits)
         if word >> (variant.scd_value_bits + 8):
             raise ConstantError("padding", word >> (variant.scd_value_bits + 8), 0)
-        return cls(
+        values = (
             variant,
             word >> 8 & ((1 << variant.scd_value_bits) - 1),
             not word & 0x80,
             not word & 0x40,
         )
+        return made(cls, values)
 
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
@@ -1009,7 +1012,7 @@ class DataRequest(NamedTuple):
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        data_id: What is asked for.
+        data_id: What the request asks for; a reply repeats it.
     """
 
     data_id: DataId
@@ -1033,7 +1036,10 @@ class DataRequest(NamedTuple):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
         if (data_id := data[0] >> 3 & 0xF) not in (4, 5, 0xA, 0xB, 0xF):
             raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
-        return cls(DataId(data_id))
+        values = (
+            DataId(data_id),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1085,7 +1091,7 @@ class PositionReply(NamedTuple):
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        data_id: What is asked for.
+        data_id: What the request asks for; a reply repeats it.
         status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
             position is right; False: no encoder alarm; high active. Not stored; cleared as soon as the cause is gone.
         status_error: True: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
@@ -1149,7 +1155,7 @@ class PositionReply(NamedTuple):
             raise ConstantError("position_padding", position >> variant.rs485_position_bits, 0)
         if (data_id := data[0] >> 3 & 0xF) not in (4, 0xB, 0xF):
             raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
-        return cls(
+        values = (
             variant,
             DataId(data_id),
             bool(data[1] & 0x10),
@@ -1164,6 +1170,7 @@ class PositionReply(NamedTuple):
             bool(data[5] & 0x40),
             bool(data[5] & 0x80),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1265,7 +1272,7 @@ class WidePositionReply(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.WIDE_POSITION
 
     @classmethod
@@ -1295,11 +1302,12 @@ class WidePositionReply(NamedTuple):
             raise ConstantError("status_zero", data[1] >> 6, 0)
         if (data[0] >> 3 & 0xF) != 5:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "5h")
-        return cls(
+        values = (
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             signed(int.from_bytes(data[2:8], "little"), 48),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1384,7 +1392,7 @@ class IdentificationReply(NamedTuple):
 
     @property
     def data_id(self) -> DataId:
-        """What is asked for."""
+        """What the request asks for; a reply repeats it."""
         return DataId.IDENTIFICATION
 
     @classmethod
@@ -1424,7 +1432,7 @@ class IdentificationReply(NamedTuple):
             raise ConstantError("encoder_id_2", data[6], 0)
         if (data[0] >> 3 & 0xF) != 0xA:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "Ah")
-        return cls(
+        values = (
             variant,
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
@@ -1438,6 +1446,7 @@ class IdentificationReply(NamedTuple):
             bool(data[7] & 0x40),
             bool(data[7] & 0x80),
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1649,7 +1658,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -1676,7 +1685,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -1807,7 +1816,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -1874,7 +1883,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="What is asked for",
+                meaning="What the request asks for; a reply repeats it",
                 source=(
                     "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -2297,7 +2306,11 @@ class ProfileId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls(variant, data[0] << 8 | data[1])
+        values = (
+            variant,
+            data[0] << 8 | data[1],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2348,11 +2361,12 @@ class SerialNumber(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return cls(
+        values = (
             data[0],
             data[1],
             data[2] << 8 | data[3],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2463,12 +2477,13 @@ class Configuration(NamedTuple):
         output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
         enable_preset_offset = choice(EnablePresetOffset, "enable_preset_offset", data[0] >> 2 & 0x1)
         select_preset_offset = choice(SelectPresetOffset, "select_preset_offset", data[0] >> 1 & 0x1)
-        return cls(
+        values = (
             counting_direction,
             output_code,
             enable_preset_offset,
             select_preset_offset,
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2539,7 +2554,11 @@ class AbsoluteResolution(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(variant, data[0])
+        values = (
+            variant,
+            data[0],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2601,7 +2620,10 @@ class PresetOffset(NamedTuple):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return cls(int.from_bytes(data, "big"))
+        values = (
+            int.from_bytes(data, "big"),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2666,7 +2688,10 @@ class DeviceType(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(data[0])
+        values = (
+            data[0],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2713,7 +2738,10 @@ class SineCosineResolution(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(data[0])
+        values = (
+            data[0],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2760,7 +2788,10 @@ class PositionCheck(NamedTuple):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return cls(data[0])
+        values = (
+            data[0],
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2812,10 +2843,11 @@ class DeviceId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return cls(
+        values = (
             data[0:4].decode("ascii", "replace"),
             data[4] << 8 | data[5],
         )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -2866,7 +2898,10 @@ class ManufacturerId(NamedTuple):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return cls(data[0:2].decode("ascii", "replace"))
+        values = (
+            data[0:2].decode("ascii", "replace"),
+        )
+        return made(cls, values)
 
     def encode(self) -> bytes:
         """The bytes.

@@ -712,7 +712,7 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
 /* Execution after the tenth request with data ID 8, EEPROM writing included [7.4.2] */
 #define LIKA_AMM5_RS485_DATA_RESET_AT_MOST_US 18000U
 
-/* Data ID: What is asked for */
+/* Data ID: What the request asks for; a reply repeats it */
 typedef enum lika_amm5_data_id {
     LIKA_AMM5_DATA_ID_SINGLETURN = 0x0, /* Data ID 0: Singleturn position [7.3.1 p.42] */
     LIKA_AMM5_DATA_ID_MULTITURN = 0x1, /* Data ID 1: Multiturn data [7.3.1 p.42] */

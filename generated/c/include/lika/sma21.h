@@ -753,7 +753,7 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
 /* Between the ten requests of a reset [7.3.3.2 p.41] */
 #define LIKA_SMA21_RS485_RESET_INTERVAL_AT_LEAST_US 40U
 
-/* cc0 ... cc3: What is asked for */
+/* cc0 ... cc3: What the request asks for; a reply repeats it */
 typedef enum lika_sma21_data_id {
     /* Data ID 4: 24-bit position and error code [7.3.1 p.38; 7.3.3 p.39] */
     LIKA_SMA21_DATA_ID_POSITION = 0x4,
