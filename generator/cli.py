@@ -1,19 +1,18 @@
 """The command line: arguments in, text and exit code out.
 
-Exit codes: 0 done; 1 problems in the input, a difference found, a frame with a fault, or a register that holds another value than the
-encoder's; 2 wrong usage, unknown order code, or a frame that cannot be read; 3 a sound frame whose position is not usable. Of several frames
-the worst decides: 2, then 1, then 3.
+Exit codes: 0 done; 1 problems in the input, a difference found, a frame with a fault, or a register that holds another
+value than this encoder's; 2 wrong usage, unknown order code, or a frame that cannot be read; 3 a sound frame whose
+position is not usable. Of several frames the worst decides: 2, then 1, then 3.
 """
 
 from __future__ import annotations
 
 import argparse
-import io
 import json
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     from .model import Device
     from .order_codes import Match
 
-#: Of several frames the worst decides: text that is no frame, a fault, a position that is not usable.
-_WORST_FIRST = (2, 1, 3)
 _DESCRIPTION = "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."
 JSON_VERSION = 1
 
@@ -89,8 +86,11 @@ def _parser() -> argparse.ArgumentParser:
     decode = commands.add_parser(
         "decode",
         help="name every bit of a frame",
-        description="Name every bit of a frame, and check its CRC.",
-        epilog="FRAME is hex bytes for RS-485; for SSI and BiSS one number, first bit sent most significant: 0b... with every digit, or 0x...",
+        description="Name every bit of a frame, check its CRC, and say what the encoder reports.",
+        epilog="FRAME is hex bytes for RS-485; for SSI and BiSS one number, first bit sent most significant: 0b... with every digit, "
+        "0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 done; 1 a frame with a "
+        "fault, or a register that holds another value than this encoder's; 2 wrong usage, or text that is no frame; 3 a sound frame "
+        "whose position is not usable. Of several frames the worst decides: 2, 1, 3.",
     )
     decode.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     decode.add_argument("frame", nargs="+", metavar="FRAME", help="the frame, in one or several arguments; - reads one frame a line")
@@ -374,64 +374,24 @@ def _master(chosen: argparse.Namespace) -> int:
 
 
 def _decode(chosen: argparse.Namespace) -> int:
-    from .decode import decode_register_text, decode_text, decoded_data, explain, why_text
-    from .findings import compare_held, findings, fixed_addresses
-    from .frame_text import FrameTextError
+    from .decode_run import Decoding, Request, frames
+    from .findings import compare_held, fixed_addresses
     from .run_time import RegisterError, with_registers
 
+    if chosen.frame == ["-"] and sys.stdin is None:
+        raise Stop("standard input is closed, so there is no frame to read", 2)
     device, match = _find(_load(chosen.specs), chosen.order_code)
     held, fixed = _held(chosen.register), fixed_addresses(device, match.variant)
+    changing = {address: value for address, value in held.items() if address not in fixed}
     try:
-        changing = {address: value for address, value in held.items() if address not in fixed}
         match = replace(match, variant=with_registers(device, match.variant, changing))
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     others = compare_held(device, match.variant, held)
-    codes = {1} if others else set()
-    first = True
-    for number, text in _frames(chosen.frame):
-        try:
-            if chosen.register_name is not None:
-                decoded, why = decode_register_text(device, match.variant, chosen.register_name, text), None
-            else:
-                decoded = decode_text(device, match.variant, chosen.sender, text, chosen.layout)
-                why = why_text(device, match.variant, chosen.sender, text, decoded)
-        except (FrameTextError, RegisterError) as error:
-            print(f"codewheel: {f'line {number}: ' if number is not None else ''}{error}", file=sys.stderr)
-            codes.add(2)
-            continue
-        said = findings(device, match.variant, decoded)
-        said = replace(said, differences=(*others, *said.differences))
-        codes.add(1 if decoded.problems or any(item.of_register for item in said.differences) else 3 if said.verdict == "not_usable" else 0)
-        if chosen.json:
-            # One object a line for a stream of frames, so that a reader need not wait for the end.
-            data = decoded_data(match.variant, chosen.sender, decoded, said, why, number)
-            made = json.dumps(data, indent=2 if number is None else None, ensure_ascii=False)
-        else:
-            made = ("" if first else "\n") + explain(device, match, chosen.sender, decoded, said, why, number)
-        first = False
-        try:
-            print(made, flush=number is not None)
-        except BrokenPipeError:
-            _nobody_reads()
-            break
-    return next((code for code in _WORST_FIRST if code in codes), 0)
-
-
-def _frames(given: Sequence[str]) -> Iterator[tuple[int | None, str]]:
-    """The frame that the arguments make up; or those of standard input, each with its line number, without comments and empty lines.
-
-    Raises:
-        Stop: There is no standard input; exit code 2.
-    """
-    if list(given) != ["-"]:
-        yield None, " ".join(given)
-        return
-    if sys.stdin is None:
-        raise Stop("standard input is closed, so there is no frame to read", 2)
-    if isinstance(sys.stdin, io.TextIOWrapper):
-        sys.stdin.reconfigure(errors="replace")
-    for number, line in enumerate(sys.stdin, 1):
-        text = line.partition("#")[0].strip()
-        if text:
-            yield number, text
+    asked = Request(device, match, chosen.sender, chosen.layout, chosen.register_name, chosen.json, others)
+    decoding = Decoding(asked)
+    try:
+        decoding.run(frames(chosen.frame))
+    except BrokenPipeError:
+        _nobody_reads()
+    return decoding.code

@@ -12,7 +12,7 @@ from .order_codes import Match
 from .relevant import parameters_of
 from .render import wrapped
 from .run_time import decode_register
-from .why import Explanation, Why, explain_bits, explain_bytes
+from .why import Explanation, Why, explain_bits, explain_bytes, explain_constant
 from .words import WORTH, sentence
 
 VERSION = 1
@@ -64,17 +64,26 @@ def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decod
 
 
 def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
-    """What would explain the frame that ``text`` writes, if its CRC or its length is wrong; ``decoded`` is what ``decode_text`` made of it."""
+    """What would explain the frame that ``text`` writes, if its CRC, length or a constant is wrong.
+
+    ``decoded`` is what ``decode_text`` made of it.
+    """
     placed = decoded.layout
-    if placed is not None and not any(item.kind in ("crc", "length") for item in decoded.problems):
-        return None
+    wrong = {item.kind for item in decoded.problems}
     if placed is not None and placed.layout.carried_as == "bits":
-        return explain_bits(device, variant, placed, frame_number(placed, text.strip()))
+        given = frame_number(placed, text.strip())
+        if wrong & {"crc", "length"}:
+            return explain_bits(device, variant, placed, given)
+        return explain_constant(device, variant, placed, given) if "constant" in wrong else None
+    if placed is not None and not wrong & {"crc", "length"}:
+        return None
     return explain_bytes(device, variant, sender, placed, frame_bytes(text.strip()))
 
 
-def decoded_data(variant: Variant, sender: str, decoded: codec.Decoded, said: Findings, why: Why | None = None, line: int | None = None) -> dict[str, Any]:
-    """The result as plain data, in the shape of ``decode.schema.json``; ``line`` is that of standard input, if the frame came from there."""
+def decoded_data(
+    variant: Variant, sender: str, decoded: codec.Decoded, said: Findings, why: Why | None = None, line: int | None = None
+) -> dict[str, Any]:
+    """The result as plain data, in the shape of ``decode.schema.json``; ``line`` is that of standard input, if any."""
     return {
         "version": VERSION,
         "line": line,
@@ -84,14 +93,22 @@ def decoded_data(variant: Variant, sender: str, decoded: codec.Decoded, said: Fi
         "fields": [{"name": item.name, "raw": item.raw, "value": item.value, "unit": item.unit or None, "meaning": item.meaning} for item in decoded.fields],
         "crc": {"received": decoded.crc.received, "computed": decoded.crc.computed, "ok": decoded.crc.ok} if decoded.crc is not None else None,
         "problems": [{"kind": item.kind, "field": item.field or None, "message": item.message} for item in decoded.problems],
-        "reports": [
-            {"field": item.field, "meaning": item.meaning, "remedy": item.remedy or None, "makes_position": item.makes_position or None} for item in said.reports
-        ],
+        "reports": [_report_data(item) for item in said.reports],
         "verdict": said.verdict or None,
         "differences": [
-            {"field": item.field, "found": item.found, "documented": item.documented, "message": item.message} for item in said.differences
+            {"field": item.field, "found": item.found, "documented": item.documented, "message": item.message}
+            for item in said.differences
         ],
         "why": _why_data(why) if why is not None else None,
+    }
+
+
+def _report_data(report: Report) -> dict[str, Any]:
+    return {
+        "field": report.field,
+        "meaning": report.meaning,
+        "remedy": report.remedy or None,
+        "makes_position": report.makes_position or None,
     }
 
 
@@ -108,7 +125,8 @@ def _why_data(why: Why) -> dict[str, Any]:
 
 
 def explain(
-    device: Device, match: Match, sender: str, decoded: codec.Decoded, said: Findings = Findings(), why: Why | None = None, line: int | None = None
+    device: Device, match: Match, sender: str, decoded: codec.Decoded, said: Findings = Findings(), why: Why | None = None,
+    line: int | None = None,
 ) -> str:
     """The result for a person, at most 80 columns wide."""
     variant = match.variant
@@ -132,7 +150,7 @@ def explain(
     if decoded.fields:
         lines += ["", *_table(decoded)]
         # An angle in degrees looks too good for a position that is not to be used.
-        measured = _measured(device, variant, decoded) if is_frame and not decoded.problems and said.verdict not in ("", "not_usable") else ""
+        measured = _measured(device, variant, decoded) if said.verdict not in ("", "not_usable") else ""
         lines += ["", measured] if measured else []
     crc = decoded.crc
     if crc is not None:
@@ -155,17 +173,16 @@ def _last_words(decoded: codec.Decoded, said: Findings) -> list[str]:
     if said.reports:
         lines = ["the encoder reports:", *(wrapped(_reported(item), 80, " " * 6, "  - ") for item in said.reports)]
         return [*lines, f"so {WORTH[said.verdict]}"] if said.verdict else lines
-    if decoded.layout is not None and decoded.layout.layout.sender and decoded.crc is None:
-        unchecked = ["this frame carries no CRC"]
-    else:
-        unchecked = []
-    unchecked += [WORTH["not_told"]] if said.verdict == "not_told" else []
-    return [wrapped("; ".join(["no other fault" if said.differences else "no fault", *unchecked]), 80, "  ", "")]
+    is_frame = decoded.layout is not None and decoded.layout.layout.sender != ""
+    words = ["no other fault" if said.differences else "no fault"]
+    words += ["this frame carries no CRC"] if is_frame and decoded.crc is None else []
+    words += [WORTH["not_told"]] if said.verdict == "not_told" else []
+    return [wrapped("; ".join(words), 80, "  ", "")]
 
 
 def _reported(report: Report) -> str:
     name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
-    return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}".rstrip() if report.remedy else f"{name}: {report.meaning}"
+    return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}" if report.remedy else f"{name}: {report.meaning}"
 
 
 def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
@@ -175,14 +192,13 @@ def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
         return ""
     name = measurement.of
     if name not in decoded.values:
-        joins = (join for layout in device.interface(variant.interface).layouts for join in layout.joins if join.name == name)
-        name = next((join.fields[-1] for join in joins), name)
+        joins = [join for layout in device.interface(variant.interface).layouts for join in layout.joins]
+        name = next((join.fields[-1] for join in joins if join.name == name), name)
     value = decoded.values.get(name)
     if not isinstance(value, int):
         return ""
-    step, per_turn, turns = (
-        item.value(variant.parameters) if item is not None else 0 for item in (measurement.step_um, measurement.steps_per_turn, measurement.turns)
-    )
+    terms = (measurement.step_um, measurement.steps_per_turn, measurement.turns)
+    step, per_turn, turns = (item.value(variant.parameters) if item is not None else 0 for item in terms)
     if step:
         return f"{name}: {value * step:,} µm"
     if per_turn < 1:

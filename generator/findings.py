@@ -1,6 +1,6 @@
-"""What a decoded frame or register says of the encoder: what it reports, what its position is worth, and where it is not as documented.
+"""What a frame or register says of the encoder: what it reports, what its position is worth, what is not as documented.
 
-A sound frame is not yet a usable position: an encoder with an error, or one that is busy, sends frames with a right CRC too.
+A sound frame is not yet a usable position: an encoder with an error, or a busy one, sends frames with a right CRC too.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _WORST_FIRST = ("not_usable", "usable_with_warning", "usable")
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """An active flag. ``makes_position`` is the word of the spec, or empty where the flag stands in no frame with a position."""
+    """An active flag; ``makes_position`` is the word of the spec, or empty where the flag comes with no position."""
 
     field: str
     printed_name: str
@@ -30,7 +30,7 @@ class Report:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A value that is another one than the manual has; ``of_register`` says that it is a register's, by which encoders are known."""
+    """A value that is another one than the manual has; ``of_register`` says that it is a register's."""
 
     field: str
     found: int | str
@@ -41,7 +41,10 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What a frame or register says. ``verdict`` is a word of the spec language, ``not_told``, or empty: no position, or no sound frame."""
+    """What a frame or register says.
+
+    ``verdict`` is a word of the spec language or ``not_told``; empty where there is no position or no sound frame.
+    """
 
     reports: tuple[Report, ...] = ()
     verdict: str = ""
@@ -68,16 +71,22 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
 
 def _alarm(device: Device, field: Field, register: str) -> Alarm | None:
     """What the manual says of the flag among its alarms."""
-    found = (item for item in device.alarms if item.field == field.name)
-    return next((item for item in found if (item.register == register if register else item.group == field.group != "")), None)
+    for item in device.alarms:
+        here = item.register == register if register else bool(item.group) and item.group == field.group
+        if here and item.field == field.name:
+            return item
+    return None
 
 
 def _report(field: Field, alarm: Alarm | None) -> Report:
-    texts = [text for text in (field.when_active, field.meaning) if text] or [alarm.meaning if alarm is not None and alarm.meaning else "active"]
+    texts = [text for text in (field.when_active, field.meaning) if text]
+    if not texts:
+        texts = [alarm.meaning if alarm is not None and alarm.meaning else "active"]
     meaning = texts[0] if len(texts) == 1 else " ".join(map(sentence, texts))
     if not field.implemented:
         meaning = "active, although the manual says that this encoder does not have it"
-    return Report(field.name, field.printed_name, meaning, alarm.remedy if alarm is not None else "", field.makes_position)
+    remedy = alarm.remedy if alarm is not None else ""
+    return Report(field.name, field.printed_name, meaning, remedy, field.makes_position)
 
 
 def _verdict(device: Device, variant: Variant, decoded: Decoded, flags: list[Field], active: list[Field]) -> str:
@@ -93,7 +102,9 @@ def _verdict(device: Device, variant: Variant, decoded: Decoded, flags: list[Fie
     return next((word for word in _WORST_FIRST if word in speaking), "usable")
 
 
-def _differences(variant: Variant, decoded: Decoded, values: Mapping[str, DecodedField], of_register: bool) -> Iterator[Difference]:
+def _differences(
+    variant: Variant, decoded: Decoded, values: Mapping[str, DecodedField], of_register: bool
+) -> Iterator[Difference]:
     assert decoded.layout is not None
     for item in decoded.layout.fields:
         documented = _documented(item.field, variant)
@@ -102,12 +113,15 @@ def _differences(variant: Variant, decoded: Decoded, values: Mapping[str, Decode
         found = values[item.name].value if isinstance(documented, str) else values[item.name].raw
         if found != documented:
             name = item.field.printed_name or item.name
-            yield Difference(item.name, found, documented, _message(name, variant, found, documented, of_register), of_register)
+            message = _message(name, variant, found, documented, of_register)
+            yield Difference(item.name, found, documented, message, of_register)
 
 
 def _message(name: str, variant: Variant, found: int | str, documented: int | str, of_register: bool) -> str:
     has, wanted = _shown(found), _shown(documented)
-    return f"{name}: the register holds {has}, {variant.code} has {wanted}" if of_register else f"{name} is {has}, the manual has {wanted}"
+    if of_register:
+        return f"{name}: the register holds {has}, {variant.code} has {wanted}"
+    return f"{name} is {has}, the manual has {wanted}"
 
 
 def _shown(value: int | str) -> str:
@@ -119,36 +133,40 @@ def _documented(field: Field, variant: Variant) -> int | str | None:
 
 
 def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
-    """The registers by which this order code is known; those of a bank share their addresses with others and are left out."""
-    names = {register.name for register, _ in device.identity}
-    return (item for item in device.registers if item.name in names and item.interface == variant.interface and item.bank is None)
+    """The registers by which this order code is known, but for those of a bank: others have their addresses too."""
+    names = {register.name for register, _ in device.identity if register.bank is None}
+    return (item for item in device.registers if item.name in names and item.interface == variant.interface)
 
 
 def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
     """The addresses of the registers by which this order code is known."""
-    return frozenset(address for register in _fixed(device, variant) for address in range(register.address, register.address + register.length))
+    registers = _fixed(device, variant)
+    return frozenset(address for item in registers for address in range(item.address, item.last_address + 1))
 
 
 def compare_held(device: Device, variant: Variant, held: Mapping[int, int]) -> tuple[Difference, ...]:
-    """Where registers hold other bytes than those by which this order code is known; registers that are not in ``held`` say nothing."""
+    """Where registers hold other bytes than this order code has; of addresses not in ``held`` nothing is known."""
     return tuple(item for register in _fixed(device, variant) for item in _compare_register(variant, register, held))
 
 
 def _compare_register(variant: Variant, register: Register, held: Mapping[int, int]) -> Iterator[Difference]:
     placed = register.layout.place(variant.parameters)
-    addresses = range(register.address, register.address + register.length)
+    addresses = range(register.address, register.last_address + 1)
     number = number_from_bytes(register.layout, bytes(held.get(address, 0) for address in addresses))
     given = number_from_bytes(register.layout, bytes(0xFF * (address in held) for address in addresses))
     for item in placed.fields:
         documented = _documented(item.field, variant)
         if documented is None:
             continue
-        wanted = int.from_bytes(documented.encode("ascii", "replace"), "big") if isinstance(documented, str) else documented
+        wanted = documented
+        if isinstance(wanted, str):
+            wanted = int.from_bytes(wanted.encode("ascii", "replace"), "big")
         known = given >> item.low & item.mask
         found = number >> item.low & known
         if found != wanted & known:
             where = f"{register.name}.{item.name}" if len(placed.fields) > 1 else register.name
-            wrong = f"{where}: what is given of it is {_digits(found, known, item)}, {variant.code} has {_digits(wanted, known, item)}"
+            given_digits, wanted_digits = _digits(found, known, item), _digits(wanted, known, item)
+            wrong = f"{where}: what is given of it is {given_digits}, {variant.code} has {wanted_digits}"
             if known == item.mask:
                 wrong = f"{where}: the register holds {found:#04x}, {variant.code} has {wanted:#04x}"
             yield Difference(where, found, wanted, wrong, True)
@@ -156,5 +174,5 @@ def _compare_register(variant: Variant, register: Register, held: Mapping[int, i
 
 def _digits(value: int, known: int, item: PlacedField) -> str:
     """The hex digits of a field, with dots for those of which nothing is known."""
-    count = (item.width + 3) // 4
-    return "".join(f"{value >> 4 * place & 15:X}" if known >> 4 * place & 15 else "." for place in reversed(range(count))) + "h"
+    shifts = range((item.width - 1) // 4 * 4, -1, -4)
+    return "".join(f"{value >> shift & 15:X}" if known >> shift & 15 else "." for shift in shifts) + "h"

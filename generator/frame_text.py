@@ -1,4 +1,4 @@
-"""The text that a person types for a frame, as bytes or as one number. Where it can be read in two ways it is refused, never guessed."""
+"""The text that a person types for a frame, as bytes or as a number. What can be read in two ways is refused, not guessed."""
 
 from __future__ import annotations
 
@@ -25,8 +25,10 @@ def checked(text: str) -> str:
         FrameTextError: There is nothing left, or more than any frame can be.
     """
     text = text.strip()
-    if not text or len(text) > _LONGEST_TEXT:
-        raise FrameTextError("there is nothing to decode" if not text else "this is longer than any frame or register can be")
+    if not text:
+        raise FrameTextError("there is nothing to decode")
+    if len(text) > _LONGEST_TEXT:
+        raise FrameTextError("this is longer than any frame or register can be")
     return text
 
 
@@ -48,7 +50,8 @@ def frame_bytes(text: str) -> bytes:
         elif len(digits) == 1:
             raise FrameTextError(f"{shown} is one hex digit, and a byte has two; write 0{digits} if it is a byte")
         elif len(digits) % 2:
-            raise FrameTextError(f"{shown} has an odd number of hex digits, and a byte has two: a digit is missing or one too many")
+            wrong = f"{shown} has an odd number of hex digits, and a byte has two: a digit is missing or one too many"
+            raise FrameTextError(wrong)
         data += bytes.fromhex(digits)
     if not data:
         raise FrameTextError("there is nothing to decode")
@@ -56,7 +59,7 @@ def frame_bytes(text: str) -> bytes:
 
 
 def frame_number(placed: PlacedLayout, text: str) -> BitText:
-    """One number: ``0b`` with every digit, ``0x``, or two or more hex bytes, of which the first may begin with zeros that are not sent.
+    """One number: ``0b`` with every digit, or ``0x`` or two or more hex bytes, which imply zeros in front.
 
     Raises:
         FrameTextError: It is none of these.
@@ -73,8 +76,8 @@ def frame_number(placed: PlacedLayout, text: str) -> BitText:
     if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact):
         number = int(compact, 16)
         return BitText(number, number.bit_length(), exact=False)
-    shown = quoted(visible(text))
     how = f"write 0b and all {placed.bits} bits, first sent first, or 0x and hex digits"
-    if re.fullmatch(r"[0-9A-Fa-f]+", compact):
-        how = f"write 0x{compact} if it is hex" + (f", 0b{compact} if it is bits" if not set(compact) - set("01") else "") if len(compact) <= 40 else how
-    raise FrameTextError(f"{shown} is no frame of {placed.bits} bits; {how}")
+    if len(pieces) == 1 and re.fullmatch(r"[0-9A-Fa-f]{1,40}", compact):
+        how = f"write 0x{compact} if it is hex"
+        how += f", 0b{compact} if it is bits" if not set(compact) - set("01") else ""
+    raise FrameTextError(f"{quoted(visible(text))} is no frame of {placed.bits} bits; {how}")

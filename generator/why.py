@@ -15,7 +15,7 @@ from .model import Crc, Device, PlacedLayout, Variant
 from .why_bits import BitText
 from .why_tries import MISTAKES, Try
 
-__all__ = ["BitText", "Explanation", "Why", "explain_bits", "explain_bytes"]
+__all__ = ["BitText", "Explanation", "Why", "explain_bits", "explain_bytes", "explain_constant"]
 
 #: A mistake that more than one random frame in eight fits explains nothing.
 _LEAST_BITS = 3
@@ -60,6 +60,16 @@ def explain_bits(device: Device, variant: Variant, placed: PlacedLayout, text: B
     crc = device.crc(field.crc)
     stuck = _stuck(text.number, placed.bits) if not text.exact or text.bits == placed.bits else None
     return _why(device, stuck, why_bits.tries(device, variant, placed, crc, text), _known_to_fail(placed, crc, text), (crc,))
+
+
+def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
+    """That a constant is not sent, for a frame whose CRC fits and whose constant does not; None where it is not so."""
+    field = placed.layout.crc_field
+    if field is None:
+        return None
+    crc = device.crc(field.crc)
+    fitting = [item for item in why_bits.without_constant(device, variant, placed, crc, text) if item.fits]
+    return _why(device, None, fitting, (), (crc,)) if fitting else None
 
 
 def explain_bytes(device: Device, variant: Variant, sender: str, placed: PlacedLayout | None, data: bytes) -> Why | None:

@@ -87,6 +87,7 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     for length in sorted(lengths, reverse=True):
         yield from (_slipped(placed, crc, slip, text.number, length) for slip in SLIPS if slip.longer == length - expected)
     yield from _without_status(placed, crc, text)
+    yield from without_constant(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
     yield from _bytes_reversed(placed, crc, text)
     yield from _other_codes(device, variant, placed, crc, text)
@@ -174,6 +175,30 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
     if text.exact:  # else it asks the same as a CRC over the bits before them
         words += "; the CRC is over the rest"
         yield Try("status_not_sent", words, crc, data, bits, received, crc.width, usual=usual(placed, frame), number=frame, placed=placed)
+
+
+def without_constant(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """A constant between two fields is not sent, where the manual leaves that open; read to its end, or a bit too long."""
+    status = [item.name for item in status_fields(placed.layout)]
+    for item in placed.fields:
+        path = f"interfaces.{variant.interface}.{placed.name}.{item.name}"
+        is_between = crc.width <= item.low and item.high < placed.bits - 1
+        if item.field.kind != "constant" or item.name in status or not is_between:
+            continue
+        if all(erratum.status != "open" for erratum in device.errata_for(path)):
+            continue
+        short = placed.bits - item.width
+        for more in (0, 1):
+            if text.bits != short + more if text.exact else text.bits > short + more:
+                continue
+            sent = text.number >> more
+            above, below = sent >> item.low, sent & ((1 << item.low) - 1)
+            whole = (above << item.width | item.field.constant) << item.low | below
+            words = f"'{item.name}' is not sent: {short} bits, as the manual leaves it open"
+            yield Try(
+                "constant_not_sent", f"{words}, read a bit too long" if more else words, crc, sent >> crc.width, short - crc.width,
+                sent & crc.mask, crc.width, usual=usual(placed, whole), number=whole, placed=placed,
+            )
 
 
 def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:

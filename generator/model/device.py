@@ -424,11 +424,11 @@ class Device:
         return next((value.supply for value in values if value.supply is not None), None)
 
     def position_names(self, interface: str) -> frozenset[str]:
-        """The fields and joins that are the position over this interface or a part of it: what is measured, else those named ``position``."""
+        """The fields and joins that are the position or a part of it: what is measured, else those named ``position``."""
         measurement = self.measurement_of(interface)
         of = measurement.of if measurement is not None else "position"
-        joins = (join.fields for layout in self.interface(interface).layouts for join in layout.joins if join.name == of)
-        return frozenset({of}.union(*joins))
+        joins = (join for layout in self.interface(interface).layouts for join in layout.joins)
+        return frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
 
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)

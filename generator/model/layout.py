@@ -90,8 +90,8 @@ class Field:
 
     ``kind`` is one of: ``number``, ``flag`` (true when active), ``choice`` (one of ``values``), ``constant``, ``crc``, ``parity``,
     ``digits``, ``text``. ``padding_of`` names the field for whose sake a constant zero field exists; the two together fill
-    ``container`` bits from the field's low end. ``makes_position`` says of a flag what the position in the same frame is worth while the flag is
-    active, ``sums_up`` which flags it is the sum of. ``pieces`` is empty unless the layout is carried as bytes and the container lies at a fixed place.
+    ``container`` bits from the field's low end. ``makes_position`` says of a flag what the position in the same frame is worth
+    while the flag is active, ``sums_up`` which flags it is the sum of. ``pieces`` is empty unless the layout is carried as bytes and the container lies at a fixed place.
     """
 
     name: str

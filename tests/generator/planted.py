@@ -122,6 +122,15 @@ def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "none active")
 
 
+def constant_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+    """The 0 bit below the position is not sent, as a public driver reads it: 33 bits instead of 34 at 25 bits; or the reader clocks once more."""
+    if encoder.below:
+        position, flags = parts(encoder, source)
+        data = position[: -encoder.below] + flags
+        yield _plant(encoder, data + crc(data), "constant_not_sent", "leaves it open")
+        yield _plant(encoder, data + crc(data) + "0", "constant_not_sent", "too long")
+
+
 def status_turned(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     position, flags = parts(encoder, source)
     yield _plant(encoder, position + flipped(flags) + crc(position + flags), "status_turned")
@@ -240,11 +249,11 @@ def polynomial_reversed(encoder: Encoder, source: random.Random) -> Iterator[Pla
     yield _plant(encoder, data + crc(data, 0b1100001), "polynomial_reversed")
 
 
-#: By what the planting does; the last three are not in every master's way, but cheap to try.
+#: By what the planting does; the three before the last are not in every master's way, but cheap to try.
 MISTAKES: tuple[Maker, ...] = (
     not_inverted, status_left_out, status_not_sent, status_turned, read_late, first_bit_missing, read_early, bit_in_front, start_and_cds_in_front,
     bit_behind, last_bit_missing, start_in_crc, other_code, other_polynomial, other_polynomial_in_6_bits, other_order_code, other_order_code_read_on,
-    all_inverted, bits_reversed, bytes_reversed, crc_reversed, start_value, polynomial_reversed,
+    all_inverted, bits_reversed, bytes_reversed, crc_reversed, start_value, polynomial_reversed, constant_not_sent,
 )
 
 

@@ -73,7 +73,8 @@ def test_sound_frames_need_no_explanation(devices: Mapping[str, Device]) -> None
 
 
 #: The part of the planted frames where the mistake comes first, at least; docs/why-a-crc-fails.md says how many there are in a longer run, and why not all.
-FIRST = {"read_late": 0.6, "first_bit_missing": 0.6, "read_early": 0.6, "crc_reversed": 0.5, "polynomial_reversed": 0.5, "other_polynomial_in_6_bits": 0.7}
+FIRST = {"read_late": 0.6, "first_bit_missing": 0.6, "read_early": 0.6, "crc_reversed": 0.5, "polynomial_reversed": 0.5, "other_polynomial_in_6_bits": 0.7,
+         "constant_not_sent": 0.4}
 
 
 @pytest.mark.parametrize("maker", MISTAKES, ids=lambda maker: maker.__name__)
@@ -178,6 +179,19 @@ def test_what_follows_a_shorter_frame_is_0(decode: Run) -> None:
     for behind, expected in (("0000", True), ("0100", False), ("0001", False)):
         found = decode("AMM5A21/1SC1", f"0b{frame}{behind}")[1]["why"]["explanations"]
         assert ("AMM5A17/1SC1" in [code for item in found for code in item["order_codes"]]) is expected
+
+
+def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
+    """33 bits as a public driver reads them, 25 + nE + nW + 6. Position 1: remainder of 111b * x^6 is 001001b, as above, sent inverted."""
+    code, data = decode("ASC8525/SC1", "0b" + "0" * 24 + "1" + "11" + "110110")
+    best = data["why"]["explanations"][0]
+    assert code == 1 and best["kind"] == "constant_not_sent" and best["reads"] == {"position": 1} and "33 bits" in best["text"]
+    # The same with a clock more, as the manual has 34; and without its zeros, where 0x does not tell how many there are.
+    for frame in ("0b" + "0" * 24 + "1" + "11" + "110110" + "0", "0x1f6"):
+        assert ("constant_not_sent", {"position": 1}) in [(item["kind"], item["reads"]) for item in decode("ASC8525/SC1", frame)[1]["why"]["explanations"]]
+    # Where nothing is open, nothing is tried: AM36's constant bits are those for error and warning.
+    frame = "0b" + "0" * 24 + "1" + "11" + "110110"
+    assert all(item["kind"] != "constant_not_sent" for item in decode("AM3616/4096-I7", frame.ljust(45, "0"))[1]["why"]["explanations"])
 
 
 def test_an_echo_of_the_request(decode: Run) -> None:

@@ -1,0 +1,318 @@
+"""``codewheel decode`` as its users meet it: what the encoder reports, what is not as documented, frames from a file, slips of the hand.
+
+CRCs of BiSS are worked out on paper, modulo x^6 + x + 1 and inverted: for a position of 0, x^6 = 000011b is nW alone, x^7 = 000110b nE alone.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from planted import crc
+
+from codewheel.cli import main
+
+SPECS = Path(__file__).parents[1] / "specs"
+Capture = pytest.CaptureFixture[str]
+NO_ERROR, NO_WARNING, NEITHER = "10", "01", "11"
+CRCS = {"00": "111111", "01": "111100", "10": "111001", "11": "111010"}
+
+
+def decode(capsys: Capture, *arguments: str) -> tuple[int, dict[str, Any]]:
+    """Exit code and data; the data have the shape that their schema says."""
+    code = main(["decode", *arguments, "--json"])
+    data: dict[str, Any] = json.loads(capsys.readouterr().out)
+    schema = json.loads((resources.files("codewheel.spec") / "decode.schema.json").read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator(schema).validate(data)
+    return code, data
+
+
+def text(capsys: Capture, *arguments: str) -> tuple[int, str]:
+    code = main(["decode", *arguments])
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines()), default=0) <= 80
+    return code, " ".join(out.split())
+
+
+def refused(capsys: Capture, *arguments: str) -> str:
+    assert main(["decode", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == "" and captured.err.startswith("codewheel: ") and captured.err.count("\n") == 1
+    return captured.err.removeprefix("codewheel: ").strip()
+
+
+def reply(*data: int) -> str:
+    """A frame over RS-485, whose CRC is the XOR of its bytes."""
+    check = 0
+    for byte in data:
+        check ^= byte
+    return bytes([*data, check]).hex(" ")
+
+
+def names(data: dict[str, Any]) -> list[str]:
+    return [item["field"] for item in data["reports"]]
+
+
+# ------------------------------------------------------------------------------------------------------ what the encoder reports
+
+
+@pytest.mark.parametrize(
+    ("status", "reported", "verdict", "exit_code"),
+    [
+        ("11", [], "usable", 0),
+        ("10", ["warning"], "usable_with_warning", 0),
+        ("01", ["error"], "not_usable", 3),
+        ("00", ["error", "warning"], "not_usable", 3),
+    ],
+)
+@pytest.mark.parametrize(("encoder", "before"), [("AMM5A17/1SC1", 17), ("ASC8525/SC1", 26), ("SMA21-SC1-0050", 24)])
+def test_error_and_warning_over_biss(
+    capsys: Capture, encoder: str, before: int, status: str, reported: list[str], verdict: str, exit_code: int
+) -> None:
+    code, data = decode(capsys, encoder, "0b" + "0" * before + status + CRCS[status])
+    assert (code, names(data), data["verdict"], data["problems"]) == (exit_code, reported, verdict, [])
+
+
+def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
+    code, out = text(capsys, "AMM5A21/65KSC1", "0xf424316")
+    assert code == 3 and "no fault" not in out and "°" not in out
+    assert "the encoder reports: - error (Error, nE): error active in the system." in out and "- warning (Warning, nW): " in out
+    assert out.endswith("so the position is not usable")
+    code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
+    assert code == 0 and "no fault" not in out and out.endswith("so the position is usable, with a warning")
+    assert text(capsys, "AMM5A21/65KSC1", "0xf4243d3")[1].endswith("(x^6 + x + 1, sent inverted) no fault")
+
+
+@pytest.mark.parametrize(
+    ("status", "alarms", "reported", "verdict"),
+    [
+        (0x00, 0x00, [], "usable"),
+        (0x20, 0x80, ["status_other_error", "battery_alarm"], "usable_with_warning"),
+        (0x20, 0xC0, ["status_other_error", "mt_error", "battery_alarm"], "not_usable"),
+        (0x20, 0x20, ["status_other_error", "ps_error"], "not_usable"),
+        (0x20, 0x02, ["status_other_error", "busy"], "not_usable"),
+        (0x10, 0x04, ["status_st_error", "st_error"], "not_usable"),
+        (0x20, 0x00, ["status_other_error"], "not_usable"),  # a sum of nothing: taken at its word
+        (0x00, 0x80, ["battery_alarm"], "usable_with_warning"),
+    ],
+)
+def test_alarms_of_amm5(capsys: Capture, status: int, alarms: int, reported: list[str], verdict: str) -> None:
+    """Data ID 3, manual 7.3.2 and 7.4: EE_1 is the sum of BUSY, PS error, battery alarm and MT error, which stand in ALMC."""
+    code, data = decode(capsys, "AMM5A23/65KJP1", reply(0x1A, status, 1, 2, 3, 0x23, 4, 0, 0, alarms))
+    assert (names(data), data["verdict"], code) == (reported, verdict, 3 if verdict == "not_usable" else 0)
+
+
+def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
+    frame = reply(0x1A, 0x20, 0, 0, 0, 0x23, 0, 0, 0, 0x80)
+    (_, battery) = decode(capsys, "AMM5A23/65KJP1", frame)[1]["reports"]
+    assert battery["remedy"] == "Reset the error with data ID 7 or C" and battery["makes_position"] == "usable_with_warning"
+    assert "external battery below 3.15 V. Reset the error with data ID 7 or C." in text(capsys, "AMM5A23/65KJP1", frame)[1]
+
+
+@pytest.mark.parametrize(
+    ("status", "alarms", "reported", "verdict"),
+    [
+        (0x10, 0x80, ["status_alarm", "temperature_alarm"], "usable_with_warning"),
+        (0x20, 0x01, ["status_error", "overspeed"], "not_usable"),
+        (0x20, 0x02, ["status_error", "initialization_error"], "not_usable"),
+    ],
+)
+def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: list[str], verdict: str) -> None:
+    """Data ID 4, manual 7.3.2: ea0 warns though the position is right, ea1 is a fault."""
+    code, data = decode(capsys, "SMA21-JP1-0050", reply(0xA2, status, 123, 0, 0, alarms))
+    assert (names(data), data["verdict"], code) == (reported, verdict, 3 if verdict == "not_usable" else 0)
+    if alarms == 0x80:
+        assert "does not have it" in data["reports"][1]["meaning"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reported", "verdict"),
+    [
+        (("AMM5A17/1BG1", "0b" + "0" * 17), [], "not_told"),
+        (("AM3616/4096-I7", "0b" + "0" * 36 + "11" + CRCS["11"]), [], "not_told"),  # its nE and nW are always 1
+        (("AMM5A23/65KJP1", reply(0x92, 0x20, 0x23)), ["status_other_error"], None),  # the encoder ID, no position
+        (("AMM5A23/65KJP1", reply(0xEA, 0x03, 0x00)), ["mem_busy"], None),
+        (("AMM5A23/65KJP1", reply(0x8A, 0x00, 5, 0, 0)), [], "usable"),  # multiturn data are part of the position
+        (("AMM5A23/1JP1", reply(0x8A, 0x00, 0, 0, 0)), [], None),  # of which a singleturn encoder has none
+        (("AMM5A23/65KJP1", "--from", "master", "02"), [], None),
+        (("ASC8525/SC1", "--as", "status", "01"), [], None),  # position data valid: no alarm
+        (("ASC8525/SC1", "--as", "error_register", "01"), ["control_error"], None),
+    ],
+)
+def test_where_there_is_no_verdict(capsys: Capture, arguments: tuple[str, ...], reported: list[str], verdict: str | None) -> None:
+    code, data = decode(capsys, *arguments)
+    assert (code, names(data), data["verdict"]) == (0, reported, verdict)
+
+
+def test_ssi(capsys: Capture) -> None:
+    assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 17)[1].endswith(
+        "no fault; this frame carries no CRC; nothing in this frame tells whether the position is usable"
+    )
+    code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
+    assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
+
+
+def test_a_frame_with_a_fault_says_nothing_of_the_encoder(capsys: Capture) -> None:
+    code, data = decode(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "00" + "111110")
+    assert (code, data["reports"], data["verdict"]) == (1, [], None)
+
+
+# ------------------------------------------------------------------------------------------------------------ not as documented
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--as", "profile_id", "28 14"), "profile_id: the register holds 0x2814, SMA21-SC1-0010 has 0x2816"),
+        (("--as", "manufacturer_id", "4C 6A"), 'name: the register holds "Lj", SMA21-SC1-0010 has "Li"'),
+        (("--as", "device_id", "48 4D 32 31 00 01"), 'name: the register holds "HM21", SMA21-SC1-0010 has "SM21"'),
+        (("--as", "device_type", "09"), "the register holds 0x09, SMA21-SC1-0010 has 0x08"),
+    ],
+)
+def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, ...], message: str) -> None:
+    code, data = decode(capsys, "SMA21-SC1-0010", *arguments)
+    assert code == 1 and data["problems"] == []
+    assert [item["message"] for item in data["differences"]][0].endswith(message)
+    code, out = text(capsys, "SMA21-SC1-0010", *arguments)
+    assert code == 1 and message in out and out.endswith("no other fault")
+
+
+def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
+    """Profile IDs of SMA21: 2814h at 50 µm, manual 6.4, and 2816h at 10 µm."""
+    frame = "0b" + "0" * 24 + "11" + CRCS["11"]
+    right = ("--register", "0x42=0x28", "--register", "0x43=0x14")
+    assert decode(capsys, "SMA21-SC1-0050", *right, frame)[0] == 0
+    code, data = decode(capsys, "SMA21-SC1-0010", *right, frame)
+    assert code == 1 and data["verdict"] == "usable"
+    assert [item["message"] for item in data["differences"]] == ["profile_id: the register holds 0x2814, SMA21-SC1-0010 has 0x2816"]
+    _, data = decode(capsys, "SMA21-SC1-0010", *right[2:], frame)
+    assert [item["message"] for item in data["differences"]] == ["profile_id: what is given of it is ..14h, SMA21-SC1-0010 has ..16h"]
+    assert "does not change how a frame is read" in refused(capsys, "SMA21-SC1-0010", "--register", "0x44=1", frame)
+
+
+def test_a_frame_with_another_id_is_decoded(capsys: Capture, tmp_path: Path) -> None:
+    made = (SPECS / "bits22.yaml").read_text(encoding="utf-8")
+    made = made.replace("fields:\n", "fields:\n          - {name: kind, printed_name: KIND, bits: 8, equals: 0x23}\n", 1)
+    (tmp_path / "bits22.yaml").write_text(made, encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    for kind, differs in ((0x23, False), (0x17, True)):
+        bits = f"{kind:08b}" + "0" * 21 + "1" + "11"
+        arguments = ("T22SC", f"0b{bits}{crc(bits)}", "--specs", str(tmp_path))
+        code, data = decode(capsys, *arguments)
+        assert (code, data["verdict"], data["problems"]) == (0, "usable", [])
+        assert next(item["value"] for item in data["fields"] if item["name"] == "position") == 1
+        assert [item["message"] for item in data["differences"]] == ["KIND is 0x17, the manual has 0x23"] * differs
+        assert ("not as documented: KIND is 0x17, the manual has 0x23 no other fault" in text(capsys, *arguments)[1]) is differs
+
+
+# ------------------------------------------------------------------------------------------------------------ frames from a file
+
+FRAMES = """\
+# captured on the bench
+02 00 C7 D1 6A 7E
+
+02 20 C7 D1 6A 5E   # an error is active
+022 0C7D16A5E
+02 20 C7 D1 6A 5F
+zz
+02 00 C7 D1 6A 7E
+"""
+
+
+def many(capsys: Capture, monkeypatch: pytest.MonkeyPatch, lines: str, *arguments: str) -> tuple[int, str, str]:
+    monkeypatch.setattr("sys.stdin", io.StringIO(lines))
+    code = main(["decode", "AMM5A23/65KJP1", "-", *arguments])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_lines_are_numbered_and_bad_ones_named(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    code, out, err = many(capsys, monkeypatch, FRAMES)
+    assert code == 2
+    started = [line for line in out.splitlines() if "AMM5A23/65KJP1" in line]
+    assert started == [f"line {number}: AMM5A23/65KJP1, RS-485, from the encoder" for number in (2, 4, 6, 8)]
+    assert err.splitlines() == [
+        "codewheel: line 5: '022' has an odd number of hex digits, and a byte has two: a digit is missing or one too many",
+        "codewheel: line 7: 'zz' is not hex; write the bytes as in: 02 00 12 34 00 24",
+    ]
+    code, out, _ = many(capsys, monkeypatch, FRAMES, "--json")
+    rows = [json.loads(line) for line in out.splitlines()]
+    assert code == 2 and [(row["line"], row["verdict"]) for row in rows] == [(2, "usable"), (4, "not_usable"), (6, None), (8, "usable")]
+
+
+def test_the_worst_line_decides(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    fine, reports, fault, bad = "02 00 C7 D1 6A 7E\n", "02 20 C7 D1 6A 5E\n", "02 20 C7 D1 6A 5F\n", "x\n"
+    for lines, code in (("", 0), (fine, 0), (fine + reports + fine, 3), (reports + fault + reports, 1), (bad + fault + reports + fine, 2)):
+        assert many(capsys, monkeypatch, lines)[0] == code
+
+
+def test_a_long_token_is_visibly_cut(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    _, _, err = many(capsys, monkeypatch, "02 " + "z" * 300 + "\n")
+    assert "zzz...' is not hex" in err and len(err) < 200
+    _, _, err = many(capsys, monkeypatch, "02 z\x1b[2J\n")
+    assert r"'z\x1b[2J' is not hex" in err
+
+
+def test_other_streams(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "codewheel", "decode", "AMM5A23/65KJP1", "-"]
+    done = subprocess.run(command, input=b"\xff\xfe\n02 00 C7 D1 6A 7E\n", capture_output=True)
+    assert done.returncode == 2 and b"line 1" in done.stderr and b"Traceback" not in done.stderr and b"line 2" in done.stdout
+    done = subprocess.run(f"{' '.join(command)} <&-", shell=True, capture_output=True)
+    assert done.returncode == 2 and done.stderr == b"codewheel: standard input is closed, so there is no frame to read\n"
+    # The reader leaves after the first line; the fault of that frame is not forgotten.
+    lines = tmp_path / "frames"
+    lines.write_text("02 20 C7 D1 6A 5F\n" * 2000)
+    done = subprocess.run(["bash", "-c", f"set -o pipefail; {' '.join(command)} < {lines} | head -1"], capture_output=True)
+    assert done.returncode == 1 and done.stderr == b""
+
+
+# -------------------------------------------------------------------------------------------------------------- slips of the hand
+
+
+@pytest.mark.parametrize(
+    ("typed", "message"),
+    [
+        ("022 0C7D16A5E", "'022' has an odd number of hex digits, and a byte has two: a digit is missing or one too many"),
+        ("02 20C", "'20C' has an odd number of hex digits, and a byte has two: a digit is missing or one too many"),
+        ("2 20 C7 D1 6A 5E", "'2' is one hex digit, and a byte has two; write 02 if it is a byte"),
+        ("", "there is nothing to decode"),
+        (",", "there is nothing to decode"),
+    ],
+)
+def test_no_digit_is_guessed(capsys: Capture, typed: str, message: str) -> None:
+    assert refused(capsys, "AMM5A23/65KJP1", typed) == message
+    assert refused(capsys, "AMM5A21/65KSC1", "--as", "serial_number", typed) == message
+
+
+def test_bytes_in_pieces(capsys: Capture) -> None:
+    for typed in ("0220C7D16A5E", "0x02 0x20 0xC7,0xD1 6A5E", "0x2 20 C7 D1 6A 5E"):
+        assert decode(capsys, "AMM5A23/65KJP1", typed)[1]["crc"]["ok"] is True
+
+
+def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
+    """Position 1,000,003 of the manual, in the bytes that a master hands on."""
+    for typed in ("0F 42 43 D3", "00 00 0F 42 43 D3", "0x0F 0x42 0x43 0xD3", "0xF4243D3"):
+        code, data = decode(capsys, "AMM5A21/65KSC1", typed)
+        assert code == 0 and data["fields"][-1]["value"] == 1000003
+    assert refused(capsys, "AMM5A21/65KSC1", "0F4243D3") == "'0F4243D3' is no frame of 45 bits; write 0x0F4243D3 if it is hex"
+    assert refused(capsys, "AMM5A21/65KSC1", "101") == "'101' is no frame of 45 bits; write 0x101 if it is hex, 0b101 if it is bits"
+    assert refused(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' can be bits or hex bytes; write 0b or 0x before it"
+    assert "write 0b and all 45 bits" in refused(capsys, "AMM5A21/65KSC1", "0F 42 4")
+
+
+def test_degrees_and_micrometres(capsys: Capture) -> None:
+    # 1,000,003 of 2^21 counts are 171.66... degrees; SMA21 manual 7.3.4: 123 counts at 50 µm are 6.15 mm.
+    assert "position: 171.6619° of revolution 0 CRC" in text(capsys, "AMM5A21/65KSC1", "0xF4243D3")[1]
+    assert "singleturn: 300.42968° CRC" in text(capsys, "AMM5A23/65KJP1", "02 00 C7 D1 6A 7E")[1]
+    assert "position: 6,150 µm CRC" in text(capsys, "SMA21-JP1-0050", reply(0xA2, 0, 123, 0, 0, 0))[1]
+
+
+def test_one_byte_is_no_bytes(capsys: Capture) -> None:
+    assert "Master → Encoder: CF, 1 byte " in text(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]
