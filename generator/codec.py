@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from .crc import compute_bits, compute_bytes
 from .model import Crc, Device, Field, Join, Layout, PlacedField, PlacedLayout, Variant
+from .words import counted
 
 Values = Mapping[str, "int | str | bool"]
 
@@ -87,7 +88,7 @@ def select(device: Device, variant: Variant, sender: str, data: bytes) -> tuple[
     layout = candidates[0]
     found = _selected(layout.place(variant.parameters), data)
     if found is None:
-        return None, (Problem("length", "", f"{len(data)} bytes are too few to tell the frame by"),)
+        return None, (Problem("length", "", f"{counted(len(data), 'byte')}: too few to tell the frame by"),)
     choices = ", ".join(f"{value:X}" for value in sorted(allowed))
     return None, (Problem("range", layout.selector, f"{layout.selector} is {found:X}; it can be {choices}"),)
 
@@ -114,7 +115,7 @@ def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> 
 def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
     """A frame of whole bytes whose layout is known."""
     if 8 * len(data) != placed.bits:
-        wrong = f"'{placed.name}' has {placed.bits // 8} bytes; this has {len(data)}"
+        wrong = f"'{placed.name}' has {counted(placed.bits // 8, 'byte')}; this has {len(data)}"
         return Decoded(placed, number_from_bytes(placed.layout, data), (), None, (Problem("length", "", wrong),))
     return decode(device, placed, number_from_bytes(placed.layout, data))
 

@@ -13,7 +13,7 @@ from .relevant import parameters_of
 from .render import wrapped
 from .run_time import decode_register
 from .why import Explanation, Why, explain_bits, explain_bytes, explain_constant
-from .words import WORTH, sentence
+from .words import WORTH, counted, sentence
 
 VERSION = 1
 
@@ -233,8 +233,7 @@ def _one_in(number: int) -> str:
 
 
 def _size(placed: PlacedLayout) -> str:
-    count, unit = (placed.bits // 8, "byte") if placed.layout.carried_as == "bytes" else (placed.bits, "bit")
-    return f"{count} {unit}{'' if count == 1 else 's'}"
+    return counted(placed.bits // 8, "byte") if placed.layout.carried_as == "bytes" else counted(placed.bits, "bit")
 
 
 def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:

@@ -10,8 +10,8 @@ from .masters import Master, Refusal, Setting, Sheet
 from .masters_record import Record
 from .order_codes import Match
 from .render import wrapped
-from .show_parts import WIDTH, counted, pairs
-from .words import hertz, microseconds, volts
+from .show_parts import WIDTH, pairs
+from .words import counted, hertz, microseconds, volts
 
 VERSION = 1
 

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from . import codec
 from .expressions import Expression, ExpressionError
 from .model import Device, Parameter, Register, Variant
+from .words import counted
 
 
 class RegisterError(ValueError):
@@ -83,5 +84,5 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         known = ", ".join(registers) or "none"
         raise RegisterError(f"{variant.code} has no register '{name}'; it has: {known}")
     if len(data) != register.length:
-        raise RegisterError(f"'{register.name}' has {register.length} bytes; this has {len(data)}")
+        raise RegisterError(f"'{register.name}' has {counted(register.length, 'byte')}; this has {len(data)}")
     return codec.decode(device, register.layout.place(variant.parameters), codec.number_from_bytes(register.layout, data))

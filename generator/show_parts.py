@@ -9,7 +9,7 @@ from .expressions import Expression
 from .model import Device, Field, Interface, Layout, PlacedField, PlacedLayout, Register, Timing, Value, Variant, cite
 from .relevant import needed_parameters, run_time_widths
 from .render import wrapped
-from .words import hertz, microseconds, number, timeout_words
+from .words import counted, hertz, microseconds, number, timeout_words
 
 WIDTH = 80
 _ACCESS = {"read_only": "ro", "read_write": "rw", "write_only": "wo"}
@@ -23,11 +23,6 @@ def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     width = min(max((len(name) for name, _ in listed), default=0), 40)
     start = " " * (indent + width + 2)
     return [wrapped(text, WIDTH, start, f"{' ' * indent}{name.ljust(width)}  ") if text else f"{' ' * indent}{name}" for name, text in listed]
-
-
-def counted(count: int | str, thing: str) -> str:
-    """``1 bit``, ``8 bits``, ``position_bits bits``."""
-    return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def value(expression: Expression, parameters: Mapping[str, int] | None) -> str:

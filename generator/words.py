@@ -20,6 +20,11 @@ def number(value: int) -> str:
     return f"{value:,}"
 
 
+def counted(count: int | str, thing: str) -> str:
+    """``1 bit``, ``8 bits``, ``position_bits bits``."""
+    return f"{count} {thing}{'' if count == 1 else 's'}"
+
+
 def hertz(value: int) -> str:
     """A frequency in the unit in which it is shortest."""
     for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):

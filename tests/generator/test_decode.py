@@ -315,4 +315,5 @@ def test_degrees_and_micrometres(capsys: Capture) -> None:
 
 
 def test_one_byte_is_no_bytes(capsys: Capture) -> None:
+    assert refused(capsys, "AMM5A21/65KSC1", "--as", "command", "01 02") == "'command' has 1 byte; this has 2"
     assert "Master → Encoder: CF, 1 byte " in text(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]
