@@ -113,7 +113,7 @@ def field_meaning(field: Field, in_register: bool = False) -> str:
         if field.when_active or field.when_inactive or field.implemented:
             parts.append(f"{yes}: {text(field.when_active) or 'yes'}; {no}: {text(field.when_inactive) or 'no'}")
         parts.append(f"the sum of {', '.join(map(code, field.sums_up))}" if field.sums_up else "")
-        parts.append(f"while active, {WORTH[field.makes_position]}" if field.makes_position else "")
+        parts.append(f"while active, {WORTH[field.makes_position]}" if field.makes_position and field.implemented else "")
     elif field.kind == "constant" and not re.search(rf"always ({field.constant}|zero)\b", field.meaning.lower()):
         parts.append(f"always {hexadecimal(field.constant)}" if field.constant > 1 else f"always {field.constant}")
     elif field.kind == "crc":

@@ -81,6 +81,16 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
         yield key, value
 
 
+def test_what_a_flag_makes_of_the_position(library: Library) -> None:
+    page = generate(library)["docs/sma21.md"]
+    (alarm,) = [line for line in page.splitlines() if line.startswith("| `status_alarm`")]
+    assert "<br>the sum of `temperature_alarm`, `signal_strength_alarm`<br>while active, the position is usable, with a warning |" in alarm
+    (speed,) = [line for line in page.splitlines() if line.startswith("| `overspeed`")]
+    assert "<br>while active, the position is not usable |" in speed
+    (missing,) = [line for line in page.splitlines() if line.startswith("| `temperature_alarm`<br>")]
+    assert "while active" not in missing
+
+
 def test_every_text_of_the_plain_data_is_on_the_page(library: Library) -> None:
     """Names of the manual in every language, meanings, notes, signals, cells of tables: nothing that show --json prints is lost."""
     files = generate(library)
