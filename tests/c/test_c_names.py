@@ -107,7 +107,7 @@ def hostile(words: list[str]) -> dict[str, Any]:
     At file scope all names have a prefix; there they meet each other only.
     """
     first = words[0]
-    fields = [{"name": word, "active": "high"} for word in words]
+    fields = [{"name": word, "active": "high", "makes_position": "usable"} for word in words]
     moving = [{"name": word, "bits": "width_of_it"} for word in words[:6]]
     return {
         "codewheel": 1, "device": "hostile", "manufacturer": "test", "title": "Hostile names", "movement": "rotary",
