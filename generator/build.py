@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from . import codec
+from .agree import check_agreement
 from .build_facts import alarm, connector, erratum, example, hardware_input, manual, sources, supply, table, timing
 from .crc import form, polynomial_text
 from .examples import check_examples
@@ -92,6 +93,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     _check_control_bytes(device, report)
     device = replace(device, procedures=_procedures(raw, device))
     check_measurements(device, report)
+    check_agreement(raw, device, report)
     check_examples(device, report)
     return device
 

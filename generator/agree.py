@@ -1,0 +1,99 @@
+"""What a spec says twice: defaults and the values of their fields, meanings of order codes and what these set, places of selecting fields."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from . import codec
+from .expressions import Expression
+from .fields import Raw
+from .model import Device, Field, Register, Variant
+from .problems import DocumentReport, Path
+
+#: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
+_COUNTED = re.compile(r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b")
+#: Below this a number in a text may be about anything.
+_LEAST = 256
+
+
+def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
+    """Reports where a spec contradicts itself and only the model shows it."""
+    for register in device.registers:
+        _check_default(device, register, ("registers", register.name), report)
+    _check_meanings(raw, device, report)
+    _check_selectors(device, report)
+
+
+def _check_default(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
+    """The default of a register has the constants of its fields, what they equal, and their own defaults."""
+    if register.default is None or register.default >> 8 * register.length:
+        return
+    for variant in _variants(device, register.interface):
+        placed = register.layout.place(variant.parameters)
+        decoded = codec.decode(device, placed, register.default)
+        values = decoded.values
+        # What is not among the named values is told with the limits, but for a command that clears itself to a number without a name.
+        wrong = next((item.message for item in decoded.problems if item.kind == "constant"), "")
+        for item in placed.fields:
+            raw_value = register.default >> item.low & item.mask
+            expected = _expected(item.field, variant)
+            if expected is not None and expected not in (raw_value, values.get(item.name)):
+                wrong = wrong or f"'{item.name}' is {raw_value:#x} in it and has to equal {expected if isinstance(expected, str) else hex(expected)}"
+            elif item.field.default is not None and item.field.default not in (raw_value, values.get(item.name)):
+                wrong = wrong or f"'{item.name}' is {raw_value:#x} in it, and its own default is {item.field.default:#x}"
+        if wrong:
+            report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} contradicts a field: {wrong}")
+            return
+
+
+def _expected(field: Field, variant: Variant) -> int | str | None:
+    return field.equals.value(variant.parameters) if isinstance(field.equals, Expression) else field.equals
+
+
+def _variants(device: Device, interface: str) -> Iterator[Variant]:
+    return (variant for variant in device.variants if variant.interface == interface)
+
+
+def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
+    """Counts and revolutions that the meaning of a value names are found among the quantities of its order codes."""
+    for index, part in enumerate(raw["order_code"]["parts"]):
+        for text, value in part["values"].items():
+            named = [int(number.replace(",", "")) for number in _COUNTED.findall((value or {}).get("meaning", ""))]
+            named = [number for number in named if number >= _LEAST]
+            if not named or not (value or {}).get("sets"):
+                continue
+            codes = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
+            if not any(number in _quantities(device, variant) for variant in codes for number in named):
+                sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
+                wrong = f"the meaning of '{text}' says {named[0]:,}, and nothing of its order codes is so many, with {sets}"
+                report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
+
+
+def _quantities(device: Device, variant: Variant) -> set[int]:
+    """What is counted for an order code: its parameters, two to their power, and what its measurement says."""
+    measurement = device.measurement_of(variant.interface)
+    parts = (measurement.steps_per_turn, measurement.turns, measurement.steps) if measurement is not None else ()
+    found = {part.value(variant.parameters) for part in parts if part is not None}
+    found.update(variant.parameters.values())
+    return found | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
+
+
+def _check_selectors(device: Device, report: DocumentReport) -> None:
+    """A receiver tells the frames of one sender apart by the same bits, whose place is the same for every order code."""
+    for interface in device.interfaces:
+        first: dict[str, tuple[str, object]] = {}
+        for layout in interface.layouts:
+            if not layout.selector:
+                continue
+            path: Path = ("interfaces", interface.kind, "layouts", layout.name, "when")
+            field = next((item for item in layout.fields if item.name == layout.selector), None)
+            if field is None:
+                continue  # Reported by the rule on references.
+            if not field.pieces:
+                report.add("selector-place", path, f"'{layout.selector}' moves with the order code; a frame is told by bits that always lie in one place")
+                continue
+            name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
+            if pieces != field.pieces:
+                wrong = f"'{layout.selector}' does not lie where it does in '{name}'; frames of one sender are told apart by the same bits"
+                report.add("selector-place", path, wrong)
