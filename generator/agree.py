@@ -13,6 +13,8 @@ from .problems import DocumentReport, Path
 
 #: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
 _COUNTED = re.compile(r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b")
+#: The addresses of the manufacturer ID over BiSS, each with the place of its byte in the number.
+_BISS_ID = {0x7E: 8, 0x7F: 0}
 #: Below this a number in a text may be about anything.
 _LEAST = 256
 
@@ -21,6 +23,7 @@ def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Reports where a spec contradicts itself and only the model shows it."""
     for register in device.registers:
         _check_default(device, register, ("registers", register.name), report)
+    _check_biss_id(device, report)
     _check_meanings(raw, device, report)
     _check_selectors(device, report)
 
@@ -53,6 +56,30 @@ def _expected(field: Field, variant: Variant) -> int | str | None:
 
 def _variants(device: Device, interface: str) -> Iterator[Variant]:
     return (variant for variant in device.variants if variant.interface == interface)
+
+
+def _check_biss_id(device: Device, report: DocumentReport) -> None:
+    """What a reader finds at 7Eh and 7Fh over BiSS is the ID in the manufacturer file, which names the idbiss file."""
+    identity = device.manufacturer.biss_id
+    if identity is None:
+        return
+    for register in device.registers:
+        variant = next(_variants(device, register.interface), None)
+        if register.interface != "biss" or register.bank is not None or variant is None:
+            continue
+        found, known = 0, 0
+        for item in register.layout.place(variant.parameters).fields:
+            expected = _expected(item.field, variant)
+            if expected is not None and item.low + item.width <= 8 * register.length:
+                number = int.from_bytes(expected.encode("ascii", "replace"), "big") if isinstance(expected, str) else expected
+                found, known = found | (number & item.mask) << item.low, known | item.mask << item.low
+        places = range(register.address, register.address + register.length)
+        values, masks = (codec.number_to_bytes(register.layout, part, 8 * register.length) for part in (found, known))
+        wrong = [place for place, value, mask in zip(places, values, masks) if place in _BISS_ID and (value ^ identity >> _BISS_ID[place]) & mask]
+        if wrong:
+            shown = ", ".join(f"{value:02X}" for place, value in zip(places, values) if place in _BISS_ID)
+            text = f"'{register.name}' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is {identity:#06x}; one of the two is wrong"
+            report.add("biss-id-mismatch", ("registers", register.name), text)
 
 
 def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:

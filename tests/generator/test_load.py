@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from codewheel.load import load_library
 
 MINIMAL = (Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml").read_text()
@@ -55,3 +57,15 @@ def test_a_package_with_a_name_of_pythons_own(tmp_path: Path) -> None:
     assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER + "python_package: json\n") == [
         "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': that is a name of Python's own; take 'json_encoders'"
     ]
+
+
+IDENTITY = '  - {name: manufacturer_id, address: 0x7E, length: 2, byte_order: high_byte_first, access: read_only, source: "6.3", fields: [{name: id, bits: 16, EQUALS}]}\n'
+
+
+@pytest.mark.parametrize(("equals", "shown"), [("text: ascii, equals: XX", "58, 58"), ("equals: 0x4241", "42, 41"), ("text: ascii, equals: AB", "")])
+def test_the_biss_id_of_the_maker_and_of_the_register(tmp_path: Path, equals: str, shown: str) -> None:
+    """0x4142 is "AB"; the same bytes the other way round are another maker."""
+    found = problems(tmp_path, minimal=MINIMAL + IDENTITY.replace("EQUALS", equals), manufacturer=MAKER + "biss_id: 0x4142\n")
+    line = len(MINIMAL.splitlines()) + 1
+    wrong = f"'manufacturer_id' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is 0x4142; one of the two is wrong"
+    assert found == ([f"minimal.yaml:{line}: biss-id-mismatch: {wrong}"] if shown else [])
