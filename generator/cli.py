@@ -143,11 +143,11 @@ def _add_spec_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def _load(paths: Sequence[Path]) -> tuple[Device, ...]:
-    """The devices of the specs; problems go to standard error."""
+def _load(paths: Sequence[Path], targets: Sequence[str] = ()) -> tuple[Device, ...]:
+    """The devices of the specs; problems go to standard error, those of these targets as well."""
     from .load import load_library
 
-    devices, report = load_library(paths)
+    devices, report = load_library(paths, targets)
     if report:
         for problem in report.problems:
             print(problem.format(), file=sys.stderr)
@@ -178,7 +178,7 @@ def _generate(chosen: argparse.Namespace) -> int:
         raise Stop(f"there is no folder {chosen.templates}", 2)
     if chosen.biss_dtd is not None and "biss" not in names:
         raise Stop("--biss-dtd is for the target biss", 2)
-    library = Library(_load(chosen.specs), chosen.templates)
+    library = Library(_load(chosen.specs, names), chosen.templates)
     try:
         files = {name: made(library) for name, made in targets.items()}
         if chosen.check:

@@ -14,6 +14,7 @@ from .check import check_document
 from .model import Device, Manufacturer
 from .problems import Report, listed
 from .read import Document, read_document, read_specs
+from .targets import BUILT_IN, Library, problems_of
 
 
 def packaged_specs() -> Path:
@@ -31,11 +32,12 @@ def _packaged_families() -> list[Path]:
     return sorted(path for path in packaged_specs().iterdir() if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml")))
 
 
-def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+def load_library(paths: Sequence[Path] = (), targets: Iterable[str] = tuple(BUILT_IN)) -> tuple[tuple[Device, ...], Report]:
     """Every device that the specs at ``paths`` describe, in order of name, and everything that is wrong with them.
 
     Args:
         paths: Files and folders; without any, the specs that ship with the tool.
+        targets: The outputs that are asked whether they can express the devices.
 
     Returns:
         The devices, to be used only when the report is empty, and the report.
@@ -72,19 +74,18 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
         devices.append(device)
     devices.sort(key=lambda item: item.name)
     if not report:
-        _check_names_in_c(devices, {document.data["device"]: document for document, data in checked if data is not None and "device" in data}, report)
+        _ask_targets(targets, devices, {document.data["device"]: document for document, data in checked if data is not None and "device" in data}, report)
     return tuple(devices), report
 
 
-def _check_names_in_c(devices: Sequence[Device], documents: Mapping[str, Document], report: Report) -> None:
-    """Names that are apart in a spec can be one in C: said here, where line and column are known, and not when C is written."""
-    from .targets import Library
-    from .targets.c import name_clashes
-
-    for device, clash in name_clashes(Library(tuple(devices))):
-        document = documents[device.name]
-        where = f" on line {document.position(clash.other)[0]}" if clash.other and clash.other[0] != "device" else ""
-        report.add("c-name", document, clash.path, clash.message(where))
+def _ask_targets(targets: Iterable[str], devices: Sequence[Device], documents: Mapping[str, Document], report: Report) -> None:
+    """What a target cannot do is said here, where line and column are known, and not when it writes."""
+    library = Library(tuple(devices))
+    for name in targets:
+        for problem in problems_of(name, library):
+            document = documents[problem.device.name]
+            where = f" on line {document.position(problem.other)[0]}" if problem.other else ""
+            report.add(problem.rule, document, problem.place, problem.message(where))
 
 
 def _check_manufacturer(maker: Manufacturer, others: Iterable[Manufacturer], document: Document, report: Report) -> None:

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..model import Device, Manufacturer
+from ..problems import Path as Place
 
 
 @dataclass(frozen=True)
@@ -33,10 +34,27 @@ def has_biss(devices: Iterable[Device]) -> bool:
 
 
 class TargetError(ValueError):
-    """A device has something that a target cannot express; the message says what, in one line."""
+    """A device has something that a target cannot express: the message says what, in one line, and ``place`` where in its spec."""
+
+    def __init__(self, message: str, place: Place = ()) -> None:
+        super().__init__(message)
+        self.place = place
+
+
+@dataclass(frozen=True)
+class TargetProblem:
+    """What a target cannot do with a device, at a place of its spec. The message is told where ``other`` is, as in `` on line 5``."""
+
+    device: Device
+    rule: str
+    place: Place
+    message: Callable[[str], str]
+    other: Place = ()
 
 
 Target = Callable[[Library], Mapping[str, str]]
+#: What a target says of a library before it is asked for files: each problem becomes one of ``check``. A target need not have it.
+Problems = Callable[[Library], Iterable[TargetProblem]]
 
 #: Our targets, by name: the module that holds each, and the folder of the output that belongs to it.
 BUILT_IN = {"python": "python", "c": "c", "biss": "biss", "docs": "docs"}
@@ -57,3 +75,9 @@ def target(name: str) -> Target:
         registered: Target = entry.load()
         return registered
     raise LookupError(name)
+
+
+def problems_of(name: str, library: Library) -> Iterable[TargetProblem]:
+    """What the target of that name cannot do with these devices: of ours, what the function ``problems`` of its module says."""
+    found: Problems | None = getattr(import_module(f"{__name__}.{name}"), "problems", None) if name in BUILT_IN else None
+    return found(library) if found is not None else ()

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 
 from ..markdown import text as markdown_text
 from ..model import Device, Manufacturer
 from ..render import render
-from . import Library, TargetError, has_biss
+from . import Library, TargetError, TargetProblem, has_biss
 from .c_device import DeviceView
-from .c_names import Clash, called, clashes
+from .c_names import called, clashes
 from .c_package import package_files
 from .c_source import code, comment, comment_lines, in_comment, noted, string
 
@@ -43,14 +42,22 @@ def generate(library: Library) -> dict[str, str]:
     return files
 
 
-def name_clashes(library: Library) -> Iterator[tuple[Device, Clash]]:
-    """Where two parts of a spec, or of two, have one name in C. Devices that C cannot express for another reason are left out."""
+def problems(library: Library) -> Iterator[TargetProblem]:
+    """What C cannot express, the first of each device; and where two parts of a spec, or of two, have one name in C."""
     for maker, devices in library.by_manufacturer():
         headers = []
         for device in devices:
-            with suppress(TargetError):
+            try:
                 headers.append((device, DeviceView(device).names))
-        yield from clashes(headers, _declared(maker, _shared(library, maker, devices).values()))
+            except TargetError as error:
+                yield TargetProblem(device, "c-target", error.place or ("device",), _same(f"{error}; 'generate --target' writes the other outputs"))
+        for device, clash in clashes(headers, _declared(maker, _shared(library, maker, devices).values())):
+            yield TargetProblem(device, "c-name", clash.path, clash.message, () if clash.other[:1] == ("device",) else clash.other)
+
+
+def _same(text: str) -> Callable[[str], str]:
+    """A message that speaks of one place only."""
+    return lambda _: text
 
 
 def _names_of(maker: Manufacturer) -> dict[str, object]:

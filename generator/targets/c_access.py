@@ -27,7 +27,7 @@ def access(view: DeviceView, register: Register, source: LayoutSource, struct: C
     selector = _selector(view, register)
     bank = view.device.register(selector) if selector else None
     if bank is not None and bank.length > 1:
-        raise TargetError(f"{view.device.name}: '{selector}' selects banks with {bank.length} bytes; the C target writes one")
+        raise TargetError(f"'{selector}' selects banks with {bank.length} bytes; the C target writes one")
     return AccessView(
         read=view.unique(f"{view.prefix}_read_{register.name}") if register.readable else "",
         write=view.unique(f"{view.prefix}_write_{register.name}") if register.writable and not register.reserved else "",

@@ -57,6 +57,6 @@ def _of_byte(view: DeviceView, register: Register, read: str) -> str:
     """A register of one byte, which has no struct."""
     equals = register.layout.fields[0].equals
     if isinstance(equals, str) or equals is None:
-        raise TargetError(f"{view.device.name}: '{register.name}' is compared with something other than a number, which the C target cannot express")
+        raise TargetError(f"'{register.name}' is compared with something other than a number, which the C target cannot express")
     value = f"{view.PREFIX}_REG_{register.name.upper()}_EXPECTED" if isinstance(equals, int) else bracketed(view.scope.text(equals)) if isinstance(equals, Expression) else ""
     return f"{read}[0] != {value}"

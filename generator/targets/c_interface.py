@@ -167,7 +167,7 @@ class InterfaceSource:
         kind = {"encoder": "reply", "master": "request"}[sender]
         field = layouts[0].field(layouts[0].selector)
         if any(layout.field(layout.selector).pieces != field.pieces for layout in layouts) or not field.pieces:
-            raise TargetError(f"{self.device.name}: the {kind}s do not have '{field.name}' in one place; the C target cannot tell them apart")
+            raise TargetError(f"the {kind}s do not have '{field.name}' in one place; the C target cannot tell them apart")
         _, expression = LayoutSource(self.view, layouts[0], "", "").raw(field)
         choice = self.view.choices.get((layouts[0].name, field.name))
         known = choice.names if choice is not None else {}

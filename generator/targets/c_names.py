@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ..model import Device, Layout
 from ..problems import Path
+from . import TargetError
 from .c_source import c_name
 from .c_views import CodecView, Line, RegisterView
 
@@ -52,6 +53,9 @@ class Names:
         before, self._path = self._path, path
         try:
             yield
+        except TargetError as error:
+            error.place = error.place or path
+            raise
         finally:
             self._path = before
 

@@ -147,7 +147,7 @@ class ProcedureSource:
 
     def _field_checks(self, register: Register, field: Field, name: str) -> Iterable[Check]:
         if not field.pieces:
-            raise TargetError(f"{self.device.name}: '{register.name}.{field.name}' moves with the order code; the C target cannot write it alone")
+            raise TargetError(f"'{register.name}.{field.name}' moves with the order code; the C target cannot write it alone")
         if size_of(field.widest) != field.widest:
             yield Check(f"{name} > {mask(field.widest)}", "RANGE")
         if register.limits_of in (field.name, register.name) and len(register.layout.fields) == 1:
@@ -214,7 +214,7 @@ class ProcedureSource:
         if step.field:
             field = register.layout.field(step.field)
             if not field.pieces:
-                raise TargetError(f"{self.device.name}: '{register.name}.{field.name}' moves with the order code; the C target cannot reach it alone")
+                raise TargetError(f"'{register.name}.{field.name}' moves with the order code; the C target cannot reach it alone")
             for piece in field.pieces:
                 yield piece.byte, piece.mask << piece.right, ((step.value or 0) >> piece.left & piece.mask) << piece.right
             return

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Field, Register, RegisterMeaning, cite
 from ..words import sentence
-from . import TargetError
 from .c_access import access
 from .c_codec import codec
 from .c_layout import LayoutSource
@@ -172,8 +171,6 @@ class RegisterSource:
             if expression.is_constant:
                 texts[side] = f"{stem}_{side}".upper()
                 macros.append(Line(f"#define {texts[side]} {signed_number(expression.constant) if self._is_signed else number(expression.constant)}"))
-            elif self._is_signed:
-                raise TargetError(f"{self.device.name}: '{self.register.name}' has signed limits that depend on the order code, which the C target cannot express")
             else:
                 functions.append(self._limit_function(f"{stem}_{side}", f"{'Least' if side == 'min' else 'Greatest'} {bounded}", expression))
                 texts[side] = f"{stem}_{side}(variant)"
@@ -199,6 +196,9 @@ class RegisterSource:
         return (-(1 << width - 1), (1 << width - 1) - 1) if self._is_signed else (0, (1 << width) - 1)
 
     def _limit_function(self, name: str, bounded: str, expression: Expression) -> Function:
+        if self._is_signed:
+            text = self.scope.signed_text(expression)
+            return Function(name, "int64_t", "", (f"return {text};",), f"{bounded}: {expression.render()}.", needs_variant(text))
         largest = max((expression.value(parameters) for parameters in self._parameters), default=0)
         kind = unsigned(max(largest.bit_length(), 32))
         text = self.scope.text(expression)

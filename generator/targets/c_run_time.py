@@ -42,7 +42,7 @@ def _taker(view: DeviceView, register: Register, parameters: list[Parameter]) ->
     for item in parameters:
         field = register.layout.field(item.field)
         if not field.pieces:
-            raise TargetError(f"{view.device.name}: '{item.read_from}' moves with the order code; the C target cannot read a parameter from it")
+            raise TargetError(f"'{item.read_from}' moves with the order code; the C target cannot read a parameter from it")
         name = c_name(item.name, ("bytes", "length", "variant"))
         kind, raw = source.raw(field)
         if field.zero_means:

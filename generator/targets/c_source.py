@@ -286,6 +286,15 @@ class Scope:
             minus.append(number(-expression.constant))
         return " + ".join(plus) + "".join(f" - {item}" for item in minus)
 
+    def signed_text(self, expression: Expression) -> str:
+        """The expression in C in 64 bits with a sign. A power of two is one more than its mask, which fits where the power itself may not."""
+        masks = [term for term in expression.terms if term.is_power and not term.is_product]
+        text = signed_number(expression.constant + sum(term.sign for term in masks))
+        for term in expression.terms:
+            atom = f"{self.maker}_mask({self.atom(term.factors[0].parameter)})" if term in masks else self._term(term)
+            text += f" {'+' if term.sign > 0 else '-'} (int64_t){atom}"
+        return text.removeprefix("0 + ")
+
     def _term(self, term: Term) -> str:
         """A product in C, of 64 bits where a power of two is in it, else of 32; a parameter alone keeps its own type."""
         parts = [f"((uint64_t)1U << {self.atom(item.parameter)})" if item.power else self.atom(item.parameter) for item in term.factors]

@@ -362,7 +362,7 @@ int main(void)
     assert printed == [*wanted.values(), "SMA21-BG1-0050"]
 
 
-def test_what_c_cannot_express_is_one_clear_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_c_cannot_express_has_its_place_and_stops_no_other_target(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A text that does not begin at a byte."""
     text = (ROOT / "tests" / "c" / "specs" / "words.yaml").read_text()
     old = '      - {name: text, bits: 96, text: ascii, equals: "A?b/*\\\\c\\"d??/"}\n'
@@ -371,9 +371,14 @@ def test_what_c_cannot_express_is_one_clear_line(tmp_path: Path, capsys: pytest.
     (tmp_path / "words.yaml").write_text(text)
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
     assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path / "out")]) == 1
-    said = capsys.readouterr().err
-    assert said == "codewheel: words: the text 'text' does not begin at a byte, which the C target cannot express\n"
+    line = next(number for number, row in enumerate((tmp_path / "words.yaml").read_text().splitlines(), 1) if "{name: text, at: 91:4" in row)
+    wrong = f"words.yaml:{line}:9: c-target: the text 'text' does not begin at a byte, which the C target cannot express; 'generate --target' writes the other outputs\n"
+    assert wrong in capsys.readouterr().err
+    assert main(["check", str(tmp_path)]) == 1 and wrong in capsys.readouterr().out
+    assert main(["generate", str(tmp_path), "-o", str(tmp_path / "out")]) == 1
     assert not (tmp_path / "out").exists()
+    assert main(["generate", str(tmp_path), "--target", "python", "-o", str(tmp_path / "out")]) == 0
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["python"]
 
 
 def test_the_target_raises_nothing_else() -> None:
