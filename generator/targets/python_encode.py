@@ -6,13 +6,8 @@ from collections.abc import Iterable
 
 from ..expressions import Expression
 from ..model import Field, Register, RegisterMeaning
-from .python_expressions import LOCAL_NAMES, LayoutText, moved_left, number_text, times
+from .python_expressions import LOCAL_NAMES, LayoutText, meaning_limits, moved_left, number_text, times
 from .python_source import attribute, docstring, grouped, operand
-
-
-def meaning_limits(meaning: RegisterMeaning) -> str:
-    """The name of the function that gives the limits of one meaning of a register."""
-    return f"{meaning.name}_limits"
 
 
 def depends_on_variant(meaning: RegisterMeaning) -> bool:

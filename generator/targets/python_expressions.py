@@ -6,21 +6,28 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..expressions import Expression
-from ..model import Digits, Field, Layout, Piece, Register
+from ..model import Digits, Field, Layout, Piece, Register, RegisterMeaning
 from ..words import sentence
 from .python_source import Block, Code, attribute, expression, grouped, operand
 
 if TYPE_CHECKING:
     from .python_module import Module
 
+#: The functions of the package that a device module imports, by the module that has them.
+CODEC_FUNCTIONS = (
+    "as_bytes", "as_word", "by_class", "check_encoder", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "crc_by_xor",
+    "crc_of_bits", "crc_of_bytes", "from_gray", "made", "signed", "text_number", "to_gray", "too_long", "unwrap", "whole_number", "wrong_encoder",
+    "zero_for",
+)  # fmt: skip
+REGISTER_FUNCTIONS = ("agrees", "held_bytes", "held_parameters", "held_text", "whole")
+STEP_FUNCTIONS = ("writes",)
+FUNCTIONS = (*CODEC_FUNCTIONS, *REGISTER_FUNCTIONS, *STEP_FUNCTIONS, "index")
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = (
-    "bit_fields", "cls", "count", "decode", "encode", "frame_bits", "index", "is_as_documented", "limits", "self", "variant",
+_CLASS_NAMES = (
+    "bit_fields", "check_width", "cls", "count", "decode", "encode", "frame_bits", "index", "is_as_documented", "limits", "self", "variant",
 )
 LOCAL_NAMES = (
-    "as_bytes", "as_word", "bits", "body", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice",
-    "cls", "computed", "data", "from_gray", "index", "isinstance", "len", "made", "number", "remainder", "self", "signed",
-    "text_number", "to_gray", "too_long", "type", "values", "variant", "whole_number", "word", "wrong_encoder", "zero_for",
+    "bits", "body", "cls", "computed", "data", "isinstance", "len", "number", "remainder", "self", "type", "values", "variant", "word", *FUNCTIONS,
 )
 
 
@@ -31,6 +38,17 @@ BITS = ("bits", "How many bits came in, where that is known. A number alone does
 def interface_name(kind: str) -> str:
     """The module's own name for an interface; to ask the Enum for it takes longer than all checks."""
     return f"_{kind.upper()}"
+
+
+def meaning_limits(meaning: RegisterMeaning) -> str:
+    """The function that gives the limits of one meaning of a register."""
+    return f"{meaning.name}_limits"
+
+
+def class_names(layout: Layout, register: Register | None) -> tuple[str, ...]:
+    """The names that the class of a layout has for itself: no attribute can have one."""
+    made = [f"from_{attribute(item.name, _CLASS_NAMES)}" for item in layout.joins]
+    return (*_CLASS_NAMES, *made, *(meaning_limits(item) for item in (register.meanings if register is not None else ())))
 
 
 class LayoutText:
@@ -72,7 +90,7 @@ class LayoutText:
         return value.constant if value.is_constant else Code(self._text(value))
 
     def _attribute(self, name: str) -> str:
-        return attribute(name, CLASS_NAMES)
+        return attribute(name, class_names(self.layout, self.register))
 
     def _digits(self, item: Field) -> str:
         """The number that runs of decimal digits make."""

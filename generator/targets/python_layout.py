@@ -121,8 +121,14 @@ class CodecBuilder(EncodeText):
         raw = self._raw(item)
         self.checks.append(Check(f"{compared(raw)} != ({computed})", f'ConstantError("{item.name}", {raw}, {computed})'))
 
+    @property
+    def _local_names(self) -> tuple[str, ...]:
+        """What ``decode`` uses for itself, the functions of CRCs among them."""
+        crcs = self.module.crc_names.values()
+        return (*LOCAL_NAMES, *crcs, *(f"{name}_of_bits" for name in crcs))
+
     def _data(self, item: Field, ranges: list[Check], late: list[str]) -> Iterable[Attribute]:
-        name, local, raw = self._attribute(item.name), attribute(item.name, LOCAL_NAMES), self._raw(item)
+        name, local, raw = self._attribute(item.name), attribute(item.name, self._local_names), self._raw(item)
         meaning = meaning_of(item, any(item.width.value(variant.parameters) == 0 for variant in self.module.device.variants))
         if item.name in self.containers:
             padding = self.containers[item.name]

@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 from ..model import Crc, Device, Erratum, Field, Interface, Layout, Register, Value, cite
 from ..render import plain
 from ..words import sentence
-from .python_expressions import LOCAL_NAMES, among, from_pieces, interface_name, number_text
+from .python_expressions import (
+    CODEC_FUNCTIONS, LOCAL_NAMES, REGISTER_FUNCTIONS, STEP_FUNCTIONS, among, from_pieces, interface_name, number_text,
+)
 from .python_facts import constant, crc_record, family, frame_rows, interface_facts, manual, register_rows, table, tables
 from .python_layout import CodecBuilder
 from .python_procedures import ProcedureBuilder
@@ -38,9 +40,8 @@ _IMPORTS = (
     (
         "._codec",
         (
-            "BitField", "ConstantError", "CrcError", "Data", "Interface", "LengthError", "RangeError", "Word", "as_bytes", "as_word", "by_class",
-            "check_encoder", "check_limits", "check_power_of_two", "check_signed", "check_width", "choice", "crc_by_xor", "crc_of_bits", "crc_of_bytes",
-            "from_gray", "made", "signed", "text_number", "to_gray", "too_long", "unwrap", "whole_number", "wrong_encoder", "zero_for",
+            "BitField", "ConstantError", "CrcError", "Data", "Interface", "LengthError", "RangeError", "Word",
+            *CODEC_FUNCTIONS,
         ),
     ),
     (
@@ -52,8 +53,8 @@ _IMPORTS = (
         ),
     ),
     ("._order_codes", ("OrderCode", "Part", "PartValue", "SpelledValue", "Spelling")),
-    ("._registers", ("Held", "agrees", "held_bytes", "held_parameters", "held_text", "whole")),
-    ("._steps", ("Modify", "Poll", "Read", "Send", "Step", "Wait", "writes")),
+    ("._registers", ("Held", *REGISTER_FUNCTIONS)),
+    ("._steps", ("Modify", "Poll", "Read", "Send", "Step", "Wait", *STEP_FUNCTIONS)),
 )
 
 #: What it imports from the standard library, where it needs it.

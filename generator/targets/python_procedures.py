@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from ..expressions import Expression
 from ..model import Argument, Procedure, Register, RegisterMeaning, Step, cite
 from ..words import sentence
-from .python_encode import depends_on_variant, meaning_limits
-from .python_expressions import CLASS_NAMES, interface_name, moved_left
+from .python_encode import depends_on_variant
+from .python_expressions import FUNCTIONS, class_names, interface_name, meaning_limits, moved_left
 from .python_source import (
     WIDTH, Call, Code, attribute, call, docstring, expression, grouped, literal, operand, quoted, used_names,
 )
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .python_module import Module
 
 #: What the functions call; an argument of such a name gets a trailing underscore.
-_USED = ("check_encoder", "check_limits", "check_width", "choice", "isinstance", "variant", "whole", "writes")
+_USED = (*FUNCTIONS, "isinstance", "variant")
 
 
 def byte_order(register: Register) -> str:
@@ -89,7 +89,7 @@ class ProcedureBuilder:
     @staticmethod
     def _bounded(register: Register, view: Codec) -> str:
         """The attribute or join that the value is given for, where it is only one."""
-        name = attribute(register.limits_of, CLASS_NAMES)
+        name = attribute(register.limits_of, class_names(register.layout, register))
         return name if name in [*(item.name for item in view.attributes), *(item.name for item in view.joins)] else ""
 
     def _checks(self, argument: Argument) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .. import codec
 from ..model import Field, Layout, Measurement, Variant
-from .python_expressions import CLASS_NAMES
+from .python_expressions import class_names
 from .python_source import attribute, grouped
 from .python_views import Codec, Shown
 
@@ -53,8 +53,9 @@ class Readme:
             if view.layout.carried_as == "bytes":
                 bits, digits = 0, ""
                 text = f'bytes.fromhex("{codec.number_to_bytes(view.layout, number, placed.bits).hex(" ").upper()}")'
-            printed = ", ".join(f"frame.{attribute(name, CLASS_NAMES)}" for name in shown)
-            seen = tuple(f"frame.{attribute(name, CLASS_NAMES)}" for name in flags[:_FLAGS])
+            own = class_names(view.layout, None)
+            printed = ", ".join(f"frame.{attribute(name, own)}" for name in shown)
+            seen = tuple(f"frame.{attribute(name, own)}" for name in flags[:_FLAGS])
             found.append(Shown(variant.code, text, printed, " ".join(map(str, shown.values())), seen, bits, digits))
         # The first example is the one that is copied: it shows a look at the flags, where any frame has some.
         return sorted(found, key=lambda item: not item.flags)
@@ -77,7 +78,7 @@ class Readme:
                 types = {item.name: item.type for item in view.attributes}
                 shown, values = [], []
                 for name, value in example.values.items():
-                    made = attribute(name, CLASS_NAMES)
+                    made = attribute(name, class_names(view.layout, self.device.register(example.register)))
                     named = isinstance(value, str) and types.get(made) != "str"
                     shown.append(f"register.{made}" + (".name" if named else ""))
                     values.append(repr(value.upper() if named and isinstance(value, str) else value))

@@ -121,7 +121,7 @@ class Variants:
     def measured(self) -> str:
         """What the position is called whose counts are turned into turns or lengths."""
         found = next((item for item in map(self._measurement, self.device.interfaces) if item is not None), None)
-        return attribute(found.of, ("previous", "self")) if found is not None else ""
+        return attribute(found.of, ("previous", "self", "unwrap")) if found is not None else ""
 
     @property
     def measures(self) -> list[Measure]:

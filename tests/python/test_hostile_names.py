@@ -1,0 +1,136 @@
+"""Names of a spec that the generated Python has for something else: the package is imported, and every codec and function of it works."""
+
+from __future__ import annotations
+
+import builtins
+import keyword
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+import yaml
+from codewheel import codec
+from codewheel.load import load_library
+from codewheel.model import Device, Layout, Variant
+from codewheel.targets import Library
+
+ROOT = Path(__file__).resolve().parents[2]
+NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
+#: Names of the made-up spec itself, which have to stay apart from the words.
+_OWN = re.compile(r"own_\w+|crc_own|from_own_position|own")
+
+
+def words() -> list[str]:
+    """Every word in the text of the templates, every word of Python, and what the spec below makes out of its own names."""
+    found = {*keyword.kwlist, *dir(builtins), *dir(tuple)}
+    for path in (ROOT / "templates" / "python").glob("*.jinja"):
+        found |= set(re.findall(r"\b[a-z]\w*\b", path.read_text(encoding="utf-8")))
+    kept = {name for name in found if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
+    return sorted(kept | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
+
+
+def hostile(words: list[str]) -> dict[str, Any]:
+    """A spec with each word as the name of a field in every role, of a joined number, a parameter and an argument."""
+    crc = {"name": "own_crc", "crc": "own"}
+    layouts: list[dict[str, Any]] = []
+    for index, word in enumerate(words):
+        layouts += [
+            {"name": f"own_choice_{index}", "fields": [{"name": word, "bits": 6, "values": {"one": {"value": 1}, "two": {"value": 2}}}, {"name": "own_flag", "active": "low"}, crc]},
+            {"name": f"own_digits_{index}", "fields": [{"name": word, "bits": 14, "digits": [{"name": "own_high", "digits": 2}, {"name": "own_low", "digits": 2}]}, crc]},
+            {"name": f"own_sign_{index}", "fields": [{"name": word, "bits": "own_bits", "signed": True}, {"name": "own_steps", "bits": 4, "zero_means": 16}]},
+            {"name": f"own_join_{index}", "fields": [{"name": word, "bits": "own_bits"}, {"name": "own_low", "bits": 4}, {"name": "own_flag", "active": "high"}],
+             "join": {"own_position": [word, "own_low"]}, "gray": {"of": "own_position", "when": "own_gray"}},
+            {"name": f"own_number_{index}", "fields": [{"name": "own_high", "bits": 4}, {"name": "own_low", "bits": 4}, {"name": "own_flag", "active": "high"}], "join": {word: ["own_high", "own_low"]}},
+            {"name": f"own_beside_{index}", "fields": [{"name": "own_high", "bits": 4}, {"name": "own_low", "bits": 4}, {"name": word, "bits": 6}], "join": {"own_position": ["own_high", "own_low"]}},
+            {"name": f"own_bytes_{index}", "carried_as": "bytes", "byte_order": "low_byte_first", "fields": [{"name": word, "bits": "own_bits", "padded_to": 16}, {"name": "own_crc", "crc": "own_8"}]},
+        ]  # fmt: skip
+    for layout in layouts:
+        layout |= {"from": "encoder", "source": "1"}
+    limits = [{"name": "own_preset", "when": "own_setting.own_mode", "is": "one", "max": "2^own_bits - 1"}, {"name": "own_offset", "when": "own_setting.own_mode", "is": "two", "max": 9}]
+    register = {"length": 1, "access": "read_write", "source": "1"}
+    return {
+        "codewheel": 1, "device": "hostile", "manufacturer": "test", "title": "Hostile names", "movement": "rotary",
+        "manual": {"title": "Made up", "revision": "1", "language": "en"},
+        "parameters": {"own_bits": {"meaning": "Width"}, "own_gray": {"meaning": "Gray", "read_from": "own_setting.own_gray", "min": 0, "max": 1},
+                       **{word: {"meaning": "A word"} for word in words[::2]}, **{word: {"meaning": "A word", "equals": "own_bits + 1"} for word in words[1::2]}},
+        "order_code": {"pattern": "H{size}", "source": "1", "parts": [{"name": "size", "meaning": "Size", "values": {
+            str(size): {"interface": "biss", "sets": {"own_bits": size, **{word: size for word in words[::2]}}} for size in (3, 5)}}]},
+        "crcs": [{"name": name, "width": width, "poly": 7, "init": init, "refin": False, "refout": False, "xorout": 1, "source": "1"} for name, width, init in (("own", 6, 0), ("own_8", 8, 0))],
+        "interfaces": {"biss": {"source": "1", "clock": {"min_hz": 80000, "max_hz": 10000000, "source": "1"}, "layouts": layouts}},
+        "measurement": {"of": words[0], "steps_per_turn": "2^own_bits", "turns": 1, "source": "1"},
+        "registers": [
+            {**register, "name": "own_setting", "address": 0x7C, "default": 1, "other_bits": "zero",
+             "fields": [{"name": "own_mode", "at": "1:0", "values": {"one": {"value": 1}, "two": {"value": 2}}}, {"name": "own_gray", "at": 2}]},
+            {**register, "name": "own_number", "address": 0x7D},
+            *({**register, "name": f"own_preset_{index}", "address": index, "meanings": limits, "fields": [{"name": word, "at": "6:0"}, {"name": "own_top", "at": 7}]} for index, word in enumerate(words)),
+        ],
+        "procedures": [{"name": f"own_set_{index}", "title": "Set", "interface": "biss", "source": "1",
+                        "arguments": [{"name": word, "of": f"own_preset_{index}", "as": "own_preset"}, {"name": "own_other", "of": "own_number"}],
+                        "steps": [{"do": "write", "register": f"own_preset_{index}", "field": word, "value": word}, {"do": "write", "register": "own_number", "value": "own_other"}]}
+                       for index, word in enumerate(words)],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_no_name_of_a_spec_is_one_that_the_package_has(part: int, tmp_path: Path, import_generated: Callable[..., Any]) -> None:
+    given = words()[part::4]
+    assert len(given) > 60
+    for start in range(0, len(given), 60):
+        _works(given[start : start + 60], tmp_path / str(start), import_generated)
+
+
+def _works(given: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
+    folder.mkdir()
+    shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", folder)
+    (folder / "hostile.yaml").write_text(yaml.safe_dump(hostile(given), sort_keys=False), encoding="utf-8")
+    devices, report = load_library([folder / "hostile.yaml"], targets=("python",))
+    assert [problem.format() for problem in report.problems] == []
+    package = import_generated(Library(devices), "test_encoders")[1]
+    module = package.hostile
+    for variant in devices[0].variants[-1:]:
+        encoder = package.lookup(variant.code)
+        for _, layout in devices[0].layouts():
+            _goes_there_and_back(devices[0], layout, variant, module, encoder)
+        for index, word in enumerate(given):
+            steps = getattr(module, f"own_set_{index}")(encoder, 5, 9)
+            assert len(steps) == 2, word
+            with pytest.raises(ValueError):
+                getattr(module, f"own_set_{index}")(encoder, 2 ** variant.parameters["own_bits"], 9)
+        assert encoder.turns(3) > 0 and encoder.unwrap(0, 1) == 1
+
+
+def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
+    """A frame of the model decodes, its numbers are the model's, it encodes to the same frame, and so does one made of a joined number."""
+    values: dict[str, int | str | bool] = {}
+    for field in layout.data_fields:
+        values[field.name] = "two" if field.kind == "choice" else True if field.kind == "flag" else 1234 if field.kind == "digits" else 3
+    placed = layout.place(variant.parameters)
+    number = codec.encode(device, placed, values)
+    wire = codec.number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
+    made = getattr(module, "".join(part.title() for part in layout.name.split("_")))
+    frame = made.decode(wire, encoder) if "variant" in made._fields else made.decode(wire)
+    assert frame.encode() == wire
+    for field in layout.data_fields:
+        if field.kind == "number":
+            assert _of(frame, field.name) == 3, (layout.name, field.name)
+    for join in layout.joins:
+        whole = codec.join_value(placed, join, codec.from_gray(placed, number))
+        assert _of(frame, join.name) == whole
+        joined = {f"{name}_" if f"{name}_" in made._fields else name for name in join.fields}
+        others = {name: getattr(frame, name) for name in made._fields if name not in joined}
+        build = next(item for name in (f"from_{join.name}", f"from_{join.name}_") if callable(item := getattr(made, name, None)))
+        assert build(**others, **{_spelled(build, join.name): whole}) == frame
+
+
+def _spelled(build: Any, name: str) -> str:
+    names: tuple[str, ...] = build.__func__.__code__.co_varnames[1:]
+    return name if name in names else f"{name}_"
+
+
+def _of(frame: Any, name: str) -> Any:
+    """The attribute, under its name or with an underscore behind it."""
+    return getattr(frame, f"{name}_") if f"{name}_" in dir(frame) else getattr(frame, name)
