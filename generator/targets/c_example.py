@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from .c_device import DeviceView
 
 
+#: What the program and the README have beside what is named after a register: the function show_frame, and variables.
+_TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
 #: As many characters of explanation fit behind a number.
 _FEW = 40
 
@@ -233,7 +235,7 @@ class ExampleBuilder:
         lines = tuple(shown(self.view.register_source(register).source, "held")) if access.struct else (code('printf("  value: %u\\n", (unsigned)held);', 4),)
         parts = (f"print_registers({string(heading)},", f"{access.stem}_ADDRESS,", f"{access.stem}_LENGTH);")
         printed = _lines(parts, 4)
-        return ReadView(heading, register.name, f"a worked example [{cite(example.source)}]", access, printed, lines)
+        return ReadView(heading, c_name(register.name, _TAKEN), f"a worked example [{cite(example.source)}]", access, printed, lines)
 
     def _run(self, procedure: Procedure, example: Example | None) -> RunView:
         made = self.view.procedures[self.device.procedures.index(procedure)]

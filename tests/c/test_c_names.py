@@ -179,3 +179,22 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
         for command in (["gcc", "-std=gnu2x"], ["g++", "-x", "c++", "-std=gnu++2b"]):
             shown = subprocess.run([*command, "-Wall", "-Wextra", "-Wshadow", "-Werror", "-fsyntax-only", f"-I{headers}", str(folder / "unit.c")], capture_output=True, text=True)
             assert shown.returncode == 0, shown.stderr[:3000]
+
+
+def test_no_register_is_called_like_a_function_of_the_example(tmp_path: Path) -> None:
+    """Each register with a worked example is read and printed by a function of its own in the program."""
+    words = ["frame", "registers", "procedure", "main", "encoder", "transport", "register", "sizeof"]
+    text = (ROOT / "tests" / "specs" / "bits22.yaml").read_text() + "registers:\n"
+    text += "".join(f'  - {{name: {word}, address: {index}, length: 1, access: read_only, source: "1"}}\n' for index, word in enumerate(words)) + "examples:\n"
+    text += "".join(f'  - {{name: e_{word}, kind: register, register: {word}, bytes: "0{index}", values: {{{word}: {index}}}, source: "1"}}\n' for index, word in enumerate(words))
+    (tmp_path / "bits22.yaml").write_text(text)
+    shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
+    devices, report = load_library([tmp_path])
+    assert [problem.format() for problem in report.problems] == []
+    include = write(tmp_path, devices)
+    for command in (["gcc", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]):
+        program = str(tmp_path / command[0])
+        shown = subprocess.run([*command, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(tmp_path / "c" / "examples" / "bits22_biss.c"), "-o", program], capture_output=True, text=True)
+        assert shown.returncode == 0, shown.stderr[:3000]
+        printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+        assert all(f"value: {index}\n" in printed for index in range(len(words)))
