@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from . import codec
 from .expressions import Expression
-from .limits import bounds
+from .limits import bounded, bounds
 from .model import Device, Procedure, Register, Step, Variant, Write
 
 
@@ -49,6 +49,7 @@ def _number(register: Register, step: Step, variant: Variant, arguments: Mapping
     low, high = bounds(register, placed, limits, variant.parameters)
     if not low <= value <= high:
         raise codec.EncodeError(f"{value} is outside {low} to {high}")
-    names = {field.name for field in register.layout.data_fields} | {join.name for join in register.layout.joins}
+    name = bounded(register)
+    numbers = {field.name for field in register.layout.data_fields if field.kind == "number"} | {join.name for join in register.layout.joins}
     # A register of several fields without limits on one of them is given as its whole number.
-    return codec.encode(device, placed, {register.limits_of: value}) if register.limits_of in names else value
+    return codec.encode(device, placed, {name: value}) if name in numbers or register.limits_of == name else value

@@ -104,3 +104,16 @@ def test_turns_that_a_register_holds(tmp_path: Path) -> None:
     held = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
     more = SETTING.replace("DEFAULT", "255").replace(", other_bits: unspecified, fields: [FIELD]", "")
     sound(tmp_path, held, (POSITION, "{name: position, bits: position_bits + 8}"), more=more + 'measurement: {of: position, steps_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n')
+
+
+# -- arguments of procedures
+
+
+def test_an_argument_below_zero_for_a_field_that_is_not_called_like_its_register(tmp_path: Path) -> None:
+    more = """  - {name: lowest, address: 0x48, length: 1, access: read_write, min: -40, max: 20, source: "6.3", fields: [{name: degrees_below, bits: 8, signed: true}]}
+procedures:
+  - {name: set_lowest, title: Set, interface: biss, source: "6.3", arguments: [{name: value, of: lowest}], steps: [{do: write, register: lowest, value: value}]}
+examples:
+  - {name: thirty_below, kind: procedure, procedure: set_lowest, order_code: MIN12SC, arguments: {value: -30}, writes: [{address: 0x48, value: 0xE2}], source: "6.3"}
+"""
+    sound(tmp_path, more=more)
