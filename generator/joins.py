@@ -9,11 +9,19 @@ from .model import Field, Layout
 from .problems import Path
 
 
-def check_joins(layout: Layout, path: Path, context: Context, sets: Sequence[Mapping[str, int]]) -> None:
+def check_joined(layout: Layout, path: Path, context: Context, sets: Sequence[Mapping[str, int]]) -> None:
+    """What a layout says of joined numbers and of one in Gray code; of a number that is at fault as a join, nothing more is said."""
+    faulty = _check_joins(layout, path, context, sets)
+    if layout.gray_of and layout.gray_of not in faulty:
+        _check_gray(layout, path, context, sets)
+
+
+def _check_joins(layout: Layout, path: Path, context: Context, sets: Sequence[Mapping[str, int]]) -> set[str]:
     """A joined number takes in each field once, and in a word that is sent bit by bit, most significant first, in the order of the word."""
     fields = {field.name: field for field in layout.fields}
+    faulty: set[str] = set()
     for join in layout.joins:
-        here = (*path, "join", join.name)
+        before, here = len(context.report), (*path, "join", join.name)
         for index, name in enumerate(join.fields):
             if name in join.fields[:index]:
                 context.report.add("join-order", (*here, index), f"'{join.name}' takes in '{name}' twice")
@@ -22,9 +30,12 @@ def check_joins(layout: Layout, path: Path, context: Context, sets: Sequence[Map
             if layout.carried_as == "bits" and _is_above(fields[below], fields[above], sets):
                 wrong = f"'{join.name}' has '{above}' above '{below}'; in '{layout.name}' '{below}' is sent first, and with it the more significant bits"
                 context.report.add("join-order", (*here, index), wrong)
+        if len(context.report) > before:
+            faulty.add(join.name)
+    return faulty
 
 
-def check_gray(layout: Layout, path: Path, context: Context, sets: Sequence[Mapping[str, int]]) -> None:
+def _check_gray(layout: Layout, path: Path, context: Context, sets: Sequence[Mapping[str, int]]) -> None:
     """What is sent in Gray code is one number of several bits in one piece."""
     join = next((item for item in layout.joins if item.name == layout.gray_of), None)
     names = join.fields if join is not None else (layout.gray_of,)

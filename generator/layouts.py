@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from .crc import fold_plan
 from .expressions import Expression
 from .fields import Context, Raw, bit_range, digits, equals, kind, pieces, values, zero_field
-from .joins import check_gray, check_joins
+from .joins import check_joined
 from .model import Field, Join, Layout
 from .problems import Path
 
@@ -379,9 +379,7 @@ def _is_sound(layout: Layout, path: Path, context: Context, interface: str) -> b
         selector = next((field for field in layout.fields if field.name == layout.selector), None)
         if selector is not None and selector.values and selected not in [item.value for item in selector.values]:
             report.add("undefined-reference", (*path, "when"), f"'{layout.selector}' has no value {selected}")
-    check_joins(layout, path, context, _sets(context, interface))
-    if layout.gray_of:
-        check_gray(layout, path, context, _sets(context, interface))
+    check_joined(layout, path, context, _sets(context, interface))
     return len(report) == before
 
 

@@ -30,12 +30,14 @@ class _Case:
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Each measurement says of each order code what its position can be; the first order code that contradicts is told."""
+    told: set[Path] = set()
     for interface in device.interfaces:
         path: Path = ("interfaces", interface.kind, "measurement") if interface.measurement is not None else ("measurement",)
         measurement = device.measurement_of(interface.kind)
         if measurement is not None:
             wrong = next(filter(None, (_fault(device, measurement, case) for case in _cases(device, interface, measurement))), None)
-            if wrong is not None:
+            if wrong is not None and path not in told:
+                told.add(path)
                 report.add("measurement-does-not-fit", (*path, wrong[0]), wrong[1])
 
 

@@ -30,6 +30,7 @@ def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             of = mapping(parameters, name).get("interface")
             if isinstance(of, str) and of != interface:
                 report.add("parameter-interface", path, f"{quoted(name)} holds over {of} only, by its 'interface'; this is {interface}")
+                break
 
 
 def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
@@ -56,13 +57,14 @@ def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int |
 
 def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
     """The parameters in an expression, and those from which they follow."""
-    names, seen = _factors(text), set()
-    while names:
-        name = names.pop().parameter
+    factors, seen = _factors(text), set()
+    # The list grows while it is gone through: what is named itself comes before what it follows from.
+    for factor in factors:
+        name = factor.parameter
         if name not in seen and name in parameters:
             seen.add(name)
             yield name
-            names += _factors(mapping(parameters, name).get("equals"))
+            factors += _factors(mapping(parameters, name).get("equals"))
 
 
 def _factors(text: object) -> list[Factor]:
