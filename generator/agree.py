@@ -1,4 +1,4 @@
-"""What a spec says twice: defaults and the values of their fields, meanings of order codes and what these set, places of selecting fields."""
+"""What a spec says twice and the model compares: defaults, meanings of order codes, the BiSS ID, selecting fields."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from collections.abc import Iterator
 from . import codec
 from .expressions import Expression
 from .fields import Raw
-from .model import Device, Field, Register, Variant
+from .model import Device, Field, PlacedField, Register, Variant
 from .problems import DocumentReport, Path
 
 #: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
-_COUNTED = re.compile(r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b")
+_COUNTED = re.compile(
+    r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b"
+)
 #: The addresses of the manufacturer ID over BiSS, each with the place of its byte in the number.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
 #: Below this a number in a text may be about anything.
@@ -30,24 +32,32 @@ def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
 
 def _check_default(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
     """The default of a register has the constants of its fields, what they equal, and their own defaults."""
-    if register.default is None or register.default >> 8 * register.length:
+    default = register.default
+    if default is None or default >> 8 * register.length:
         return
     for variant in _variants(device, register.interface):
         placed = register.layout.place(variant.parameters)
-        decoded = codec.decode(device, placed, register.default)
-        values = decoded.values
-        # What is not among the named values is told with the limits, but for a command that clears itself to a number without a name.
-        wrong = next((item.message for item in decoded.problems if item.kind == "constant"), "")
-        for item in placed.fields:
-            raw_value = register.default >> item.low & item.mask
-            expected = _expected(item.field, variant)
-            if expected is not None and expected not in (raw_value, values.get(item.name)):
-                wrong = wrong or f"'{item.name}' is {raw_value:#x} in it and has to equal {expected if isinstance(expected, str) else hex(expected)}"
-            elif item.field.default is not None and item.field.default not in (raw_value, values.get(item.name)):
-                wrong = wrong or f"'{item.name}' is {raw_value:#x} in it, and its own default is {item.field.default:#x}"
+        decoded = codec.decode(device, placed, default)
+        # A number without a name is told with the limits; a command may well clear itself to one.
+        faults = [item.message for item in decoded.problems if item.kind == "constant"]
+        faults += [_contradiction(item, default, decoded.values.get(item.name), variant) for item in placed.fields]
+        wrong = next(filter(None, faults), "")
         if wrong:
-            report.add("default-does-not-fit", (*path, "default"), f"the default {register.default:#x} contradicts a field: {wrong}")
+            said = f"the default {default:#x} contradicts a field: {wrong}"
+            report.add("default-does-not-fit", (*path, "default"), said)
             return
+
+
+def _contradiction(item: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
+    """What a field says against the number that it has in the default of its register."""
+    number = default >> item.low & item.mask
+    expected = _expected(item.field, variant)
+    if expected is not None and expected not in (number, value):
+        shown = expected if isinstance(expected, str) else hex(expected)
+        return f"'{item.name}' is {number:#x} in it and has to equal {shown}"
+    if item.field.default is not None and item.field.default not in (number, value):
+        return f"'{item.name}' is {number:#x} in it, and its own default is {item.field.default:#x}"
+    return ""
 
 
 def _expected(field: Field, variant: Variant) -> int | str | None:
@@ -71,14 +81,25 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         for item in register.layout.place(variant.parameters).fields:
             expected = _expected(item.field, variant)
             if expected is not None and item.low + item.width <= 8 * register.length:
-                number = int.from_bytes(expected.encode("ascii", "replace"), "big") if isinstance(expected, str) else expected
+                number = (
+                    int.from_bytes(expected.encode("ascii", "replace"), "big")
+                    if isinstance(expected, str)
+                    else expected
+                )
                 found, known = found | (number & item.mask) << item.low, known | item.mask << item.low
         places = range(register.address, register.address + register.length)
         values, masks = (codec.number_to_bytes(register.layout, part, 8 * register.length) for part in (found, known))
-        wrong = [place for place, value, mask in zip(places, values, masks) if place in _BISS_ID and (value ^ identity >> _BISS_ID[place]) & mask]
+        wrong = [
+            place
+            for place, value, mask in zip(places, values, masks)
+            if place in _BISS_ID and (value ^ identity >> _BISS_ID[place]) & mask
+        ]
         if wrong:
             shown = ", ".join(f"{value:02X}" for place, value in zip(places, values) if place in _BISS_ID)
-            text = f"'{register.name}' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is {identity:#06x}; one of the two is wrong"
+            text = (
+                f"'{register.name}' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is"
+                f" {identity:#06x}; one of the two is wrong"
+            )
             report.add("biss-id-mismatch", ("registers", register.name), text)
 
 
@@ -93,7 +114,9 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
             codes = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
             if not any(number in _quantities(device, variant) for variant in codes for number in named):
                 sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
-                wrong = f"the meaning of '{text}' says {named[0]:,}, and nothing of its order codes is so many, with {sets}"
+                wrong = (
+                    f"the meaning of '{text}' says {named[0]:,}, and nothing of its order codes is so many, with {sets}"
+                )
                 report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
 
 
@@ -107,7 +130,7 @@ def _quantities(device: Device, variant: Variant) -> set[int]:
 
 
 def _check_selectors(device: Device, report: DocumentReport) -> None:
-    """A receiver tells the frames of one sender apart by the same bits, whose place is the same for every order code."""
+    """The frames of one sender are told apart by the same bits, in the same place for every order code."""
     for interface in device.interfaces:
         first: dict[str, tuple[str, object]] = {}
         for layout in interface.layouts:
@@ -118,9 +141,17 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
             if field is None:
                 continue  # Reported by the rule on references.
             if not field.pieces:
-                report.add("selector-place", path, f"'{layout.selector}' moves with the order code; a frame is told by bits that always lie in one place")
+                report.add(
+                    "selector-place",
+                    path,
+                    f"'{layout.selector}' moves with the order code; a frame is told by bits that always lie in one"
+                    " place",
+                )
                 continue
             name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
             if pieces != field.pieces:
-                wrong = f"'{layout.selector}' does not lie where it does in '{name}'; frames of one sender are told apart by the same bits"
+                wrong = (
+                    f"'{layout.selector}' does not lie where it does in '{name}'; frames of one sender are told apart"
+                    " by the same bits"
+                )
                 report.add("selector-place", path, wrong)

@@ -23,7 +23,10 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
             continue
         place = _place(field)
         if place is None or "default" not in register:
-            wrong = f"'{item['read_from']}' has to be placed with 'at', its width a plain number, in a register that has a default"
+            wrong = (
+                f"'{item['read_from']}' has to be placed with 'at', its width a plain number, in a register that has a"
+                " default"
+            )
             report.add("undefined-reference", ("parameters", name, "read_from"), wrong)
             found[name] = item.get("max", 0)
             continue
@@ -37,7 +40,7 @@ def held_in_registers(raw: Raw, report: DocumentReport) -> Mapping[str, int]:
 
 
 def _field(register: Raw, name: str) -> Raw | None:
-    """The field of a register as the spec has it. A register without fields is one number; a field of a group has no place here."""
+    """The field of a register as the spec has it; a register without fields is one number, a field of a group is empty."""
     if "fields" not in register:
         return {"name": name, "at": f"{8 * register['length'] - 1}:0"} if name == register["name"] else None
     own = [entry for entry in register["fields"] if "use" not in entry]

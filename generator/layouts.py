@@ -285,11 +285,12 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
 
 
 def _with_places(fields: Sequence[Field], context: Context, interface: str) -> list[Field]:
-    """The fields from the lowest up. One that has no bits now and then lies where its neighbour does, so that all order codes have a say."""
+    """The fields from the lowest up. All order codes have a say: a field without bits lies where its neighbour does."""
     sets = _sets(context, interface)
 
     def place(field: Field) -> tuple[int, int]:
-        return sum(field.low.value(parameters) for parameters in sets), sum(field.width.value(parameters) for parameters in sets)
+        lows = sum(field.low.value(parameters) for parameters in sets)
+        return lows, sum(field.width.value(parameters) for parameters in sets)
 
     return sorted(fields, key=place)
 
@@ -325,7 +326,8 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, path: Path, co
             low = field.low if field is not None else bits
             if (first := low.value(parameters)) > position:
                 where = f"{_bits(first - 1, position)}{_with(parameters, low, below)}"
-                context.report.add("bits-without-field", path, f"no field covers {where}; add one, or say 'other_bits: zero' or 'other_bits: unspecified'")
+                wrong = f"no field covers {where}; add one, or say 'other_bits: zero' or 'other_bits: unspecified'"
+                context.report.add("bits-without-field", path, wrong)
                 return False
             if field is not None:
                 below = field.low + field.width
@@ -333,14 +335,16 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, path: Path, co
     return True
 
 
-def _with_zeros(fields: Sequence[Field], bits: Expression, path: Path, context: Context, interface: str) -> list[Field] | None:
+def _with_zeros(
+    fields: Sequence[Field], bits: Expression, path: Path, context: Context, interface: str
+) -> list[Field] | None:
     """The fields with a constant zero field in every gap, from the lowest up; None where fields change places."""
     zeros = []
     for below, above, low, width in _gaps(fields, bits):
         for parameters in _sets(context, interface):
             if width.value(parameters) < 0 and below is not None and above is not None:
-                wrong = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}; with 'other_bits: zero' fields keep their order"
-                context.report.add("bit-overlap", path, wrong)
+                where = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}"
+                context.report.add("bit-overlap", path, f"{where}; with 'other_bits: zero' fields keep their order")
                 return None
         name = f"zero_below_{above.name}" if above is not None else f"zero_above_{below.name}" if below is not None else "zero"
         zeros.append(zero_field(name, low, width, _widest(width, context, interface), (above or below or fields[0]).source))

@@ -32,7 +32,9 @@ def _packaged_families() -> list[Path]:
     return sorted(path for path in packaged_specs().iterdir() if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml")))
 
 
-def load_library(paths: Sequence[Path] = (), targets: Iterable[str] = tuple(BUILT_IN)) -> tuple[tuple[Device, ...], Report]:
+def load_library(
+    paths: Sequence[Path] = (), targets: Iterable[str] = tuple(BUILT_IN)
+) -> tuple[tuple[Device, ...], Report]:
     """Every device that the specs at ``paths`` describe, in order of name, and everything that is wrong with them.
 
     Args:
@@ -74,11 +76,14 @@ def load_library(paths: Sequence[Path] = (), targets: Iterable[str] = tuple(BUIL
         devices.append(device)
     devices.sort(key=lambda item: item.name)
     if not report:
-        _ask_targets(targets, devices, {document.data["device"]: document for document, data in checked if data is not None and "device" in data}, report)
+        described = {item.data["device"]: item for item, data in checked if data is not None and "device" in data}
+        _ask_targets(targets, devices, described, report)
     return tuple(devices), report
 
 
-def _ask_targets(targets: Iterable[str], devices: Sequence[Device], documents: Mapping[str, Document], report: Report) -> None:
+def _ask_targets(
+    targets: Iterable[str], devices: Sequence[Device], documents: Mapping[str, Document], report: Report
+) -> None:
     """What a target cannot do is said here, where line and column are known, and not when it writes."""
     library = Library(tuple(devices))
     for name in targets:

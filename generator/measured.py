@@ -29,13 +29,18 @@ class _Case:
 
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
-    """Each measurement says of each order code what its position can be; the first order code that contradicts is told."""
+    """A measurement says of each order code what its position can be; the first that contradicts is told."""
     told: set[Path] = set()
     for interface in device.interfaces:
-        path: Path = ("interfaces", interface.kind, "measurement") if interface.measurement is not None else ("measurement",)
+        path: Path = (
+            ("interfaces", interface.kind, "measurement") if interface.measurement is not None else ("measurement",)
+        )
         measurement = device.measurement_of(interface.kind)
         if measurement is not None:
-            wrong = next(filter(None, (_fault(device, measurement, case) for case in _cases(device, interface, measurement))), None)
+            wrong = next(
+                filter(None, (_fault(device, measurement, case) for case in _cases(device, interface, measurement))),
+                None,
+            )
             if wrong is not None and path not in told:
                 told.add(path)
                 report.add("measurement-does-not-fit", (*path, wrong[0]), wrong[1])
@@ -55,7 +60,11 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
 def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
     """The key that is wrong, and why."""
     key = "steps_per_turn" if measurement.steps_per_turn is not None else "steps"
-    numbers = {name: part for name in ("steps_per_turn", "turns", "step_um", "steps") if (part := getattr(measurement, name)) is not None}
+    numbers = {
+        name: part
+        for name in ("steps_per_turn", "turns", "step_um", "steps")
+        if (part := getattr(measurement, name)) is not None
+    }
     values = {name: part.value(case.variant.parameters) for name, part in numbers.items()}
     for name, value in values.items():
         if value < 1:
@@ -63,13 +72,26 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
     if key not in values or not case.width:
         return None
     for name, value in values.items():
-        if name != "step_um" and value >= _SEVERAL and value & (value + 1) == 0 and not _at_run_time(device, numbers[name]):
-            return name, f"'{name}' is {value} for {case.variant.code}; that is the highest count, and with 0 there are {value + 1}"
+        if (
+            name != "step_um"
+            and value >= _SEVERAL
+            and value & (value + 1) == 0
+            and not _at_run_time(device, numbers[name])
+        ):
+            return (
+                name,
+                (
+                    f"'{name}' is {value} for {case.variant.code}; that is the highest count, and with 0 there are"
+                    f" {value + 1}"
+                ),
+            )
     return _does_not_fit(device, measurement, case, key, values) or _uneven(case, key, values)
 
 
-def _does_not_fit(device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
-    """The position has too few bits; or, where its width follows the order code and nothing else decides, more than it can ever use."""
+def _does_not_fit(
+    device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
+) -> tuple[str, str] | None:
+    """The position has too few bits; or, where its width is all that decides, more than it can ever use."""
     turns = values.get("turns", 1)
     counts = values[key] * turns
     said = f"{values[key]} steps" + (f" × {turns} turns" if turns > 1 else "")
@@ -79,7 +101,10 @@ def _does_not_fit(device: Device, measurement: Measurement, case: _Case, key: st
     widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
     counted = _sources(device, *filter(None, (measurement.steps_per_turn, measurement.turns, measurement.steps)))
     if 2 * counts <= 1 << case.width and widths and counted <= widths:
-        return key, f"{said} need {(counts - 1).bit_length()} bits: {held}; zeros above a position are a field of their own"
+        return (
+            key,
+            f"{said} need {(counts - 1).bit_length()} bits: {held}; zeros above a position are a field of their own",
+        )
     return None
 
 
@@ -88,7 +113,13 @@ def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str]
     for index, (name, _) in enumerate(case.fields[:-1]):
         below = sum(width for _, width in case.fields[index + 1 :])
         if case.layout.field(name).unit in _REVOLUTIONS and key == "steps_per_turn" and values[key] != 1 << below:
-            return key, f"'{name}' counts revolutions above {below} bits for {case.variant.code}, so that a turn has {1 << below} counts, not {values[key]}"
+            return (
+                key,
+                (
+                    f"'{name}' counts revolutions above {below} bits for {case.variant.code}, so that a turn has"
+                    f" {1 << below} counts, not {values[key]}"
+                ),
+            )
     return None
 
 

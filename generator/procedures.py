@@ -50,6 +50,7 @@ def _number(register: Register, step: Step, variant: Variant, arguments: Mapping
     if not low <= value <= high:
         raise codec.EncodeError(f"{value} is outside {low} to {high}")
     name = bounded(register)
-    numbers = {field.name for field in register.layout.data_fields if field.kind == "number"} | {join.name for join in register.layout.joins}
+    numbers = {field.name for field in register.layout.data_fields if field.kind == "number"}
+    numbers |= {join.name for join in register.layout.joins}
     # A register of several fields without limits on one of them is given as its whole number.
     return codec.encode(device, placed, {name: value}) if name in numbers or register.limits_of == name else value

@@ -1,4 +1,4 @@
-"""Whether the expressions of a spec have a value: a power of two is out of reach where its exponent is below 0 or beyond all encoders."""
+"""Whether the expressions of a spec have a value: an exponent may be below 0, or beyond what any encoder needs."""
 
 from __future__ import annotations
 
@@ -11,11 +11,19 @@ from .rules.parameters import all_parameters, uses
 
 
 def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool:
-    """Reports each expression without a value: what an interface uses for each of its order codes, a parameter where no code gives it one."""
+    """Reports what has no value for an order code of the interface that uses it, and parameters that never have one."""
     before = len(context.report)
     for path, interface, text in uses(dict(raw)):
-        behind = [raw["parameters"][name]["equals"] for name in all_parameters(text, raw["parameters"]) if "equals" in raw["parameters"][name]]
-        faults = (_fault(item, parameters) for parameters in context.parameter_sets.get(interface, ()) for item in (text, *behind))
+        behind = [
+            raw["parameters"][name]["equals"]
+            for name in all_parameters(text, raw["parameters"])
+            if "equals" in raw["parameters"][name]
+        ]
+        faults = (
+            _fault(item, parameters)
+            for parameters in context.parameter_sets.get(interface, ())
+            for item in (text, *behind)
+        )
         wrong = next(filter(None, faults), "")
         if wrong:
             context.report.add("bad-expression", path, wrong)

@@ -14,10 +14,16 @@ def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if "bank" not in register:
             continue
         if interface != "biss":
-            wrong = f"{quoted(register['name'])} is in a bank, and only BiSS has a register that selects banks; leave 'bank' out, and say in 'note' how its page is chosen"
+            wrong = (
+                f"{quoted(register['name'])} is in a bank, and only BiSS has a register that selects banks; leave"
+                " 'bank' out, and say in 'note' how its page is chosen"
+            )
             report.add("bank-not-selected", (*path, "bank"), wrong, at_key=True)
         elif select is None:
-            wrong = f"{quoted(register['name'])} is in bank {register['bank']}; name the register that selects banks with 'bank_select' under 'biss'"
+            wrong = (
+                f"{quoted(register['name'])} is in bank {register['bank']}; name the register that selects banks with"
+                " 'bank_select' under 'biss'"
+            )
             report.add("bank-not-selected", (*path, "bank"), wrong)
 
 
@@ -43,4 +49,6 @@ def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def _numbers(register: Spec, raw: Spec) -> dict[str, object]:
     """The numbers of a register's named values."""
     fields = expanded(Fields("register", register, (), ""), by_name(raw, "field_groups"))
-    return {name: mapping(value).get("value") for _, field in fields for name, value in mapping(field, "values").items()}
+    return {
+        name: mapping(value).get("value") for _, field in fields for name, value in mapping(field, "values").items()
+    }

@@ -1,11 +1,11 @@
-"""Rules on what BiSS itself lays down (PROT p. 9-15), so that no spec can say otherwise: places of registers, and the control frame."""
+"""Rules on what BiSS itself lays down (PROT p. 9-15) and no spec can change: places of registers, the control frame."""
 
 from __future__ import annotations
 
 from ..problems import DocumentReport, quoted
 from .walk import Spec, by_name, interface_of, items, mapping
 
-#: Registers that every BiSS device has at one place, by the name that manuals give them: address, length and the place in words.
+#: Registers that BiSS has at one place, by the name that manuals give them: address, length, and the place in words.
 _PLACES = {
     "eds_bank": (0x41, 1, "at 41h"),
     "profile_id": (0x42, 2, "at 42h and 43h"),
@@ -31,11 +31,23 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if placed is None or interface_of(register) != "biss" or ("bank" in register and name != select):
             continue
         address, length, where = placed
-        what, end = ("it", "; correct it, or give another register another name") if name != select else ("the register that selects banks", "")
+        what, end = (
+            ("it", "; correct it, or give another register another name")
+            if name != select
+            else ("the register that selects banks", "")
+        )
         if register["address"] != address or "bank" in register:
-            report.add("biss-protocol", (*path, "address"), f"{quoted(name)} is at {register['address']:02X}h; BiSS has {what} {where}{end}")
+            report.add(
+                "biss-protocol",
+                (*path, "address"),
+                f"{quoted(name)} is at {register['address']:02X}h; BiSS has {what} {where}{end}",
+            )
         elif register["length"] != length:
-            report.add("biss-protocol", (*path, "length"), f"{quoted(name)} has {register['length']} bytes; BiSS has {what} {where}, {length} long")
+            report.add(
+                "biss-protocol",
+                (*path, "length"),
+                f"{quoted(name)} has {register['length']} bytes; BiSS has {what} {where}, {length} long",
+            )
 
 
 def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -45,14 +57,23 @@ def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         name = field.get("name")
         width = _WIDTHS.get(str(name))
         if width is not None and isinstance(field.get("bits"), int) and field["bits"] != width:
-            report.add("biss-protocol", (*here, "bits"), f"{quoted(name)} has {field['bits']} bits; in the control frame of BiSS it has {width}")
+            report.add(
+                "biss-protocol",
+                (*here, "bits"),
+                f"{quoted(name)} has {field['bits']} bits; in the control frame of BiSS it has {width}",
+            )
         if name == "rw":
             for word, value in mapping(field, "values").items():
                 right = _DIRECTIONS.get(word, value["value"])
                 if value["value"] != right:
-                    wrong = f"{quoted(word)} is {value['value']:02b}; in the control frame of BiSS 01 writes and 10 reads"
+                    wrong = (
+                        f"{quoted(word)} is {value['value']:02b}; in the control frame of BiSS 01 writes and 10 reads"
+                    )
                     report.add("biss-protocol", (*here, "values", word, "value"), wrong)
         crc = crcs.get(field.get("crc", ""))
         if crc is not None and any(crc.get(key) != value for key, value in _CONTROL_CRC.items()):
-            wrong = f"{quoted(field['crc'])} is not the CRC of BiSS's control frame: 4 bits, poly 0x3, init 0, not reflected, xorout 0xF"
+            wrong = (
+                f"{quoted(field['crc'])} is not the CRC of BiSS's control frame: 4 bits, poly 0x3, init 0, not"
+                " reflected, xorout 0xF"
+            )
             report.add("biss-protocol", (*here, "crc"), wrong)

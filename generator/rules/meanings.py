@@ -25,7 +25,10 @@ def printed_number(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for name, value in mapping(field, "values").items():
                 number = _number(value.get("printed_name", ""), constant_width(field))
                 if number is not None and number != value["value"]:
-                    wrong = f"{quoted(name)} is printed as {value['printed_name']}, which is {number}; 'value' is {value['value']}"
+                    wrong = (
+                        f"{quoted(name)} is printed as {value['printed_name']}, which is {number}; 'value' is"
+                        f" {value['value']}"
+                    )
                     report.add("printed-number", (*path, "values", name, "value"), wrong)
 
 
@@ -44,9 +47,14 @@ def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """A value of an order code whose meaning names one interface does not select another."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            named = {found.upper().replace("RS485", "RS-485") for found in _ANY_INTERFACE.findall(value.get("meaning", ""))}
+            named = {
+                found.upper().replace("RS485", "RS-485") for found in _ANY_INTERFACE.findall(value.get("meaning", ""))
+            }
             for kind, pattern in _INTERFACES.items():
                 if len(named) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
-                    wrong = f"the meaning of {quoted(text)} names {named.pop().replace('BISS', 'BiSS')}, and it selects {value['interface']}"
+                    wrong = (
+                        f"the meaning of {quoted(text)} names {named.pop().replace('BISS', 'BiSS')}, and it selects"
+                        f" {value['interface']}"
+                    )
                     report.add("interface-mismatch", (*path, "values", text, "interface"), wrong)
                     break

@@ -29,14 +29,20 @@ def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for name in dict.fromkeys(all_parameters(text, parameters)):
             of = mapping(parameters, name).get("interface")
             if isinstance(of, str) and of != interface:
-                report.add("parameter-interface", path, f"{quoted(name)} holds over {of} only, by its 'interface'; this is {interface}")
+                report.add(
+                    "parameter-interface",
+                    path,
+                    f"{quoted(name)} holds over {of} only, by its 'interface'; this is {interface}",
+                )
                 break
 
 
 def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Where an interface uses expressions and parameters: the place, the interface, and the text."""
     groups = by_name(raw if raw is not None else spec, "field_groups")
-    registers = (Fields("register", register, path, interface_of(register)) for path, register in items(spec, "registers"))
+    registers = (
+        Fields("register", register, path, interface_of(register)) for path, register in items(spec, "registers")
+    )
     for fields in (*layouts(spec), *registers):
         for path, field in expanded(fields, groups):
             keys = ("bits",) if "text" in field else ("bits", "equals")
@@ -45,7 +51,11 @@ def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int |
             if key in fields.owner:
                 yield (*fields.path, key), fields.interface, fields.owner[key]
         for below, meaning in items(fields.owner, "meanings"):
-            yield from (((*fields.path, *below, key), fields.interface, meaning[key]) for key in ("min", "max") if key in meaning)
+            yield from (
+                ((*fields.path, *below, key), fields.interface, meaning[key])
+                for key in ("min", "max")
+                if key in meaning
+            )
         if "gray" in fields.owner:
             yield (*fields.path, "gray", "when"), fields.interface, fields.owner["gray"]["when"]
     for kind, interface in mapping(spec, "interfaces").items():
@@ -97,6 +107,13 @@ def _counted(spec: Spec) -> Iterator[tuple[Path, object]]:
     for name, parameter in mapping(spec, "parameters").items():
         if "equals" in parameter:
             yield ("parameters", name, "equals"), parameter["equals"]
-    owners: list[tuple[Path, Spec]] = [((), spec), *((("interfaces", kind), item) for kind, item in mapping(spec, "interfaces").items())]
+    owners: list[tuple[Path, Spec]] = [
+        ((), spec),
+        *((("interfaces", kind), item) for kind, item in mapping(spec, "interfaces").items()),
+    ]
     for path, owner in owners:
-        yield from (((*path, "measurement", key), text) for key, text in mapping(owner, "measurement").items() if key in _MEASURED)
+        yield from (
+            ((*path, "measurement", key), text)
+            for key, text in mapping(owner, "measurement").items()
+            if key in _MEASURED
+        )

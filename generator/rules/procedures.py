@@ -21,10 +21,18 @@ def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, register in items(spec, "registers"):
         opener = mapping(register, "opened_by").get("register")
         if registers.get(str(opener), {}).get("access") == "read_only":
-            report.add("access-mismatch", (*path, "opened_by", "register"), f"{quoted(opener)} is read_only, so that nothing opens {quoted(register['name'])}")
+            report.add(
+                "access-mismatch",
+                (*path, "opened_by", "register"),
+                f"{quoted(opener)} is read_only, so that nothing opens {quoted(register['name'])}",
+            )
     select = mapping(spec, "interfaces", "biss").get("bank_select")
     if registers.get(str(select), {}).get("access") == "read_only":
-        report.add("access-mismatch", ("interfaces", "biss", "bank_select"), f"{quoted(select)} is read_only, so that it selects no bank")
+        report.add(
+            "access-mismatch",
+            ("interfaces", "biss", "bank_select"),
+            f"{quoted(select)} is read_only, so that it selects no bank",
+        )
 
 
 def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -41,5 +49,8 @@ def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for register_name, steps in written.items():
             if name not in [value for _, value in steps]:
                 place, value = steps[-1]
-                wrong = f"the procedure is called {quoted(name)}, as is a value of {quoted(register_name)}, and writes {quoted(value)}; write that value, or call it otherwise"
+                wrong = (
+                    f"the procedure is called {quoted(name)}, as is a value of {quoted(register_name)}, and writes"
+                    f" {quoted(value)}; write that value, or call it otherwise"
+                )
                 report.add("procedure-name", place, wrong)

@@ -74,7 +74,8 @@ def _check_field(fields: Fields, path: Path, field: Spec, report: DocumentReport
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is a text; what it equals is put in quotes")
     if _is_nothing(field.get("bits")):
-        report.add("layout-keys", (*path, "bits"), f"{name} has no bits; a field has one at least, unless its width follows from a parameter")
+        wrong = f"{name} has no bits; a field has one at least, unless its width follows from a parameter"
+        report.add("layout-keys", (*path, "bits"), wrong)
     if "at" in field and "top_bit" in field:
         report.add("layout-keys", (*path, "top_bit"), "'at' and 'top_bit' both give the position; keep one", at_key=True)
     elif "bits" in field and ":" in str(field.get("at", "")):
@@ -115,8 +116,8 @@ def _check_carriage(fields: Fields, report: DocumentReport) -> None:
     if carried_as == "bits" and "byte_order" in layout:
         report.add("layout-keys", (*fields.path, "byte_order"), f"{name} is carried as bits, which have no byte order; leave it out", at_key=True)
     if carried_as == "bits" and "when" in layout:
-        wrong = f"{name} is carried as bits, and only frames of bytes are told apart by 'when'; leave it out, or say 'carried_as: bytes'"
-        report.add("layout-keys", (*fields.path, "when"), wrong, at_key=True)
+        wrong = f"{name} is carried as bits, and only frames of bytes are told apart by 'when'"
+        report.add("layout-keys", (*fields.path, "when"), f"{wrong}; leave it out, or say 'carried_as: bytes'", at_key=True)
     if "channel" in layout and fields.interface != "biss":
         report.add("layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has several", at_key=True)
 

@@ -34,7 +34,7 @@ def has_biss(devices: Iterable[Device]) -> bool:
 
 
 class TargetError(ValueError):
-    """A device has something that a target cannot express: the message says what, in one line, and ``place`` where in its spec."""
+    """A device has something that a target cannot express: one line says what, and ``place`` where in its spec."""
 
     def __init__(self, message: str, place: Place = ()) -> None:
         super().__init__(message)
@@ -43,7 +43,10 @@ class TargetError(ValueError):
 
 @dataclass(frozen=True)
 class TargetProblem:
-    """What a target cannot do with a device, at a place of its spec. The message is told where ``other`` is, as in `` on line 5``."""
+    """What a target cannot do with a device, at a place of its spec.
+
+    The message is told where ``other`` is, as in `` on line 5``.
+    """
 
     device: Device
     rule: str
@@ -53,7 +56,7 @@ class TargetProblem:
 
 
 Target = Callable[[Library], Mapping[str, str]]
-#: What a target says of a library before it is asked for files: each problem becomes one of ``check``. A target need not have it.
+#: What a target says of a library before it is asked for files; ``check`` tells it. A target need not have it.
 Problems = Callable[[Library], Iterable[TargetProblem]]
 
 #: Our targets, by name: the module that holds each, and the folder of the output that belongs to it.
@@ -78,6 +81,7 @@ def target(name: str) -> Target:
 
 
 def problems_of(name: str, library: Library) -> Iterable[TargetProblem]:
-    """What the target of that name cannot do with these devices: of ours, what the function ``problems`` of its module says."""
-    found: Problems | None = getattr(import_module(f"{__name__}.{name}"), "problems", None) if name in BUILT_IN else None
+    """What the target of that name cannot do with these devices: what the function ``problems`` of its module says."""
+    module = import_module(f"{__name__}.{name}") if name in BUILT_IN else None
+    found: Problems | None = getattr(module, "problems", None)
     return found(library) if found is not None else ()

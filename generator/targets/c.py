@@ -50,9 +50,11 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             try:
                 headers.append((device, DeviceView(device).names))
             except TargetError as error:
-                yield TargetProblem(device, "c-target", error.place or ("device",), _same(f"{error}; 'generate --target' writes the other outputs"))
+                said = f"{error}; 'generate --target' writes the other outputs"
+                yield TargetProblem(device, "c-target", error.place or ("device",), _same(said))
         for device, clash in clashes(headers, _declared(maker, _shared(library, maker, devices).values())):
-            yield TargetProblem(device, "c-name", clash.path, clash.message, () if clash.other[:1] == ("device",) else clash.other)
+            other = () if clash.other[:1] == ("device",) else clash.other
+            yield TargetProblem(device, "c-name", clash.path, clash.message, other)
 
 
 def _same(text: str) -> Callable[[str], str]:

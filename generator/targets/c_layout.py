@@ -40,7 +40,8 @@ class LayoutSource:
         self.length = layout.widest // 8
         self.word = "plain" if layout.gray_of else "word"
         if self.by_word and layout.widest > 64:
-            raise TargetError(f"'{layout.name}' has {layout.widest} bits and fields that move; the C target can place them in 64 bits only", self.path)
+            wrong = f"'{layout.name}' has {layout.widest} bits and fields that move"
+            raise TargetError(f"{wrong}; the C target can place them in 64 bits only", self.path)
         crc = self.device.crc(layout.crc_field.crc) if layout.carried_as == "bits" and layout.crc_field is not None else None
         self.whole_word = crc is not None and divides_words(crc)
         self.folds = self.whole_word and crc is not None and crc.form == "fold"
@@ -209,7 +210,8 @@ class LayoutSource:
         """The characters of a text in reading order: index, and the byte that holds it."""
         count = field.widest // 8
         if any(piece.right or piece.mask != 0xFF for piece in field.pieces):
-            raise TargetError(f"the text '{field.name}' does not begin at a byte, which the C target cannot express", (*self.path, "fields", field.name))
+            wrong = f"the text '{field.name}' does not begin at a byte, which the C target cannot express"
+            raise TargetError(wrong, (*self.path, "fields", field.name))
         for piece in reversed(field.pieces):
             yield count - 1 - piece.left // 8, piece.byte
 

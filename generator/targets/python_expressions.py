@@ -48,7 +48,8 @@ def meaning_limits(meaning: RegisterMeaning) -> str:
 def class_names(layout: Layout, register: Register | None) -> tuple[str, ...]:
     """The names that the class of a layout has for itself: no attribute can have one."""
     made = [f"from_{attribute(item.name, _CLASS_NAMES)}" for item in layout.joins]
-    return (*_CLASS_NAMES, *made, *(meaning_limits(item) for item in (register.meanings if register is not None else ())))
+    limits = [meaning_limits(item) for item in register.meanings] if register is not None else []
+    return (*_CLASS_NAMES, *made, *limits)
 
 
 class LayoutText:

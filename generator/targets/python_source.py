@@ -16,8 +16,11 @@ WIDTH = 120
 #: A quotation mark at the end that no backslash takes the meaning from.
 _OPEN_QUOTE = re.compile(r'(?<!\\)(?:\\\\)*"$')
 
-#: Built-ins that the generated classes use in their bodies; a field of such a name would hide them there. ``super`` does more than a name in any method.
-_BUILT_IN = frozenset(("bool", "bytes", "classmethod", "float", "int", "property", "staticmethod", "str", "super", "tuple"))
+#: Built-ins that the generated classes use in their bodies; a field of such a name would hide them there. Any method
+#: that has the name ``super`` is bound to its class, which a NamedTuple does not allow.
+_BUILT_IN = frozenset(
+    ("bool", "bytes", "classmethod", "float", "int", "property", "staticmethod", "str", "super", "tuple")
+)
 
 
 def attribute(name: str, taken: Iterable[str] = ()) -> str:
