@@ -23,7 +23,7 @@ REGISTER_FUNCTIONS = ("agrees", "held_bytes", "held_parameters", "held_text", "w
 STEP_FUNCTIONS = ("writes",)
 FUNCTIONS = (*CODEC_FUNCTIONS, *REGISTER_FUNCTIONS, *STEP_FUNCTIONS, "index")
 #: Names that the generated classes, and in them the methods, use for themselves.
-_CLASS_NAMES = (
+CLASS_NAMES = (
     "bit_fields", "check_width", "cls", "count", "decode", "encode", "frame_bits", "index", "is_as_documented", "limits", "self", "variant",
 )
 LOCAL_NAMES = (
@@ -47,9 +47,9 @@ def meaning_limits(meaning: RegisterMeaning) -> str:
 
 def class_names(layout: Layout, register: Register | None) -> tuple[str, ...]:
     """The names that the class of a layout has for itself: no attribute can have one."""
-    made = [f"from_{attribute(item.name, _CLASS_NAMES)}" for item in layout.joins]
+    made = [f"from_{attribute(item.name, CLASS_NAMES)}" for item in layout.joins]
     limits = [meaning_limits(item) for item in register.meanings] if register is not None else []
-    return (*_CLASS_NAMES, *made, *limits)
+    return (*CLASS_NAMES, *made, *limits)
 
 
 class LayoutText:
