@@ -31,6 +31,7 @@ from .order_codes import combinations
 from .problems import DocumentReport, Path
 from .reach import check_reach
 from .run_time import resolve_parameters
+from .sound import sound_so_far
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
@@ -52,7 +53,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
         data_ids=MappingProxyType({kind: _data_ids(item) for kind, item in raw["interfaces"].items()}),
         sources=sources,
     )
-    if not check_reach(raw, context, variants):
+    if variants and not check_reach(raw, context, variants):
         return None
     interfaces = tuple(_interface(kind, item, context) for kind, item in raw["interfaces"].items())
     registers = _registers(raw, context)
@@ -134,7 +135,7 @@ def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
 
 
 def _variants(order_code: OrderCode, definitions: Mapping[str, Expression], held: Mapping[str, int]) -> tuple[Variant, ...]:
-    found = combinations(order_code)
+    found = combinations(order_code) if order_code.parts else ()
     return tuple(
         Variant(code, MappingProxyType(dict(parts)), interface, resolve_parameters({**held, **sets}, definitions)) for code, parts, interface, sets in found
     )
@@ -144,7 +145,10 @@ def _parameter_sets(
     raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Mapping[str, Sequence[Mapping[str, int]]]:
     """By interface, every set of parameters that a layout has to suit: the order codes', and the bounds of those held in registers."""
-    found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in raw["interfaces"]}
+    kinds = (*raw["interfaces"], *(item.get("interface", "biss") for item in raw.get("registers", ())))
+    if not variants:  # Nothing is known of parameters; what does without them can be looked at all the same.
+        return MappingProxyType({kind: ({},) for kind in kinds})
+    found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
     bounds = [(name, item[key]) for name, item in raw["parameters"].items() if "read_from" in item for key in ("min", "max") if key in item]
     for variant in variants:
         known = found.setdefault(variant.interface, [])
@@ -153,7 +157,9 @@ def _parameter_sets(
             parameters = resolve_parameters({**base, **changed}, definitions)
             if parameters not in known:
                 known.append(parameters)
-    return MappingProxyType(found)
+    # An interface that no order code selects has been reported; its layouts are looked at with the parameters of the others.
+    every = [parameters for known in found.values() for parameters in known]
+    return MappingProxyType({kind: known or every for kind, known in found.items()})
 
 
 def _parameter(name: str, raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]) -> Parameter:
@@ -359,11 +365,14 @@ def _request(device: Device, data_id: str) -> bytes:
 
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     """Whether each printed control byte is what its data ID encodes to."""
+    known = sound_so_far(report)
     for interface in device.interfaces:
         for item in interface.data_ids:
             layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
             variant = next((variant for variant in device.variants if variant.interface == interface.kind), None)
-            if layout is None or variant is None:
+            if not known.has_frames or variant is None:
+                continue
+            if layout is None:
                 wrong = f"no layout is sent or received for data ID {item.id:X}; add it to a layout's 'when'"
                 report.add("undefined-reference", ("interfaces", interface.kind, "data_ids", item.name), wrong)
                 continue

@@ -2,38 +2,61 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from .problems import Report
-from .rules import FOUNDATIONS, RULES
+from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.order_code import is_whole
-from .schema import check_schema
+from .schema import Checked, check_schema, holder, without
 
 if TYPE_CHECKING:
     from .read import Document
+
+#: What stands for keys at the top that are missing, so that the rest can be built and looked at.
+_STAND_INS: dict[str, Any] = {
+    "title": "", "movement": "rotary", "manufacturer": "", "manual": {"title": "", "revision": "", "language": "en"}, "interfaces": {},
+}  # fmt: skip
+_NO_CODES: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "parts": []}}
 
 
 def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     """Checks a document and adds what is wrong with it to ``report``.
 
     Returns:
-        The data without what the schema refuses: every part of it has the shape that the schema says. None where nothing can be built
-        from it: a key at the top is missing, or parameters, order codes, field widths or CRCs are at fault.
+        The data without what is at fault: it can be built, as far as it goes, to find what else is wrong. Of a device whose order codes or
+        parameters are at fault both are empty. None where nothing can be built.
     """
     checked = check_schema(document, report)
     if checked is None:
         return None
-    sound = checked.complete
     if checked.kind == "device":
-        sound = sound and is_whole(checked.data, document.data)
-        rules_report = report.for_document(document)
-        for rule in RULES:
-            before = len(report)
-            rule(checked.data, document.data, rules_report)
-            sound = sound and (rule not in FOUNDATIONS or len(report) == before)
+        return _check_device(checked, document, report)
+    before = len(report)
     if checked.kind == "master":
-        before = len(report)
         check_master(checked.data, report.for_document(document))
-        sound = sound and len(report) == before
-    return checked.data if sound else None
+    return checked.data if checked.complete and len(report) == before else None
+
+
+def _check_device(checked: Checked, document: Document, report: Report) -> dict[str, Any]:
+    codes = is_whole(checked.data, document.data)
+    report.mark(document, checked.cut)
+    about, cut = report.for_document(document), set(checked.cut)
+    for rule in RULES:
+        before = about.faults()
+        rule(checked.data, document.data, about)
+        if rule in FOUNDATIONS:
+            codes = codes and not any(path[0] in _NO_CODES for path in about.faults() - before)
+        if rule in SHAPES:
+            cut |= {holder(path) for path in about.faults() - before}
+    data = without(document, frozenset(cut)) if cut != checked.cut else checked.data
+    return _whole(data, codes, document)
+
+
+def _whole(data: dict[str, Any], codes: bool, document: Document) -> dict[str, Any]:
+    if codes and data.keys() >= _STAND_INS.keys() | {"device"} and all("layouts" in item for item in data["interfaces"].values()):
+        return data
+    whole = {"device": PurePath(document.file).stem, **_STAND_INS, **data, **({} if codes else _NO_CODES)}
+    whole["interfaces"] = {kind: {"layouts": [], **item} for kind, item in whole["interfaces"].items()}
+    return whole

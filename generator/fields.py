@@ -28,7 +28,9 @@ class Context:
     def expression(self, text: int | str) -> Expression | None:
         """The expression over parameters that order codes set, or None when it is none."""
         try:
-            return Expression.parse(text).substitute(self.definitions)
+            found = Expression.parse(text).substitute(self.definitions)
+            known = next((parameters for sets in self.parameter_sets.values() for parameters in sets), {})
+            return found if known.keys() >= set(found.parameters) else None
         except ExpressionError:
             return None  # reported by the rules on references and expressions
 

@@ -99,27 +99,24 @@ def build_layout(raw: Raw, path: Path, context: Context, *, interface: str, tota
 
 def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
     """The fields with groups taken in; None when one cannot be understood (reported elsewhere)."""
-    items: list[Item] = []
-    for index, raw in enumerate(raw_fields):
-        here = (*path, index)
-        if "use" in raw:
-            group = context.groups.get(raw["use"])
-            if group is None:
-                return None
-            inner = _group_items(*group, context, low_first)
-            if inner is None:
-                return None
-            items.append(Item({"group": inner}, here, raw["use"], Expression(group[0]["bits"]), Expression(group[0]["bits"])))
-            continue
-        width = _width(raw, context)
-        if width is None:
+    items = [_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
+    understood = [item for item in items if item is not None]
+    return understood if len(understood) == len(items) else None
+
+
+def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+    if "use" in raw:
+        group = context.groups.get(raw["use"])
+        inner = _group_items(*group, context, low_first) if group is not None else None
+        if group is None or inner is None:
             return None
-        span = Expression(raw["padded_to"]) if "padded_to" in raw else width
-        low = _low(raw, width, here, context) if _is_placed(raw) else ZERO
-        if low is None:
-            return None
-        items.append(Item(raw, here, "", width, span, low))
-    return items
+        return Item({"group": inner}, path, raw["use"], Expression(group[0]["bits"]), Expression(group[0]["bits"]))
+    width = _width(raw, context)
+    if width is None:
+        return None
+    span = Expression(raw["padded_to"]) if "padded_to" in raw else width
+    low = _low(raw, width, path, context) if _is_placed(raw) else ZERO
+    return Item(raw, path, "", width, span, low) if low is not None else None
 
 
 def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:

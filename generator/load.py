@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from .build import build_device
 from .build_facts import build_manufacturer
@@ -56,29 +57,41 @@ def load_library(
             built = build_manufacturer(data)
             _check_manufacturer(built, makers.values(), document, report)
             makers[built.name] = built
-    # Of a manufacturer file with problems of its own, its devices say nothing more.
+    # A manufacturer file with problems of its own is there all the same.
     broken = {document.data.get("manufacturer") for document in documents if "device" not in document.data}
     devices: list[Device] = []
     for document, data in checked:
         if data is None or "device" not in data:
             continue
         maker = makers.get(data["manufacturer"])
-        if maker is None and data["manufacturer"] in broken:
-            continue
-        if maker is None:
+        if maker is None and data["manufacturer"] not in broken and "manufacturer" in document.data:
             known = f"; known: {listed(sorted(makers))}" if makers else ""
             report.add("undefined-reference", document, ("manufacturer",), f"there is no manufacturer file for '{data['manufacturer']}'{known}")
-            continue
-        device = build_device(data, maker, report.for_document(document))
+        device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
         if device is None:
             continue
         _compare_with_others(device, devices, document, report)
         devices.append(device)
     devices.sort(key=lambda item: item.name)
-    if not report:
-        described = {item.data["device"]: item for item, data in checked if data is not None and "device" in data}
-        _ask_targets(targets, devices, described, report)
+    sound = _sound_documents(checked, report)
+    _ask_targets(targets, [device for device in devices if device.name in sound], sound, report)
     return tuple(devices), report
+
+
+def _unknown_manufacturer(name: str) -> Manufacturer:
+    """Stands for a manufacturer of whom no file tells; what is wrong with the device itself can be told all the same."""
+    package = f"{name}_encoders"
+    return Manufacturer(name=name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=())
+
+
+def _sound_documents(
+    checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report
+) -> dict[str, Document]:
+    """The documents of the families in which nothing is wrong up to now, their manufacturer included."""
+    faulty = {problem.file for problem in report.problems}
+    sound = [(document, data) for document, data in checked if data is not None and document.file not in faulty]
+    makers = {data["manufacturer"] for _, data in sound if "device" not in data and "manufacturer" in data}
+    return {data["device"]: document for document, data in sound if "device" in data and data["manufacturer"] in makers}
 
 
 def _ask_targets(

@@ -60,11 +60,11 @@ class Mark:
 
 
 class Refused(Exception):
-    """Something at a place that cannot be read: ``rule`` and ``message`` as in a problem."""
+    """Something at a place that cannot be read: ``rule`` and ``message`` as in a problem; the path where the rest of the file can be."""
 
-    def __init__(self, line: int, column: int, rule: str, message: str) -> None:
+    def __init__(self, line: int, column: int, rule: str, message: str, path: Path = ()) -> None:
         super().__init__(message)
-        self.line, self.column, self.rule, self.message = line, column, rule, message
+        self.line, self.column, self.rule, self.message, self.path = line, column, rule, message, path
 
 
 @dataclass(slots=True)
@@ -184,31 +184,31 @@ class _Parser:
         result: dict[str, Any] = {}
         count, deepest = 1, 0
         while not isinstance(event := next(self._events), yaml.MappingEndEvent):
-            key = self._key(event, depth)
+            key = self._key(event, path, depth)
             value = self._value(next(self._events), (*path, "" if key is None else key), depth + 1)
             count, deepest = count + value.count, max(deepest, value.depth)
             if key is None:
                 continue
             if key in result:
                 first = mark.children[key].key_line
-                self._complain(_refused(event, "duplicate-key", f"the key {quoted(key)} is already on line {first}; keep one of the two"))
+                self._complain(_refused(event, "duplicate-key", f"the key {quoted(key)} is already on line {first}; keep one of the two", (*path, key)))
                 continue
             value.mark.key_line, value.mark.key_column = event.start_mark.line + 1, event.start_mark.column + 1
             mark.children[key] = value.mark
             result[key] = value.data
         return _Value(result, mark, count, deepest + 1)
 
-    def _key(self, event: Any, depth: int) -> str | None:
+    def _key(self, event: Any, path: Path, depth: int) -> str | None:
         """The key as written, or None where there is no usable one. Keys are never numbers: an order code part ``01`` stays ``01``."""
         if not isinstance(event, yaml.ScalarEvent):
             self._value(event, (), depth + 1)
-            self._complain(_refused(event, "bad-key", "a key is one word, not a list, a map or an alias"))
+            self._complain(_refused(event, "bad-key", "a key is one word, not a list, a map or an alias", path))
             return None
         if event.value == "<<" and not event.style:
-            self._complain(_refused(event, "merge-key", "merge keys are not part of YAML 1.2; write the entries out"))
+            self._complain(_refused(event, "merge-key", "merge keys are not part of YAML 1.2; write the entries out", path))
             return None
         if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
-            self._complain(_refused(event, "bad-key", "a key is one word, without a tag and without control characters"))
+            self._complain(_refused(event, "bad-key", "a key is one word, without a tag and without control characters", path))
             return None
         return str(event.value)
 
@@ -258,5 +258,5 @@ def _short(tag: str) -> str:
     return tag.replace(_CORE, "!!")
 
 
-def _refused(event: Any, rule: str, message: str) -> Refused:
-    return Refused(event.start_mark.line + 1, event.start_mark.column + 1, rule, message)
+def _refused(event: Any, rule: str, message: str, path: Path = ()) -> Refused:
+    return Refused(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 #: A place inside a spec: keys of maps, and for lists an index or the name of an item.
 Path = tuple[str | int, ...]
 
+#: Keys on which nothing else in a spec depends.
+WORDS_ONLY = frozenset(("source", "note", "meaning", "title", "printed_name", "names", "why"))
 _LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
 #: Known words that a message lists.
@@ -64,6 +66,7 @@ class Report:
 
     def __init__(self) -> None:
         self._problems: set[Problem] = set()
+        self._faults: dict[str, set[Path]] = {}
 
     def add(self, rule: str, document: Document, path: Path, message: str, *, at_key: bool = False) -> None:
         """Adds a problem at ``path`` of ``document``.
@@ -75,12 +78,22 @@ class Report:
             message: What is wrong, and what would be right.
             at_key: Point at the key rather than at its value.
         """
+        if path and path[-1] not in WORDS_ONLY:
+            self._faults.setdefault(document.file, set()).add(document.original(path))
         line, column = document.position(path, at_key)
         self.add_at(document.file, line, column, rule, message, path=document.name_path(path), text=document.line(line))
 
     def add_at(self, file: str, line: int, column: int, rule: str, message: str, *, path: str = "", text: str = "") -> None:
         """Adds a problem at a place of a file, for what is wrong before there is a document."""
         self._problems.add(Problem(file, line, column, rule, path, message, text))
+
+    def mark(self, document: Document, paths: Iterable[Path]) -> None:
+        """Notes places of a document as at fault without saying anything of them: what was left out with a part of it."""
+        self._faults.setdefault(document.file, set()).update(path for path in paths if path and path[-1] not in WORDS_ONLY)
+
+    def faults(self, document: Document) -> frozenset[Path]:
+        """Where a document is at fault so far, as paths into the data as read; slips in mere words left out."""
+        return frozenset(self._faults.get(document.file, ()))
 
     def for_document(self, document: Document) -> DocumentReport:
         """The view of this report through which rules speak about one document."""
@@ -108,6 +121,10 @@ class DocumentReport:
     def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
         """Adds a problem at ``path``; see :meth:`Report.add`."""
         self._report.add(rule, self.document, path, message, at_key=at_key)
+
+    def faults(self) -> frozenset[Path]:
+        """Where the document is at fault so far; see :meth:`Report.faults`."""
+        return self._report.faults(self.document)
 
     def __len__(self) -> int:
         """How many problems there are so far, over all documents."""

@@ -36,7 +36,9 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
 
 def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
     try:
-        Expression.parse(text).value(parameters)
+        found = Expression.parse(text)
+        if parameters.keys() >= set(found.parameters):  # Another name is reported by the rule on expressions.
+            found.value(parameters)
     except ExpressionError as error:
         return str(error)
     return ""

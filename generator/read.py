@@ -29,7 +29,8 @@ class Document:
     """A spec as it was read.
 
     ``data`` consists of dict, list, str, int, float, bool and None. ``broken`` lists the places about which the reader has already
-    complained; what stands there is only a stand-in. ``kept`` is filled by the schema check: for a list that lost items, the
+    complained; what stands there is only a stand-in. ``doubtful`` lists those where something was left out, such as a key that comes twice.
+    ``kept`` is filled by the schema check: for a list that lost items, the
     original index of each item that stayed, so that paths into the pruned data still find their lines.
     """
 
@@ -38,6 +39,7 @@ class Document:
     data: dict[str, Any]
     marks: Mark
     broken: tuple[Path, ...] = ()
+    doubtful: tuple[Path, ...] = ()
     kept: dict[Path, tuple[int, ...]] = field(default_factory=dict)
 
     def line(self, number: int) -> str:
@@ -63,7 +65,7 @@ class Document:
         """The path as a message shows it, list items by name where they have one, else counted from 1: ``procedures.preset.steps[3]``."""
         text = ""
         node: Any = self.data
-        for step in self._original(path):
+        for step in self.original(path):
             if isinstance(node, list) and isinstance(step, int):
                 node = node[step] if step < len(node) else None
                 label = _label(node)
@@ -76,14 +78,14 @@ class Document:
     def _walk(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
         """Each step of the path that exists, with its mark."""
         mark = self.marks
-        for step in self._original(path):
+        for step in self.original(path):
             child = mark.children.get(step)
             if child is None:
                 return
             yield step, child
             mark = child
 
-    def _original(self, path: Path) -> Path:
+    def original(self, path: Path) -> Path:
         """The path in terms of the data as read: names of items as indices, indices of pruned lists as original ones."""
         node: Any = self.data
         result: Path = ()
@@ -146,7 +148,8 @@ def _document(file: str, text: str, lines: tuple[str, ...], report: Report) -> D
     for item in findings:
         shown = lines[item.line - 1] if item.line <= len(lines) else ""
         report.add_at(file, item.line, item.column, item.rule, item.message, text=shown)
-    return None if data is None else Document(file, lines, data, marks, tuple(broken))
+    doubtful = tuple(item.path for item in findings if item.path)
+    return None if data is None else Document(file, lines, data, marks, tuple(broken), doubtful)
 
 
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from jsonschema import Draft202012Validator, ValidationError, validators
 
-from .problems import Path, Report
+from .problems import WORDS_ONLY, Path, Report
 from .schema_messages import Finding, explain
 
 if TYPE_CHECKING:
@@ -31,12 +31,13 @@ class Checked:
     """What the schema check leaves.
 
     ``data`` is a deep copy without what is broken: it keeps to the schema, but for keys that are missing at the top or at the top of
-    an interface. ``complete`` says that none is. Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
+    an interface. ``complete`` says that none is. ``cut`` are the places that were cut out. Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
     """
 
     data: dict[str, Any]
     kind: str
     complete: bool
+    cut: frozenset[Path] = frozenset()
 
 
 def check_schema(document: Document, report: Report) -> Checked | None:
@@ -50,6 +51,7 @@ def check_schema(document: Document, report: Report) -> Checked | None:
         message = "'device' is missing; a device file names its family with it, a manufacturer file has 'manufacturer' alone"
         report.add("missing-key", document, (), message)
         return None
+    document.kept.clear()
     validator = _validator(kind)
     cut = set(document.broken)
     findings = _findings(validator, document.data, cut, kind)
@@ -60,7 +62,8 @@ def check_schema(document: Document, report: Report) -> Checked | None:
         return None
     if not findings and not cut:
         return Checked(_without(document.data, cut, (), document.kept), kind, complete=True)
-    return _cut_out(validator, document, {_holder(path) for path in (*cut, *(finding.path for finding in findings if not _can_be_incomplete(finding.path)))}, kind)
+    places = {finding.path if finding.alone else holder(finding.path) for finding in findings if not _can_be_incomplete(finding.path)}
+    return _cut_out(validator, document, places | set(map(holder, cut)), kind)
 
 
 @functools.cache
@@ -81,11 +84,17 @@ def _kind(data: dict[str, Any]) -> str | None:
     return "manufacturer" if "manufacturer" in data else None
 
 
+def without(document: Document, cut: frozenset[Path]) -> dict[str, Any]:
+    """The data of a document without these places; the document knows which items of lists are gone."""
+    document.kept.clear()
+    data: dict[str, Any] = _without(document.data, set(cut), (), document.kept)
+    return data
+
+
 def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> Checked:
     """Removes what holds the broken places, and what cannot do without that, until the rest keeps to the schema."""
     while True:
-        document.kept.clear()
-        data: dict[str, Any] = _without(document.data, cut, (), document.kept)
+        data = without(document, frozenset(cut))
         complete, more = True, set()
         for error in validator.iter_errors(data):
             path = _original(tuple(error.absolute_path), document.kept)
@@ -94,7 +103,7 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> C
             elif path:
                 more.add(path)
         if more <= cut:
-            return Checked(data, kind, complete)
+            return Checked(data, kind, complete, frozenset(cut))
         cut |= more
 
 
@@ -103,11 +112,13 @@ def _can_be_incomplete(path: Path) -> bool:
     return not path or (len(path) == 2 and path[0] == "interfaces")
 
 
-def _holder(path: Path) -> Path:
+def holder(path: Path) -> Path:
     """What to cut out for a fault at ``path``: the nearest item of a list, for a field all that has the fields, else the place itself.
 
-    A width or a key that is merely gone would look like another fault: the item would lack it, or bits would lack a field.
+    A width or a key that is merely gone would look like another fault: the item would lack it, or bits would lack a field. Words are not missed.
     """
+    if path[-1:] and path[-1] in WORDS_ONLY:
+        return path
     if "fields" in path[:-1]:
         return path[: path.index("fields")]
     return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)

@@ -60,12 +60,16 @@ _ALL_THERE_IS: dict[str | int, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A fault: the rule, the place, the message; ``at_key`` where the key is at fault, not its value."""
+    """A fault: the rule, the place, the message; ``at_key`` where the key is at fault, not its value.
+
+    ``alone`` where what holds the place is none the worse for it: a key too many.
+    """
 
     rule: str
     path: Path
     message: str
     at_key: bool = False
+    alone: bool = False
 
 
 def explain(error: Any, kind: str) -> Iterator[Finding]:
@@ -85,7 +89,8 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
     elif error.validator == "additionalProperties":
         for key in error.instance:
             if key not in error.schema["properties"]:
-                yield Finding("unknown-key", (*path, key), f"unknown key {quoted(key)}{_key_hint(error, path, key)}", True)
+                hint = _key_hint(error, path, key)
+                yield Finding("unknown-key", (*path, key), f"unknown key {quoted(key)}{hint or _all_known(error, key)}", True, alone=not hint)
     elif error.validator == "required":
         yield from _missing(error, path, kind)
     else:
@@ -102,7 +107,11 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
         return f"; {_ALL_THERE_IS[path[-1]]}"
     if " " in key.strip():
         return "; no key has spaces: if this belongs to a text, put the whole text in quotes"
-    return key_hint(key, error.instance[key], known) or suggestion(key, known, "known are")
+    return key_hint(key, error.instance[key], known)
+
+
+def _all_known(error: Any, key: str) -> str:
+    return suggestion(key, error.schema["properties"], "known are")
 
 
 def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:

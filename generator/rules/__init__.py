@@ -9,12 +9,16 @@ from __future__ import annotations
 from . import banks, biss, flags, meanings, names, order_code, parameters, procedures, references, shapes, values
 from .walk import Rule
 
-#: Rules without which nothing can be built: order codes and parameters lie under every width, groups under every layout.
+#: Rules on order codes and parameters, which lie under every width: where they find a fault in these, all is built without them.
 FOUNDATIONS: tuple[Rule, ...] = (
     references.order_code_references,
     references.expressions,
     order_code.parameter_cycle,
     order_code.order_code_pattern,
+)
+
+#: Rules on layouts, registers, groups and CRCs: one with a fault cannot be built.
+SHAPES: tuple[Rule, ...] = (
     shapes.layout_keys,
     values.crc_impossible,
 )
@@ -22,6 +26,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
 #: Every rule, in the order in which they run. It does not show: problems are sorted by their place.
 RULES: tuple[Rule, ...] = (
     *FOUNDATIONS,
+    *SHAPES,
     order_code.order_code_ambiguous,
     order_code.also_written,
     names.device_name,
