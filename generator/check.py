@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from .problems import Report
+from .problems import DocumentReport, Path, Report
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.order_code import is_whole
@@ -39,17 +39,29 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     return checked.data if checked.complete and len(report) == before else None
 
 
+class _Noting(DocumentReport):
+    """Notes the places of which a rule speaks."""
+
+    def __init__(self, report: Report, document: Document) -> None:
+        super().__init__(report, document)
+        self.noted: list[Path] = []
+
+    def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
+        self.noted.append(self.document.original(path))
+        super().add(rule, path, message, at_key=at_key)
+
+
 def _check_device(checked: Checked, document: Document, report: Report) -> dict[str, Any]:
     codes = is_whole(checked.data, document.data)
     report.mark(document, checked.cut)
-    about, cut = report.for_document(document), set(checked.cut)
+    cut = set(checked.cut)
     for rule in RULES:
-        before = about.faults()
+        about = _Noting(report, document)
         rule(checked.data, document.data, about)
         if rule in FOUNDATIONS:
-            codes = codes and not any(path[0] in _NO_CODES for path in about.faults() - before)
+            codes = codes and not any(path[0] in _NO_CODES for path in about.noted)
         if rule in SHAPES:
-            cut |= {holder(path) for path in about.faults() - before}
+            cut |= set(map(holder, about.noted))
     data = without(document, frozenset(cut)) if cut != checked.cut else checked.data
     return _whole(data, codes, document)
 

@@ -58,7 +58,7 @@ def load_library(
             _check_manufacturer(built, makers.values(), document, report)
             makers[built.name] = built
     # A manufacturer file with problems of its own is there all the same.
-    broken = {document.data.get("manufacturer") for document in documents if "device" not in document.data}
+    broken = {str(document.data.get("manufacturer")) for document in documents if "device" not in document.data}
     devices: list[Device] = []
     for document, data in checked:
         if data is None or "device" not in data:

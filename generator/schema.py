@@ -22,6 +22,8 @@ from .schema_messages import Finding, explain
 if TYPE_CHECKING:
     from .read import Document
 
+#: A source that no rule objects to.
+_SOME_SOURCE = "Cover"
 #: Problems of one document after which the rest is not worth reading.
 MAX_PROBLEMS = 200
 
@@ -62,7 +64,8 @@ def check_schema(document: Document, report: Report) -> Checked | None:
         return None
     if not findings and not cut:
         return Checked(_without(document.data, cut, (), document.kept), kind, complete=True)
-    places = {finding.path if finding.alone else holder(finding.path) for finding in findings if not _can_be_incomplete(finding.path)}
+    faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not (finding.alone and finding.rule == "missing-key")]
+    places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
     return _cut_out(validator, document, places | set(map(holder, cut)), kind)
 
 
@@ -96,7 +99,9 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> C
     while True:
         data = without(document, frozenset(cut))
         complete, more = True, set()
-        for error in validator.iter_errors(data):
+        for error in list(validator.iter_errors(data)):
+            if error.validator == "required" and _give_words(error):
+                continue
             path = _original(tuple(error.absolute_path), document.kept)
             if _can_be_incomplete(path) and error.validator == "required":
                 complete = False
@@ -105,6 +110,15 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> C
         if more <= cut:
             return Checked(data, kind, complete, frozenset(cut))
         cut |= more
+
+
+def _give_words(error: Any) -> bool:
+    """Puts stand-ins where only words are missing, so that all the rest of the item can be looked at; whether that was so."""
+    missing = [key for key in error.validator_value if key not in error.instance]
+    if not error.absolute_path or not WORDS_ONLY.issuperset(missing):
+        return False
+    error.instance.update((key, _SOME_SOURCE if key == "source" else "?") for key in missing)
+    return True
 
 
 def _can_be_incomplete(path: Path) -> bool:

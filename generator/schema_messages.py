@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from .problems import Path, listed, meant, quoted, suggestion
+from .problems import WORDS_ONLY, Path, listed, meant, quoted, suggestion
 from .schema_hints import key_hint, number_hint
 
 _TYPES = {"integer": "a whole number", "string": "text", "object": "a map of keys", "array": "a list", "boolean": "true or false"}
@@ -62,7 +62,7 @@ _ALL_THERE_IS: dict[str | int, str] = {
 class Finding:
     """A fault: the rule, the place, the message; ``at_key`` where the key is at fault, not its value.
 
-    ``alone`` where what holds the place is none the worse for it: a key too many.
+    ``alone`` where what holds the place is none the worse for it: a key too many, or words that are missing.
     """
 
     rule: str
@@ -122,7 +122,8 @@ def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     missing = [f"'{key}'" for key in error.validator_value if key not in error.instance and key not in misspelt]
     if missing:
         needs = f"{listed(missing)} {'is' if len(missing) == 1 else 'are'} missing; {_owner(error, path, kind)} needs {'it' if len(missing) == 1 else 'them'}"
-        yield Finding("missing-key", path, needs, bool(path) and isinstance(path[-1], str))
+        only_words = not misspelt and WORDS_ONLY.issuperset(key.strip("'") for key in missing)
+        yield Finding("missing-key", path, needs, bool(path) and isinstance(path[-1], str), alone=only_words)
 
 
 def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:

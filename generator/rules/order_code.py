@@ -198,8 +198,9 @@ def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> 
             found = f"{len(interfaces)} ({', '.join(interfaces)})" if interfaces else "none"
             faults.setdefault("interface", (_PARTS, f"each code selects one interface; {code.text} selects {found}"))
         count = [name for _, _, value in code.chosen for name in mapping(value, "sets")]
+        misspelt = any(name not in spec["parameters"] for name in count)
         for name in free:
-            if count.count(name) == 0:
+            if count.count(name) == 0 and not misspelt:
                 message = f"no part of {code.text} sets {quoted(name)}; every code has to, or the parameter needs 'equals' or 'read_from'"
                 faults.setdefault(name, (("parameters", name), message))
             elif count.count(name) > 1:
