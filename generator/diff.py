@@ -10,7 +10,7 @@ Compared are the resolved families, as ``show --json`` prints them. Each change 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,13 +38,15 @@ _LESS_WHEN_RAISED = {"min", "min_hz", "at_least_us", "at_most_us", "at_most_ns",
 _LESS_WHEN_LOWERED = {"max", "max_hz", "below_hz", "shorter_than_m"}
 #: What restricts when it comes anew.
 _RESTRICTS = {"opened_by", "reserved", "needs", "inverts", "open_only_with", "only_with"}
+#: Numbers that manuals print in hexadecimal.
+_HEXADECIMAL = {"poly", "init", "xorout", "check", "constant", "control", "value", "equals", "default", "biss_id"}
 #: Members by which an item of a list is known, the first that it has.
 _KEYS = ("name", "code", "text", "kind", "key", "contact", "data_id", "id", "revision", "language", "shorter_than_m", "clock_hz", "state")
 
 
 @dataclass(frozen=True)
 class Change:
-    """One changed fact: ``how`` is ``changed``, ``added`` or ``removed``."""
+    """One changed fact: ``how`` is ``changed``, ``added`` or ``removed``; ``hexadecimal`` where manuals print its number so."""
 
     family: str
     path: str
@@ -52,6 +54,7 @@ class Change:
     old: Any
     new: Any
     breaking: bool
+    hexadecimal: bool = False
 
     @property
     def effect(self) -> str:
@@ -75,20 +78,26 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
 
 
 def _family(old: Device, new: Device) -> Iterator[Change]:
-    yield from _walk(new.name, (), device_dump(old), device_dump(new))
+    # A parameter that counts something has a unit; the others are codes, such as a profile ID.
+    codes = {item.name for device in (old, new) for item in device.parameters if not item.unit}
+    yield from _walk(new.name, (), device_dump(old), device_dump(new), codes)
 
 
-def _walk(family: str, path: tuple[str, ...], old: Any, new: Any) -> Iterator[Change]:
+def _walk(family: str, path: tuple[str, ...], old: Any, new: Any, codes: Container[str]) -> Iterator[Change]:
     if old == new or (path and path[-1] in _DERIVED):
         return
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         for name in dict.fromkeys((*old, *new)):
-            yield from _walk(family, (*path, name), old.get(name), new.get(name))
+            yield from _walk(family, (*path, name), old.get(name), new.get(name), codes)
     elif _is_listing(old) and _is_listing(new) and (old or new):
-        yield from _walk(family, path, _by_key(old), _by_key(new))
+        yield from _walk(family, path, _by_key(old), _by_key(new), codes)
     else:
         how = "added" if _is_nothing(old) else "removed" if _is_nothing(new) else "changed"
-        yield Change(family, ".".join(path), how, old, new, _is_breaking(path, how, old, new))
+        yield Change(family, ".".join(path), how, old, new, _is_breaking(path, how, old, new), _is_hexadecimal(path, codes))
+
+
+def _is_hexadecimal(path: tuple[str, ...], codes: Container[str]) -> bool:
+    return path[-1] in _HEXADECIMAL or (path[-2:-1] in (("sets",), ("parameters",)) and path[-1] in codes)
 
 
 def _is_listing(value: Any) -> bool:
@@ -150,17 +159,19 @@ def as_text(changes: Sequence[Change]) -> str:
 def _sentence(change: Change) -> str:
     what = change.path or "the family"
     if change.how == "changed":
-        return f"{what}: {_shown(change.path, change.old)} -> {_shown(change.path, change.new)}"
+        return f"{what}: {_shown(change, change.old)} -> {_shown(change, change.new)}"
     value = change.new if change.how == "added" else change.old
-    detail = "" if isinstance(value, (Mapping, list)) or not change.path else f", {_shown(change.path, value)}"
+    detail = "" if isinstance(value, (Mapping, list)) or not change.path else f", {_shown(change, value)}"
     return f"{what}: {change.how}{detail}"
 
 
-def _shown(path: str, value: Any) -> str:
-    """A value, short; an address as manuals write it."""
+def _shown(change: Change, value: Any) -> str:
+    """A value, short; an address or a code as manuals write it."""
     if isinstance(value, bool) or value is None:
         return {True: "yes", False: "no", None: "nothing"}[value]
     if isinstance(value, int):
-        return f"{value:02X}h" if path.endswith("address") else f"{value}"
+        if change.path.endswith("address"):
+            return f"{value:02X}h"
+        return f"{value:X}h ({value})" if change.hexadecimal and value > 9 else f"{value}"
     text = value if isinstance(value, str) else ", ".join(map(str, value)) if isinstance(value, list) else str(value)
     return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from ..expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, listed, quoted
-from .walk import Fields, Spec, by_name, field_lists, items, mapping, measurements
+from .walk import Fields, Spec, by_name, constant_width, field_lists, items, mapping, measurements
 
 #: Each says what kind of field it is; a field without any is a number.
 _KINDS = ("constant", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
@@ -47,7 +47,7 @@ def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 _check_field(fields, path, field, report)
         _check_placing(fields, report)
         if fields.kind == "layout":
-            _check_carriage(fields, report)
+            _check_carriage(fields, raw, report)
 
 
 def _check_use(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
@@ -107,11 +107,11 @@ def _check_placing(fields: Fields, report: DocumentReport) -> None:
     report.add("layout-keys", path, f"{name} has no position, but {other} has; give all fields of a layout one ('at' or 'top_bit'), or none")
 
 
-def _check_carriage(fields: Fields, report: DocumentReport) -> None:
+def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
     layout = fields.owner
     carried_as = layout.get("carried_as", "bytes" if fields.interface == "rs485" else "bits")
     name = quoted(layout["name"])
-    if carried_as == "bytes" and "byte_order" not in layout:
+    if carried_as == "bytes" and "byte_order" not in layout and not _is_one_byte(fields, raw):
         report.add("layout-keys", fields.path, f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first")
     if carried_as == "bits" and "byte_order" in layout:
         report.add("layout-keys", (*fields.path, "byte_order"), f"{name} is carried as bits, which have no byte order; leave it out", at_key=True)
@@ -120,6 +120,20 @@ def _check_carriage(fields: Fields, report: DocumentReport) -> None:
         report.add("layout-keys", (*fields.path, "when"), f"{wrong}; leave it out, or say 'carried_as: bytes'", at_key=True)
     if "channel" in layout and fields.interface != "biss":
         report.add("layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has several", at_key=True)
+
+
+def _is_one_byte(fields: Fields, raw: Spec) -> bool:
+    """Whether the layout is plain to see as one byte whose fields have one place in any order: a single one, or all with positions."""
+    groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
+    listed_fields = [field for _, field in fields]
+    if all("at" in field or "top_bit" in field for field in listed_fields):
+        tops = [field.get("top_bit", str(field.get("at")).partition(":")[0]) for field in listed_fields]
+        return max((int(top) for top in tops if str(top).isdecimal()), default=0) == 7
+    if len(listed_fields) > 1:
+        return False
+    field = listed_fields[0]
+    owner = groups.get(field.get("use", "")) or crcs.get(field.get("crc", "")) or {}
+    return (owner.get("bits") or owner.get("width") or field.get("padded_to") or constant_width(field)) == 8
 
 
 def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:

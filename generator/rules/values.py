@@ -6,12 +6,15 @@ import re
 from collections.abc import Iterator
 
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, field_lists, interface_of, items, mapping, walk
+from .walk import Spec, constant_width, field_lists, interface_of, items, mapping, walk
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
-#: A section by number, or by its heading where it has no number; then the page.
-_SECTION = re.compile(r"(?:[0-9]+(?:\.[0-9]+)*|[^\W\d_](?:[^\W\d_]|[ '&/()-])+)(?: p\.[0-9]+(?:-[0-9]+)?)?")
-_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+_NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
+#: A section by number, or by its heading where it has no number; a heading, a table or a figure may have a number of its own.
+_HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
+_SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
+_PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
+_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 _CLOCKED = ("ssi", "biss")
 
@@ -139,9 +142,10 @@ def _check_piece(piece: str, path: Path, editions: list[str], documents: list[st
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
     elif key in documents and place:
         return  # Public documents have sections of every kind.
-    elif not _SECTION.fullmatch(place):
-        shown = quoted(piece) if piece else "an empty source"
-        message = f"{shown} is no section, as in '6.4', '6.4 p.35' or 'Cover'; several are parted by semicolons, another document has its key and a colon before"
+    elif not _PLACE.fullmatch(place):
+        shown = quoted(piece) if piece else "an empty text"
+        forms = "a section as in '6.4' or 'Cover', a table as in 'Table 41', a page as in 'p.35', or a page after one of these"
+        message = f"{shown} is no source: {forms}; several are parted by semicolons, another document has its key and a colon before"
         report.add("bad-source", path, message)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from codewheel.cli import main
-from codewheel.diff import Change, compare
+from codewheel.diff import Change, as_text, compare
 from codewheel.load import load_library
 from codewheel.model import Device
 from codewheel.new import device_text, manufacturer_text
@@ -89,6 +89,24 @@ def test_families_that_come_and_go(tmp_path: Path) -> None:
     old = devices(tmp_path / "old") + devices(tmp_path / "more", name="second")
     found = compare(old, (*devices(tmp_path / "new"), *devices(tmp_path / "other", name="third")))
     assert [(item.family, item.path, item.how, item.effect) for item in found] == [("second", "", "removed", "breaking"), ("third", "", "added", "compatible")]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("xorout: 0x3F", "xorout: 0x2F", "crcs.biss_6.xorout: 3Fh (63) -> 2Fh (47)"),
+        ("save: {value: 1,", "save: {value: 0x20,", "registers.command.fields.function.values.save.value: 1 -> 20h (32)"),
+    ],
+)
+def test_numbers_that_manuals_print_in_hexadecimal(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    assert expected in as_text(changes(tmp_path, (old, new)))
+
+
+def test_a_parameter_without_a_unit_is_a_code(tmp_path: Path) -> None:
+    words = ("\nparameters:\n", "\nparameters:\n  profile: {meaning: Profile ID, equals: 2104}\n")
+    other = (words[0], words[1].replace("2104", "2105"))
+    text = as_text(compare(devices(tmp_path / "old", words), devices(tmp_path / "new", other)))
+    assert ".parameters.profile: 838h (2104) -> 839h (2105)" in text
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
