@@ -153,16 +153,3 @@ def _timings(spec: Spec) -> Iterator[tuple[Path, Spec]]:
     for interface in mapping(spec, "interfaces"):
         yield from items(spec, "interfaces", interface, "timings")
     yield from items(spec, "timings")
-
-
-def constant_width(field: Spec) -> int | None:
-    """The width of a field where it is plain to see; None where it depends on something, or another rule speaks about it."""
-    if isinstance(field.get("bits"), int):
-        return int(field["bits"]) if field["bits"] > 0 else None
-    if "bits" in field:
-        return None
-    match = _RANGE.fullmatch(str(field.get("at", "")))
-    if match is not None:
-        width = int(match[1]) - int(match[2]) + 1
-        return width if width > 0 else None
-    return 1 if "active" in field or isinstance(field.get("at"), int) else None
