@@ -100,7 +100,7 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> C
         data = without(document, frozenset(cut))
         complete, more = True, set()
         for error in list(validator.iter_errors(data)):
-            if error.validator == "required" and _give_words(error):
+            if kind == "device" and error.validator == "required" and _give_words(error):
                 continue
             path = _original(tuple(error.absolute_path), document.kept)
             if _can_be_incomplete(path) and error.validator == "required":

@@ -6,7 +6,8 @@ from collections.abc import Collection
 
 from ..expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, listed, quoted
-from .walk import Fields, Spec, by_name, constant_width, field_lists, items, mapping, measurements
+from .values import constant_width
+from .walk import Fields, Spec, by_name, field_lists, items, mapping, measurements
 
 #: Each says what kind of field it is; a field without any is a number.
 _KINDS = ("constant", "active", "values", "values_of", "crc", "parity_of", "digits", "text")

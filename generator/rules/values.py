@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, constant_width, field_lists, interface_of, items, mapping, walk
+from .walk import Spec, field_lists, interface_of, items, mapping, walk
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
@@ -15,6 +15,7 @@ _HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBE
 _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
 _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
+_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
 _CLOCKED = ("ssi", "biss")
 
@@ -153,3 +154,16 @@ def _timings(spec: Spec) -> Iterator[tuple[Path, Spec]]:
     for interface in mapping(spec, "interfaces"):
         yield from items(spec, "interfaces", interface, "timings")
     yield from items(spec, "timings")
+
+
+def constant_width(field: Spec) -> int | None:
+    """The width of a field where it is plain to see; None where it depends on something, or another rule speaks about it."""
+    if isinstance(field.get("bits"), int):
+        return int(field["bits"]) if field["bits"] > 0 else None
+    if "bits" in field:
+        return None
+    match = _RANGE.fullmatch(str(field.get("at", "")))
+    if match is not None:
+        width = int(match[1]) - int(match[2]) + 1
+        return width if width > 0 else None
+    return 1 if "active" in field or isinstance(field.get("at"), int) else None

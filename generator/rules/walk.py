@@ -6,7 +6,6 @@ undefined only because something else about its item is wrong; that data may hav
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +17,6 @@ Spec = dict[str, Any]
 #: A rule: the pruned data, the data as read, and where to say what is wrong.
 Rule = Callable[[Spec, Spec, DocumentReport], None]
 
-_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 INTERFACE_OF_REGISTERS = "biss"
 
 
@@ -144,16 +142,3 @@ def walk(data: Any, path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
     elif isinstance(data, list):
         for index, item in enumerate(data):
             yield from walk(item, (*path, index))
-
-
-def constant_width(field: Spec) -> int | None:
-    """The width of a field where it is plain to see; None where it depends on something, or another rule speaks about it."""
-    if isinstance(field.get("bits"), int):
-        return int(field["bits"]) if field["bits"] > 0 else None
-    if "bits" in field:
-        return None
-    match = _RANGE.fullmatch(str(field.get("at", "")))
-    if match is not None:
-        width = int(match[1]) - int(match[2]) + 1
-        return width if width > 0 else None
-    return 1 if "active" in field or isinstance(field.get("at"), int) else None
