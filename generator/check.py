@@ -62,7 +62,7 @@ def _check_device(checked: Checked, document: Document, report: Report) -> dict[
             codes = codes and not any(path[0] in _NO_CODES for path in about.noted)
         if rule in SHAPES:
             cut |= set(map(holder, about.noted))
-    data = without(document, frozenset(cut)) if cut != checked.cut else checked.data
+    data = without(document, cut, checked.given) if cut != checked.cut else checked.data
     return _whole(data, codes, document)
 
 

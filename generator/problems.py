@@ -68,7 +68,7 @@ class Report:
         self._problems: set[Problem] = set()
         self._faults: dict[str, set[Path]] = {}
 
-    def add(self, rule: str, document: Document, path: Path, message: str, *, at_key: bool = False) -> None:
+    def add(self, rule: str, document: Document, path: Path, message: str, *, at_key: bool = False, in_words: bool = False) -> None:
         """Adds a problem at ``path`` of ``document``.
 
         Args:
@@ -77,8 +77,9 @@ class Report:
             path: Where in it; a part of it that does not exist stands for its nearest ancestor.
             message: What is wrong, and what would be right.
             at_key: Point at the key rather than at its value.
+            in_words: Only words are at fault: all that is made of the place can be relied on.
         """
-        if path and path[-1] not in WORDS_ONLY:
+        if not in_words and path and path[-1] not in WORDS_ONLY:
             self._faults.setdefault(document.file, set()).add(document.original(path))
         line, column = document.position(path, at_key)
         self.add_at(document.file, line, column, rule, message, path=document.name_path(path), text=document.line(line))

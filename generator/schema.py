@@ -9,9 +9,10 @@ from __future__ import annotations
 import functools
 import json
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 from importlib import resources
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from jsonschema import Draft202012Validator, ValidationError, validators
@@ -33,13 +34,15 @@ class Checked:
     """What the schema check leaves.
 
     ``data`` is a deep copy without what is broken: it keeps to the schema, but for keys that are missing at the top or at the top of
-    an interface. ``complete`` says that none is. ``cut`` are the places that were cut out. Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
+    an interface. ``complete`` says that none is. ``cut`` are the places that were cut out, ``given``
+    the words that stand in for missing ones, by the place of the item. Where lists lost items, the document knows, so that paths into ``data`` still find their lines.
     """
 
     data: dict[str, Any]
     kind: str
     complete: bool
     cut: frozenset[Path] = frozenset()
+    given: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
 def check_schema(document: Document, report: Report) -> Checked | None:
@@ -58,13 +61,13 @@ def check_schema(document: Document, report: Report) -> Checked | None:
     cut = set(document.broken)
     findings = _findings(validator, document.data, cut, kind)
     for finding in findings[:MAX_PROBLEMS]:
-        report.add(finding.rule, document, finding.path, finding.message, at_key=finding.at_key)
+        report.add(finding.rule, document, finding.path, finding.message, at_key=finding.at_key, in_words=_is_of_words(finding))
     if len(findings) > MAX_PROBLEMS:
         report.add("too-many-problems", document, findings[MAX_PROBLEMS].path, "from here on there are more problems; they are told when these are mended")
         return None
     if not findings and not cut:
-        return Checked(_without(document.data, cut, (), document.kept), kind, complete=True)
-    faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not (finding.alone and finding.rule == "missing-key")]
+        return Checked(without(document, frozenset()), kind, complete=True)
+    faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_of_words(finding)]
     places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
     return _cut_out(validator, document, places | set(map(holder, cut)), kind)
 
@@ -87,38 +90,45 @@ def _kind(data: dict[str, Any]) -> str | None:
     return "manufacturer" if "manufacturer" in data else None
 
 
-def without(document: Document, cut: frozenset[Path]) -> dict[str, Any]:
-    """The data of a document without these places; the document knows which items of lists are gone."""
+def without(document: Document, cut: Collection[Path], given: Mapping[Path, Mapping[str, str]] = MappingProxyType({})) -> dict[str, Any]:
+    """The data of a document without these places and with these words; the document knows which items of lists are gone."""
     document.kept.clear()
-    data: dict[str, Any] = _without(document.data, set(cut), (), document.kept)
+    data: dict[str, Any] = _without(document.data, cut, (), document.kept)
+    for path, words in given.items():
+        item = _found(data, path, document.kept)
+        if isinstance(item, dict):
+            item.update(words)
     return data
 
 
 def _cut_out(validator: Any, document: Document, cut: set[Path], kind: str) -> Checked:
     """Removes what holds the broken places, and what cannot do without that, until the rest keeps to the schema."""
+    given: dict[Path, Mapping[str, str]] = {}
     while True:
-        data = without(document, frozenset(cut))
+        data = without(document, cut, given)
         complete, more = True, set()
-        for error in list(validator.iter_errors(data)):
-            if kind == "device" and error.validator == "required" and _give_words(error):
-                continue
+        before = len(given)
+        for error in validator.iter_errors(data):
             path = _original(tuple(error.absolute_path), document.kept)
+            if kind == "device" and path and error.validator == "required" and _lacks_words(error):
+                given[path] = {key: _SOME_SOURCE if key == "source" else "?" for key in error.validator_value if key not in error.instance}
+                continue
             if _can_be_incomplete(path) and error.validator == "required":
                 complete = False
             elif path:
                 more.add(path)
-        if more <= cut:
-            return Checked(data, kind, complete, frozenset(cut))
+        if more <= cut and len(given) == before:
+            return Checked(data, kind, complete, frozenset(cut), given)
         cut |= more
 
 
-def _give_words(error: Any) -> bool:
-    """Puts stand-ins where only words are missing, so that all the rest of the item can be looked at; whether that was so."""
-    missing = [key for key in error.validator_value if key not in error.instance]
-    if not error.absolute_path or not WORDS_ONLY.issuperset(missing):
-        return False
-    error.instance.update((key, _SOME_SOURCE if key == "source" else "?") for key in missing)
-    return True
+def _is_of_words(finding: Finding) -> bool:
+    return finding.alone and finding.rule == "missing-key"
+
+
+def _lacks_words(error: Any) -> bool:
+    """Whether only words are missing: with others in their place all the rest of the item can be looked at."""
+    return WORDS_ONLY.issuperset(key for key in error.validator_value if key not in error.instance)
 
 
 def _can_be_incomplete(path: Path) -> bool:
@@ -138,7 +148,7 @@ def holder(path: Path) -> Path:
     return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)
 
 
-def _without(value: Any, cut: set[Path], path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+def _without(value: Any, cut: Collection[Path], path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
     if isinstance(value, dict):
         return {key: _without(item, cut, (*path, key), kept) for key, item in value.items() if (*path, key) not in cut}
     if isinstance(value, list):
@@ -147,6 +157,17 @@ def _without(value: Any, cut: set[Path], path: Path, kept: dict[Path, tuple[int,
             kept[path] = indices
         return [_without(value[index], cut, (*path, index), kept) for index in indices]
     return value
+
+
+def _found(data: Any, path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+    """What stands in pruned data at a path into the data as read; None where it is gone."""
+    for end, step in enumerate(path):
+        if isinstance(data, list) and isinstance(step, int):
+            places = kept.get(path[:end], range(len(data)))
+            data = data[places.index(step)] if step in places else None
+        else:
+            data = data.get(step) if isinstance(data, dict) else None
+    return data
 
 
 def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:

@@ -7,9 +7,10 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from ..expressions import Expression, ExpressionError
-from ..problems import DocumentReport, Path, quoted
+from ..problems import WORDS_ONLY, DocumentReport, Path, quoted
 from .walk import Spec, items, mapping
 
 #: Codes of one family beyond which something is wrong with the spec; the largest catalogue pages have some hundreds.
@@ -142,8 +143,14 @@ def _without_blanks(text: str) -> str:
 
 
 def is_whole(spec: Spec, raw: Spec) -> bool:
-    """Whether nothing was cut out of order codes and parameters; what is missing there would look like a fault of what is left."""
-    return all(key in spec and spec[key] == raw[key] for key in ("order_code", "parameters"))
+    """Whether nothing but words was cut out of order codes and parameters; what is missing there would look like a fault of what is left."""
+    return all(key in spec and _without_words(spec[key]) == _without_words(raw[key]) for key in ("order_code", "parameters"))
+
+
+def _without_words(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_words(item) for key, item in value.items() if key not in WORDS_ONLY}
+    return list(map(_without_words, value)) if isinstance(value, list) else value
 
 
 def _check_pattern(spec: Spec, report: DocumentReport) -> None:
