@@ -16,8 +16,12 @@ if TYPE_CHECKING:
 
 #: What stands for keys at the top that are missing, so that the rest can be built and looked at.
 _STAND_INS: dict[str, Any] = {
-    "title": "", "movement": "rotary", "manufacturer": "", "manual": {"title": "", "revision": "", "language": "en"}, "interfaces": {},
-}  # fmt: skip
+    "title": "",
+    "movement": "rotary",
+    "manufacturer": "",
+    "manual": {"title": "", "revision": "", "language": "en"},
+    "interfaces": {},
+}
 _NO_CODES: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "parts": []}}
 
 
@@ -25,8 +29,8 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     """Checks a document and adds what is wrong with it to ``report``.
 
     Returns:
-        The data without what is at fault: it can be built, as far as it goes, to find what else is wrong. Of a device whose order codes or
-        parameters are at fault both are empty. None where nothing can be built.
+        The data without what is at fault: it can be built, as far as it goes, to find what else is wrong. Of a device
+        whose order codes or parameters are at fault both are empty. None where nothing can be built.
     """
     checked = check_schema(document, report)
     if checked is None:
@@ -67,8 +71,7 @@ def _check_device(checked: Checked, document: Document, report: Report) -> dict[
 
 
 def _whole(data: dict[str, Any], codes: bool, document: Document) -> dict[str, Any]:
-    if codes and data.keys() >= _STAND_INS.keys() | {"device"} and all("layouts" in item for item in data["interfaces"].values()):
-        return data
+    """The data with stand-ins for what is missing at the top and at the top of an interface."""
     whole = {"device": PurePath(document.file).stem, **_STAND_INS, **data, **({} if codes else _NO_CODES)}
     whole["interfaces"] = {kind: {"layouts": [], **item} for kind, item in whole["interfaces"].items()}
     return whole

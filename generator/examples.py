@@ -21,17 +21,21 @@ def check_examples(device: Device, report: DocumentReport) -> None:
     known = sound_so_far(report)
     for example in device.examples:
         for below, wrong in _faults(device, example) if known.holds(example) and _is_built(device, example) else ():
-            report.add("example-contradicts", ("examples", example.name, *below), f"example '{example.name}' does not hold: {wrong}")
+            message = f"example '{example.name}' does not hold: {wrong}"
+            report.add("example-contradicts", ("examples", example.name, *below), message)
 
 
 def _is_built(device: Device, example: Example) -> bool:
     """Whether all that the example names is there; what could not be built has been reported."""
     procedure = next((item for item in device.procedures if item.name == example.procedure), None)
-    registers = {example.register, *(step.register for step in procedure.steps)} if procedure is not None else {example.register}
-    known = {"", *(register.name for register in device.registers)}
-    layouts = {"", *(layout.name for _, layout in device.layouts())}
-    interfaces = {interface.kind for interface in device.interfaces}
-    return {variant.interface for variant in device.variants} <= interfaces and registers <= known and example.layout in layouts and (not example.procedure or procedure is not None)
+    steps = procedure.steps if procedure is not None else ()
+    registers = {example.register, *(step.register for step in steps)}
+    return (
+        (not example.procedure or procedure is not None)
+        and registers <= {"", *(register.name for register in device.registers)}
+        and example.layout in {"", *(layout.name for _, layout in device.layouts())}
+        and {variant.interface for variant in device.variants} <= {interface.kind for interface in device.interfaces}
+    )
 
 
 def _faults(device: Device, example: Example) -> list[Fault]:
@@ -62,7 +66,8 @@ def _check(device: Device, example: Example) -> Iterator[Fault]:
     elif example.kind == "procedure":
         made_writes = register_writes(device, device.procedure(example.procedure), variant, example.arguments)
         if made_writes != example.writes:
-            yield ("writes",), "the writes are " + ", ".join(f"{item.address:02X}h = {item.value:02X}h" for item in made_writes)
+            listed = ", ".join(f"{item.address:02X}h = {item.value:02X}h" for item in made_writes)
+            yield ("writes",), f"the writes are {listed}"
     else:
         yield from _check_frame(device, example, variant)
 
@@ -80,10 +85,11 @@ def _check_measure(device: Device, example: Example, variant: Variant) -> Iterat
 def _check_register(device: Device, example: Example, variant: Variant) -> Iterator[Fault]:
     register = device.register(example.register)
     if len(example.bytes) != register.length:
-        yield ("bytes",), f"register '{register.name}' has {register.length} bytes; the example has {len(example.bytes)}"
+        wrong = f"register '{register.name}' has {register.length} bytes; the example has {len(example.bytes)}"
+        yield ("bytes",), wrong
         return
-    placed = register.layout.place(variant.parameters)
-    yield from _check_decoded(device, codec.decode(device, placed, codec.number_from_bytes(register.layout, example.bytes)), example)
+    number = codec.number_from_bytes(register.layout, example.bytes)
+    yield from _check_decoded(device, codec.decode(device, register.layout.place(variant.parameters), number), example)
 
 
 def _check_frame(device: Device, example: Example, variant: Variant) -> Iterator[Fault]:
@@ -91,16 +97,21 @@ def _check_frame(device: Device, example: Example, variant: Variant) -> Iterator
     if example.refused:
         kinds = {problem.kind for problem in decoded.problems}
         if example.refused not in kinds:
-            yield ("refused",), f"it should be refused for its {example.refused}; the decoder says {', '.join(sorted(kinds)) or 'that all is well'}"
-    elif not decoded.problems and example.layout and decoded.layout is not None and decoded.layout.name != example.layout:
-        yield ("layout",), f"it is a {decoded.layout.name}, not a {example.layout}"
+            says = ", ".join(sorted(kinds)) or "that all is well"
+            yield ("refused",), f"it should be refused for its {example.refused}; the decoder says {says}"
+        return
+    layout = decoded.layout.name if decoded.layout is not None else example.layout
+    if example.layout and layout != example.layout and not decoded.problems:
+        yield ("layout",), f"it is a {layout}, not a {example.layout}"
     else:
         yield from _check_decoded(device, decoded, example)
 
 
 def _check_decoded(device: Device, decoded: codec.Decoded, example: Example) -> Iterator[Fault]:
     """Whether the bits hold no fault and the values that are printed, and come out again when these are encoded."""
-    problems = decoded.problems[:1] if decoded.problems and decoded.problems[0].kind in ("length", "crc") else decoded.problems
+    problems = decoded.problems
+    if problems and problems[0].kind in ("length", "crc"):  # What is then wrong besides need not be.
+        problems = problems[:1]
     found: list[Fault] = [(_data(example), problem.message) for problem in problems] or list(_compare(decoded, example))
     yield from found or _back(device, decoded, example)
 

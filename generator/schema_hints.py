@@ -64,11 +64,13 @@ def _fraction_hint(key: str, value: float) -> str:
 
 
 def _polynomial_hint(text: str) -> str:
-    powers = [int(term.partition("^")[2] or 1) if term.lower().startswith("x") else 0 for term in re.sub(r"\s", "", text).split("+")]
+    terms = re.sub(r"\s", "", text.lower()).split("+")
+    powers = [int(term.partition("^")[2] or 1) if term.startswith("x") else 0 for term in terms]
     top = max(powers)
     if top > 64:
         return ""
-    return f"; write {sum(1 << power for power in set(powers) - {top}):#x}, which leaves x^{top} out, and 'width: {top}'"
+    rest = sum(1 << power for power in set(powers) - {top})
+    return f"; write {rest:#x}, which leaves x^{top} out, and 'width: {top}'"
 
 
 def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
@@ -76,18 +78,20 @@ def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
     stem, _, unit = key.rpartition("_")
     if not stem or unit.lower() not in _UNITS:
         return ""
-    others = {item: _unit(item) for item in known if _unit(item) in _UNITS and _UNITS[_unit(item)][0] == _UNITS[unit.lower()][0]}
+    kind = _UNITS[unit.lower()][0]
+    others = {item: _unit(item) for item in known if _UNITS.get(_unit(item), ("", 0))[0] == kind}
     stems = {item.rpartition("_")[0]: item for item in others}
     right = stems.get(meant(stem, [other for other in stems if other != stem]) if stem not in stems else stem, "")
     if not right or right == key:
         return ""
+    wanted = _word(others[right])
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        return f"; the unit is {_word(others[right])}: write '{right}'"
+        return f"; the unit is {wanted}: write '{right}'"
     # By its shortest decimal form: 0.05 is five hundredths here, not the binary fraction next to it.
     converted = _converted(Fraction(str(value)), unit.lower(), others[right])
     if converted is None:
-        return f"; there is only '{right}', and {value} {_word(unit.lower())} are no whole number of {_word(others[right])}"
-    return f"; write '{right}: {converted}', in {_word(others[right])}"
+        return f"; there is only '{right}', and {value} {_word(unit.lower())} are no whole number of {wanted}"
+    return f"; write '{right}: {converted}', in {wanted}"
 
 
 def _unit(key: str) -> str:

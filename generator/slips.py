@@ -1,4 +1,4 @@
-"""Slips in YAML that are plain to see, mended while reading: each gives one problem, and the rest is read as it was meant.
+"""Slips in YAML that are plain to see, mended while reading: one problem for each, and the rest is read as it was meant.
 
 Without this a comma in a text would look like an unknown key, and a forgotten dash like a whole item of duplicate keys.
 """
@@ -90,11 +90,13 @@ class Mended:
         return self._ahead[index]
 
     def _dash_before(self, key: Any, item: _Open) -> Iterator[Any]:
-        """The end of the item and the start of the next, where its keys begin anew: the first one comes again, and after it another."""
-        if not item.in_list or item.flow or len(item.keys) < 2 or key.value != next(iter(item.keys)) or self._key_after_next() not in item.keys:
+        """The end of the item and the start of the next, where its keys begin anew: the first comes again, then another."""
+        if not item.in_list or item.flow or len(item.keys) < 2 or key.value != next(iter(item.keys)):
             return
-        first = item.keys[key.value]
-        message = f"the keys of this item begin anew: {quoted(key.value)} is already on line {first}; put '-' before it if another item begins here"
+        if self._key_after_next() not in item.keys:
+            return
+        wrong = f"the keys of this item begin anew: {quoted(key.value)} is already on line {item.keys[key.value]}"
+        message = f"{wrong}; put '-' before it if another item begins here"
         self._complain(key, "duplicate-key", message)
         item.keys.clear()
         yield yaml.MappingEndEvent(key.start_mark, key.start_mark)
@@ -115,7 +117,7 @@ class Mended:
         return following.value if isinstance(following, yaml.ScalarEvent) else None
 
     def _skip_rest(self, value: Any) -> None:
-        """A comma ends an unquoted text or number in {...}; what follows it up to the next comma would be a key without a value."""
+        """A comma ends an unquoted text or number in {...}; what follows, up to the next, would be a key without a value."""
         if value.style or value.tag or value.anchor:
             return
         first, number = None, _DIGITS.fullmatch(value.value) is not None
@@ -133,7 +135,9 @@ class Mended:
 
     def _is_rest(self, key: Any, value: Any) -> bool:
         """Whether this is a key without a colon, and nothing."""
-        if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent) or key.style or value.style or value.value:
+        if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
+            return False
+        if key.style or value.style or value.value:
             return False
         end: Any = key.end_mark
         after = self._lines[end.line][end.column :]
@@ -147,4 +151,5 @@ def _line(event: Any) -> int:
 def _about_comma(rest: Any, number: str) -> str:
     if number:
         return f"a number has no commas; write {number}"
-    return f"{quoted(rest.value)} has no colon. A comma ends an unquoted text inside {{...}}: if this is part of the text, put the whole in quotes"
+    rule = "A comma ends an unquoted text inside {...}: if this is part of the text, put the whole in quotes"
+    return f"{quoted(rest.value)} has no colon. {rule}"

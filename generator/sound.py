@@ -1,6 +1,7 @@
 """What of a spec can be relied on: what has no fault itself and is made of nothing that has one.
 
-An example of a register whose field is misspelt does not hold, but that is no news: it is looked at when the register is mended.
+An example of a register whose field is misspelt does not hold, but that is no news: it is looked at when the register is
+mended.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ Item = tuple[str, str]
 
 @dataclass(frozen=True)
 class Sound:
-    """What is at fault in a spec: ``places`` and all that holds them, and ``items`` by name, those included that rest on a faulty one."""
+    """What is at fault in a spec: ``places`` and all that holds them, and ``items`` by name, with those that rest on one."""
 
     places: frozenset[Path]
     items: frozenset[Item]
 
     def is_sound(self, kind: str, name: str) -> bool:
-        """Whether an item of this name can be relied on; ``kind`` is ``crcs``, ``field_groups``, ``layouts``, ``registers`` or ``procedures``."""
+        """Whether an item of this name can be relied on; ``kind`` is the key of its list, such as ``registers``."""
         return (kind, name) not in self.items
 
     @property
@@ -66,12 +67,16 @@ def sound(data: Spec, faults: Iterable[Path]) -> Sound:
     for kind in ("crcs", "examples"):
         found |= {(kind, _name(item)) for path, item in items(data, kind) if path in places}
     for fields in field_lists(data):  # Groups come first, since the others may use them.
-        if fields.path in places or any((kind, _text(field, key)) in found for _, field in fields for key, kind in _MADE_OF):
+        used = ((kind, _text(field, key)) for _, field in fields for key, kind in _MADE_OF)
+        if fields.path in places or any(item in found for item in used):
             found.add((_KINDS[fields.kind], _name(fields.owner)))
     found |= {("registers", _name(item)) for path, item in items(data, "registers") if path in places}
     for interface in mapping(data, "interfaces"):
-        found |= {("data_ids", _name(item)) for path, item in items(data, "interfaces", interface, "data_ids") if path in places}
-    found |= {("procedures", _name(item)) for path, item in items(data, "procedures") if path in places or _rests_on(item, found)}
+        listed = items(data, "interfaces", interface, "data_ids")
+        found |= {("data_ids", _name(item)) for path, item in listed if path in places}
+    for path, item in items(data, "procedures"):
+        if path in places or _rests_on(item, found):
+            found.add(("procedures", _name(item)))
     return Sound(places, frozenset(found))
 
 
@@ -80,7 +85,8 @@ _KINDS = {"group": "field_groups", "layout": "layouts", "register": "registers",
 
 
 def _rests_on(procedure: Spec, found: set[Item]) -> bool:
-    used = [(kind, _text(step, key)) for _, step in items(procedure, "steps") for key, kind in (("register", "registers"), ("data_id", "data_ids"))]
+    used = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
+    used += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
     used += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
     return any(item in found for item in used)
 

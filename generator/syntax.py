@@ -23,7 +23,8 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
     mark: Any = error.problem_mark or error.context_mark
     problem, context = error.problem or "not understood", error.context or ""
     opened: Any = error.context_mark
-    if opened is not None and problem == "could not find expected ':'":  # The mark of the problem is wherever the search for the colon ended.
+    # The mark of this problem is wherever the search for the colon ended.
+    if opened is not None and problem == "could not find expected ':'":
         return *_place(opened), _RULE, _keyless(_character(lines, opened))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
         return *_place(opened), _RULE, "the quote that opens here is never closed; close it on this line"
@@ -34,7 +35,8 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
         comma = mark.line == opened.line and not _COMMENT.search(lines[opened.line], opened.column)
         return *_place(mark if comma else opened), _RULE, _NO_COMMA if comma else _about_bracket(lines, opened, mark)
     line, column = (1, 1) if mark is None else _place(mark)
-    return line, column, _RULE, _message(problem, _character(lines, mark), line > len(lines) or (line == len(lines) and not _character(lines, mark)))
+    character = _character(lines, mark)
+    return line, column, _RULE, _message(problem, character, line >= len(lines) and not character)
 
 
 def _place(mark: Any) -> tuple[int, int]:
@@ -52,7 +54,7 @@ def _keyless(character: str) -> str:
 
 
 def _last_quoted(text: str, mark: Any) -> Any:
-    """The text in quotes after which the parser stumbled, where the quotes are to blame: one of several lines, or one that ends right there."""
+    """The text in quotes after which the parser stumbled, where they are to blame: of several lines, or ending right there."""
     last = None
     try:
         for token in yaml.scan(text, Loader=_LOADER):
@@ -78,10 +80,11 @@ def _about_quote(token: Any) -> str:
 def _about_bracket(lines: list[str], opened: Any, mark: Any) -> str:
     bracket = _character(lines, opened)
     closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
-    until = "the end of the file" if mark.line >= len(lines) - 1 and not _character(lines, mark) else f"line {mark.line + 1}"
+    at_end = mark.line >= len(lines) - 1 and not _character(lines, mark)
+    wrong = f"the '{bracket}' that opens here is not closed up to {'the end of the file' if at_end else f'line {mark.line + 1}'}"
     if _COMMENT.search(lines[opened.line], opened.column):
-        return f"the '{bracket}' that opens here is not closed up to {until}: a '#' after a space begins a comment; put the text in quotes"
-    return f"the '{bracket}' that opens here is not closed up to {until}; close it with '{closing}', or add the comma that is missing"
+        return f"{wrong}: a '#' after a space begins a comment; put the text in quotes"
+    return f"{wrong}; close it with '{closing}', or add the comma that is missing"
 
 
 def _message(problem: str, character: str, at_end: bool) -> str:
