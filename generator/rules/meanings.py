@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 from ..problems import DocumentReport, quoted
-from .walk import Spec, constant_width, field_lists, items, mapping
+from .values import constant_width
+from .walk import Spec, field_lists, items, mapping
 
 #: Names of interfaces in the words of a manual. RS-485 is not among them: it is the name of the signals as well.
 _INTERFACES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
