@@ -10,67 +10,80 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from .model import Device
-    from .order_codes import Match
+from . import look_up
+from .arguments import Parser, ShowVersion, a_path, add_examples, parse
+from .terminal import Stop, prepare, release
+from .words import counted
 
 _DESCRIPTION = "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."
+_SPECS = (
+    "files, each read whatever it holds, or folders, of which every .yaml file is read that is a spec by its keys; "
+    "without any, the specs that lie in the current folder, or else those that ship with codewheel"
+)
 JSON_VERSION = 1
-
-
-class Stop(Exception):
-    """The command ends here with this message and exit code."""
-
-    def __init__(self, message: str, code: int) -> None:
-        super().__init__(message)
-        self.code = code
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; ``arguments`` default to those of the process."""
-    chosen = _parser().parse_args(arguments)
-    code: int = 0
+    prepare()
     try:
-        code = chosen.run(chosen)
+        code = _run(arguments)
         sys.stdout.flush()
+        sys.stderr.flush()
         return code
-    except Stop as stop:
-        print(f"codewheel: {stop}", file=sys.stderr)
-        return stop.code
     except BrokenPipeError:
-        _nobody_reads()
-        return code
+        # The reader of our output has left before the end: neither done nor a verdict, so the code that a shell gives for it.
+        release()
+        return 141
+    except OSError as error:
+        release()
+        with suppress(OSError):
+            print(f"codewheel: cannot write {error.filename or 'the output'}: {error.strerror or error}", file=sys.stderr, flush=True)
+        release()
+        return 1
     except KeyboardInterrupt:
         return 130
 
 
-def _nobody_reads() -> None:
-    """The reader of our output has left: give the interpreter nothing more to flush."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _run(arguments: Sequence[str] | None) -> int:
+    try:
+        chosen = parse(_parser(), arguments)
+        prepare(as_json=getattr(chosen, "json", False))
+        code: int = chosen.run(chosen)
+        return code
+    except Stop as stop:
+        print(f"codewheel: {stop}", file=sys.stderr)
+        return stop.code
+    except SystemExit as stop:  # Of the parser: help, or wrong usage.
+        return int(stop.code or 0)
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="codewheel", description=_DESCRIPTION)
+    parser = Parser(prog="codewheel", description=_DESCRIPTION)
+    parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     generate = commands.add_parser("generate", help="write all outputs, or compare them", description="Write every output of the specs.")
-    generate.add_argument("specs", nargs="*", type=Path, metavar="SPECS", help="files or folders; without any, the specs that ship with the tool")
-    generate.add_argument("-o", dest="output", type=Path, default=Path("generated"), metavar="DIR", help="output folder (default: generated)")
+    generate.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS)
+    _add_more_specs(generate)
+    generate.add_argument("-o", dest="output", type=a_path, default=Path("generated"), metavar="DIR", help="output folder (default: generated)")
     generate.add_argument("--target", action="append", metavar="NAME", help="python, c, biss or docs; may be repeated (default: all four)")
     generate.add_argument("--check", action="store_true", help="write nothing; exit 1 if an output is not what the specs yield")
-    generate.add_argument("--templates", type=Path, metavar="DIR", help="folder whose templates are used instead of ours, file by file")
-    generate.add_argument("--biss-dtd", type=Path, metavar="FILE", help="the idbiss.dtd that you have: exit 1 if the idbiss file is not valid by it")
+    generate.add_argument("--force", action="store_true", help="overwrite files in the way that codewheel has not written")
+    generate.add_argument("--templates", type=a_path, metavar="DIR", help="folder whose templates are used instead of ours, file by file")
+    generate.add_argument("--biss-dtd", type=a_path, metavar="FILE", help="the idbiss.dtd that you have: exit 1 if the idbiss file is not valid by it")
     generate.set_defaults(run=_generate)
 
     check = commands.add_parser("check", help="look for problems in specs", description="Report every problem of the specs.")
-    check.add_argument("specs", nargs="*", type=Path, metavar="SPECS", help="files or folders; without any, the specs that ship with the tool")
+    check.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS)
+    _add_more_specs(check)
     check.add_argument("--json", action="store_true", help="print the problems as JSON")
     check.set_defaults(run=_check)
 
@@ -106,7 +119,7 @@ def _parser() -> argparse.ArgumentParser:
     master = commands.add_parser("master", help="what a BiSS or SSI master is told", description="What a BiSS or SSI master has to be told about an encoder.")
     master.add_argument("order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label; without one, the masters are listed")
     master.add_argument("--master", metavar="NAME", help="this master only; exit 1 if it cannot take the encoder")
-    master.add_argument("--masters", action="append", type=Path, default=[], metavar="PATH", help="descriptions of masters of your own, files or folders")
+    master.add_argument("--masters", action="append", type=a_path, default=[], metavar="PATH", help="descriptions of masters of your own, files or folders")
     master.add_argument(
         "--register", action="append", default=[], metavar="ADDRESS=BYTE", help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)"
     )
@@ -115,15 +128,16 @@ def _parser() -> argparse.ArgumentParser:
     master.set_defaults(run=_master)
 
     diff = commands.add_parser("diff", help="what another version of a spec changes", description="Name each changed fact, breaking or compatible; exit 1 if there is one.")
-    diff.add_argument("old", type=Path, metavar="OLD", help="the spec as it was: a file or a folder")
-    diff.add_argument("new", type=Path, metavar="NEW", help="the spec as it is to be")
+    diff.add_argument("old", type=a_path, metavar="OLD", help="the spec as it was: a file or a folder")
+    diff.add_argument("new", type=a_path, metavar="NEW", help="the spec as it is to be")
     diff.add_argument("--json", action="store_true", help="print JSON")
     diff.set_defaults(run=_diff)
 
     new = commands.add_parser("new", help="write a spec to start from", description="Write a commented spec that passes check, to be filled from a manual.")
     new.add_argument("name", metavar="NAME", help="name of the family: small letters, digits and underscores")
-    new.add_argument("-o", dest="output", type=Path, metavar="FILE", help="where to write it (default: NAME.yaml in this folder)")
+    new.add_argument("-o", dest="output", type=a_path, metavar="FILE", help="where to write it (default: NAME.yaml in this folder)")
     new.set_defaults(run=_new)
+    add_examples(commands)
     return parser
 
 
@@ -138,25 +152,13 @@ def _metres(text: str) -> int:
     return metres
 
 
+def _add_more_specs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS")
+
+
 def _add_spec_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--specs", action="append", type=Path, default=[], metavar="PATH", help="specs to use instead of those that ship with the tool")
+    parser.add_argument("--specs", action="append", type=a_path, default=[], metavar="PATH", help="specs to use instead of those that ship with the tool")
     parser.add_argument("--json", action="store_true", help="print JSON")
-
-
-def _load(paths: Sequence[Path], targets: Sequence[str] = ()) -> tuple[Device, ...]:
-    """The devices of the specs; problems go to standard error, those of these targets as well."""
-    from .load import load_library
-
-    devices, report = load_library(paths, targets)
-    if report:
-        for problem in report.problems:
-            print(problem.format(), file=sys.stderr)
-        raise Stop(_count(len(report), "problem"), 1)
-    return devices
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def _print_json(data: Mapping[str, Any]) -> None:
@@ -164,89 +166,47 @@ def _print_json(data: Mapping[str, Any]) -> None:
 
 
 def _generate(chosen: argparse.Namespace) -> int:
-    from .targets import BUILT_IN, Library, TargetError, target
-    from .write import WriteError, changes, write
+    from .generate import run, targets_named
+    from .load import load_library
+    from .targets import BUILT_IN, Library
 
-    names = list(dict.fromkeys(chosen.target or BUILT_IN))
-    targets = {}
-    for name in names:
-        try:
-            targets[name] = target(name)
-        except LookupError:
-            raise Stop(f"there is no target '{name}'; there are {', '.join(BUILT_IN)}", 2) from None
+    targets = targets_named(list(dict.fromkeys(chosen.target or BUILT_IN)))
     if chosen.templates is not None and not chosen.templates.is_dir():
         raise Stop(f"there is no folder {chosen.templates}", 2)
-    if chosen.biss_dtd is not None and "biss" not in names:
+    if chosen.biss_dtd is not None and "biss" not in targets:
         raise Stop("--biss-dtd is for the target biss", 2)
-    library = Library(_load(chosen.specs, names), chosen.templates)
-    try:
-        files = {name: made(library) for name, made in targets.items()}
-        if chosen.check:
-            found = [item for name in names for item in changes(chosen.output, name, files[name])]
-        else:
-            found = write(chosen.output, files)
-    except (TargetError, WriteError) as error:
-        raise Stop(str(error), 1) from None
-    words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
-    for item in found:
-        print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
-    stale = sum(item.what != "unchanged" for item in found)
-    if chosen.check:
-        if stale:
-            extra = "" if chosen.output == Path("generated") else f" -o {chosen.output}"
-            raise Stop(f"{_count(stale, 'file')} not what the specs yield; run: codewheel generate{extra}", 1)
-        print(f"{_count(len(found), 'file')} up to date")
-    else:
-        print(f"{_count(stale, 'file')} changed, {len(found) - stale} unchanged" if stale else f"all {len(found)} files unchanged")
-    if chosen.biss_dtd is not None:
-        _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
-    return 0
-
-
-def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
-    """Holds every idbiss file against the document type ``dtd``.
-
-    Raises:
-        Stop: One is not valid, exit code 1, or ``dtd`` cannot be used, exit code 2.
-    """
-    from .biss_dtd import DtdError, faults, read_dtd
-
-    names = [name for name in files if Path(name).name.startswith("idbiss")]
-    try:
-        text = read_dtd(dtd)
-        found = [fault for name in names for fault in faults(files[name], (output / name).as_posix(), text, dtd.as_posix())]
-    except DtdError as error:
-        raise Stop(str(error), 2) from None
-    for fault in found:
-        print(fault, file=sys.stderr)
-    if found:
-        raise Stop(f"not valid by {dtd}: {_count(len(found), 'fault')}", 1)
-    for name in names:
-        print(f"valid by {dtd}: {(output / name).as_posix()}")
+    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    devices, report = load_library(paths, tuple(targets))
+    if report:
+        raise look_up.problems(report)
+    print(look_up.read_line(paths, devices, report))
+    return run(chosen, Library(devices, chosen.templates), targets)
 
 
 def _check(chosen: argparse.Namespace) -> int:
     from .load import load_library
 
-    devices, report = load_library(chosen.specs)
+    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    devices, report = load_library(paths)
     if chosen.json:
         _print_json({"version": JSON_VERSION, "problems": [problem.to_json() for problem in report.problems]})
+        return 1 if report else 0
+    for problem in report.problems:
+        print(problem.format())
+    print(look_up.read_line(paths, devices, report))
+    if report:
+        print(counted(len(report), "problem"))
     else:
-        for problem in report.problems:
-            print(problem.format())
-        if report:
-            print(_count(len(report), "problem"))
-        else:
-            names = ", ".join(device.name for device in devices)
-            # A file may be checked that makes no family by itself, such as a master.
-            print(f"no problems in {len(devices)} {'family' if len(devices) == 1 else 'families'}: {names}" if devices else "no problems")
+        names = ", ".join(device.name for device in devices)
+        # A file may be checked that makes no family by itself, such as a master.
+        print(f"no problems in {len(devices)} {'family' if len(devices) == 1 else 'families'}: {names}" if devices else "no problems")
     return 1 if report else 0
 
 
 def _list(chosen: argparse.Namespace) -> int:
     from .show import list_data, list_text
 
-    devices = _load(chosen.specs)
+    devices = look_up.load(chosen.specs)
     if chosen.json:
         _print_json(list_data(devices))
     else:
@@ -254,51 +214,23 @@ def _list(chosen: argparse.Namespace) -> int:
     return 0
 
 
-def _find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
-    """The family and variant of an order code.
-
-    Raises:
-        Stop: There is no such code; exit code 2.
-    """
-    from .order_codes import UnknownOrderCode, find, nearest_codes
-
-    explanation = ""
-    for device in devices:
-        try:
-            return device, find(device, text)
-        except UnknownOrderCode as reason:
-            explanation = explanation or (str(reason) if reason.close else "")
-    if explanation:
-        raise Stop(explanation, 2)
-    raise Stop(f"'{text}' is no known order code; the nearest are {', '.join(nearest_codes(list(devices), text))}", 2)
-
-
 def _show(chosen: argparse.Namespace) -> int:
-    devices = _load(chosen.specs)
-    family = next((device for device in devices if device.name == chosen.what.strip().lower()), None)
+    device, match = look_up.family_or_code(chosen.specs, chosen.what)
     if chosen.json:
         from .output import device_dump, variant_dump
 
-        if family is not None:
-            _print_json(device_dump(family))
-        else:
-            device, match = _find(devices, chosen.what)
-            _print_json(variant_dump(device, match))
+        _print_json(device_dump(device) if match is None else variant_dump(device, match))
         return 0
     from .show import device_text, variant_text
 
-    if family is not None:
-        print(device_text(family))
-    else:
-        device, match = _find(devices, chosen.what)
-        print(variant_text(device, match))
+    print(device_text(device) if match is None else variant_text(device, match))
     return 0
 
 
 def _diff(chosen: argparse.Namespace) -> int:
     from .diff import as_data, as_text, compare
 
-    changes = compare(_load([chosen.old]), _load([chosen.new]))
+    changes = compare(look_up.load([chosen.old]), look_up.load([chosen.new]))
     if chosen.json:
         _print_json(as_data(changes))
     else:
@@ -343,11 +275,10 @@ def _master(chosen: argparse.Namespace) -> int:
     from .problems import suggestion
     from .run_time import RegisterError, with_registers
 
+    look_up.refuse_missing(chosen.masters)
     known, report = masters.load_masters(chosen.masters)
     if report:
-        for problem in report.problems:
-            print(problem.format(), file=sys.stderr)
-        raise Stop(_count(len(report), "problem"), 1)
+        raise look_up.problems(report)
     if chosen.order_code is None:
         if chosen.json:
             _print_json(masters_text.masters_data(known))
@@ -357,7 +288,7 @@ def _master(chosen: argparse.Namespace) -> int:
     names = [item.name for item in known]
     if chosen.master is not None and chosen.master not in names:
         raise Stop(f"there is no master '{chosen.master}'{suggestion(chosen.master, names) or '; codewheel master lists them'}", 2)
-    device, match = _find(_load(chosen.specs), chosen.order_code)
+    device, match = look_up.order_code(chosen.specs, chosen.order_code)
     try:
         variant = with_registers(device, match.variant, _held(chosen.register))
         found = record(device, variant, not chosen.register, chosen.cable)
@@ -378,9 +309,7 @@ def _decode(chosen: argparse.Namespace) -> int:
     from .findings import compare_held, fixed_addresses
     from .run_time import RegisterError, with_registers
 
-    if chosen.frame == ["-"] and sys.stdin is None:
-        raise Stop("standard input is closed, so there is no frame to read", 2)
-    device, match = _find(_load(chosen.specs), chosen.order_code)
+    device, match = look_up.order_code(chosen.specs, chosen.order_code)
     held, fixed = _held(chosen.register), fixed_addresses(device, match.variant)
     changing = {address: value for address, value in held.items() if address not in fixed}
     try:
@@ -393,5 +322,5 @@ def _decode(chosen: argparse.Namespace) -> int:
     try:
         decoding.run(frames(chosen.frame))
     except BrokenPipeError:
-        _nobody_reads()
+        release()
     return decoding.code

@@ -45,6 +45,28 @@ def load_library(
     Returns:
         The devices, to be used only when the report is empty, and the report.
     """
+    devices, _, report = _load(paths, targets)
+    return devices, report
+
+
+def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+    """Like ``load_library``, but the devices are those that can be used although something else is wrong: their own files have no problem."""
+    devices, files, report = _load(paths, ())
+    faulty = {problem.file for problem in report.problems}
+    sound = [device for device in devices if faulty.isdisjoint(files[id(device)])]
+    broken = [device for device in devices if not faulty.isdisjoint(files[id(device)])]
+    return tuple(device for device in sound if not any(_share(device, other) for other in broken)), report
+
+
+def _share(one: Device, other: Device) -> bool:
+    """Whether two devices have one name or order code, so that neither can be told from the other."""
+    return one.name == other.name or not {item.code for item in one.variants}.isdisjoint(item.code for item in other.variants)
+
+
+def _load(
+    paths: Sequence[Path], targets: Iterable[str]
+) -> tuple[tuple[Device, ...], dict[int, set[str]], Report]:
+    """The devices, the files that each comes from by its identity, and the report."""
     report = Report()
     documents = read_specs(paths or _packaged_families(), report)
     documents += _missing_manufacturers(documents, report)
@@ -60,6 +82,7 @@ def load_library(
     # A manufacturer file with problems of its own is there all the same.
     broken = {str(document.data.get("manufacturer")) for document in documents if "device" not in document.data}
     devices: list[Device] = []
+    files: dict[int, set[str]] = {}
     for document, data in checked:
         if data is None or "device" not in data:
             continue
@@ -72,10 +95,13 @@ def load_library(
             continue
         _compare_with_others(device, devices, document, report)
         devices.append(device)
+        makers_files = (item for item in documents if "device" not in item.data)
+        of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}
+        files[id(device)] = {document.file, *of_maker}
     devices.sort(key=lambda item: item.name)
     sound = _sound_documents(checked, report)
     _ask_targets(targets, [device for device in devices if device.name in sound], sound, report)
-    return tuple(devices), report
+    return tuple(devices), files, report
 
 
 def _unknown_manufacturer(name: str) -> Manufacturer:

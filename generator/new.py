@@ -25,7 +25,7 @@ class NotWritten(OSError):
 
 
 def write_spec(name: str, output: Path | None) -> list[Path]:
-    """Write the spec, and a manufacturer file beside it where there is none.
+    """Write the spec, and beside it a manufacturer file and the schemas for an editor where there are none.
 
     Args:
         name: The family's name.
@@ -45,9 +45,11 @@ def write_spec(name: str, output: Path | None) -> list[Path]:
     if path.name != f"{name}.yaml":
         raise NameRefused(f"a spec is named like its family: {path.with_name(name + '.yaml')}, not {path}")
     maker = path.with_name("manufacturer.yaml")
-    files = {path: device_text(name, _manufacturer(maker), _schema_path(path.parent, "device.schema.json"))}
+    files = {path: device_text(name, _manufacturer(maker), _schema_path(path.parent, "device"))}
     if not maker.exists():
-        files[maker] = manufacturer_text(_schema_path(path.parent, "manufacturer.schema.json"))
+        files[maker] = manufacturer_text(_schema_path(path.parent, "manufacturer"))
+    copies = {path.with_name(f"{kind}.schema.json"): kind for kind in ("device", "manufacturer") if not _in_one_checkout(path.parent, kind)}
+    files |= {place: _schema(kind).read_text(encoding="utf-8") for place, kind in copies.items() if not place.exists()}
     return list(_written(files))
 
 
@@ -75,9 +77,21 @@ def _manufacturer(path: Path) -> str:
     return found if isinstance(found, str) and re.fullmatch(r"[a-z][a-z0-9]*", found) else "maker"
 
 
-def _schema_path(folder: Path, name: str) -> str:
-    """Where an editor finds the schema, seen from the spec."""
-    return Path(os.path.relpath(str(resources.files("codewheel.spec") / name), folder)).as_posix()
+def _schema(kind: str) -> Path:
+    return Path(str(resources.files("codewheel.spec") / f"{kind}.schema.json"))
+
+
+def _in_one_checkout(folder: Path, kind: str) -> bool:
+    """Whether whoever clones the spec gets the tool's own schema as well: both lie in one checkout, and not in an environment within."""
+    here = folder.resolve()
+    top = next((place for place in (here, *here.parents) if (place / ".git").exists()), None)
+    schema = _schema(kind).resolve()
+    return top is not None and schema.is_relative_to(top) and "site-packages" not in schema.parts
+
+
+def _schema_path(folder: Path, kind: str) -> str:
+    """Where an editor finds the schema, seen from the spec: the tool's own, or the copy beside the spec."""
+    return Path(os.path.relpath(_schema(kind), folder)).as_posix() if _in_one_checkout(folder, kind) else f"{kind}.schema.json"
 
 
 def manufacturer_text(schema: str) -> str:
@@ -104,7 +118,8 @@ _DEVICE = """\
 # yaml-language-server: $schema=@SCHEMA@
 #
 # @CODE@, from the manual's edition 1.0. Everything below is an example that passes "codewheel check"; replace it by what the manual says,
-# in the manual's order. docs/spec-language.md explains every key, and an editor that reads the first line completes them.
+# in the manual's order. docs/spec-language.md explains every key, and an editor that reads the first line completes them by the schema
+# that it names. A copy of the schema beside the spec is codewheel's: after an update delete it, and "codewheel new" writes it afresh.
 #
 # Sources: section and page of the manual, as in "6.2 p.25". A page only where contents, index or a cross-reference proves it.
 

@@ -184,11 +184,18 @@ def _nearest(device: Device, code: str) -> str:
     return ", ".join(nearest_codes([device], code))
 
 
-def nearest_codes(devices: Sequence[Device], text: str) -> list[str]:
-    """The three enumerated codes that look most like ``text``, or like as much of it as comes before a tail."""
+def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
+    """The three enumerated codes that look most like ``text``, or like as much of it as comes before a tail.
+
+    Args:
+        devices: The families.
+        text: What was taken for an order code.
+        least: The likeness, of 1, that a code has to have.
+    """
     pieces = text.upper().split("-")
 
     def likeness(code: str) -> float:
         return difflib.SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
 
-    return sorted((variant.code for device in devices for variant in device.variants), key=likeness, reverse=True)[:3]
+    found = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
+    return [code for ratio, code in sorted(found, key=lambda item: item[0], reverse=True)[:3] if ratio >= least]

@@ -62,9 +62,11 @@ class Problem:
 
 
 class Report:
-    """Collects problems over all documents of a run."""
+    """Collects problems over all documents of a run. ``files`` are those that were read, ``passed_over`` those in folders that are no specs."""
 
     def __init__(self) -> None:
+        self.files: list[str] = []
+        self.passed_over: list[str] = []
         self._problems: set[Problem] = set()
         self._faults: dict[str, set[Path]] = {}
 

@@ -15,10 +15,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from . import spec_files
 from .parse import FORBIDDEN, LINE_BREAK, MAX_BYTES, Mark, Refused, parse
 from .problems import Path, Report
 
-_SUFFIXES = (".yaml", ".yml")
 #: Keys by which an item of a list is called, the first that it has.
 _ITEM_KEYS = ("name", "id", "revision", "contact")
 _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")
@@ -115,6 +115,7 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
         The document, or None where nothing of the file can be used. A document may be returned although there are problems.
     """
     file = shown_as if shown_as is not None else str(path)
+    report.files.append(file)
     try:
         content = _content(path)
     except Refused as refusal:
@@ -155,15 +156,19 @@ def _document(file: str, text: str, lines: tuple[str, ...], report: Report) -> D
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     """Reads files and whole folders, each file once.
 
-    A folder stands for every ``*.yaml`` and ``*.yml`` in it and below it, in sorted order; names that begin with a dot are left out.
+    A folder stands for the specs in it and below it, in sorted order; what is one, ``spec_files`` knows. A file is read whatever it holds.
     """
     documents = []
     seen: set[str] = set()
     for given in paths:
-        files = sorted(_files_below(given, set())) if _is_folder(given) else [given]
-        if not files:
-            report.add_at(str(given), 1, 1, "no-specs", "the folder holds no .yaml file")
-        for path in files:
+        found = spec_files.below(given) if spec_files.is_folder(given) else spec_files.Found((given,), ())
+        report.passed_over += map(str, found.passed_over)
+        if not found.specs:
+            count = len(found.passed_over)
+            others = f"; {count} other YAML file{'s were' if count > 1 else ' was'} passed over" if count else ""
+            message = f"the folder holds no spec, a .yaml file with one of the keys 'device', 'manufacturer' and 'master'{others}"
+            report.add_at(str(given), 1, 1, "no-specs", message)
+        for path in found.specs:
             real = os.path.realpath(path) if "\0" not in str(path) else str(path)
             if real not in seen:
                 seen.add(real)
@@ -171,35 +176,6 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
                 if document is not None:
                     documents.append(document)
     return documents
-
-
-def _is_folder(path: pathlib.Path) -> bool:
-    try:
-        return os.path.isdir(path)
-    except ValueError:  # A NUL in the name.
-        return False
-
-
-def _files_below(folder: pathlib.Path, visited: set[tuple[int, int]]) -> Iterator[pathlib.Path]:
-    """The YAML files below a folder; a folder that links lead back to is entered once."""
-    try:
-        status = os.stat(folder)
-        names = os.listdir(folder)
-    except OSError:
-        # Handed on as if it were a file: reading it says why it cannot be read.
-        yield folder
-        return
-    if (status.st_dev, status.st_ino) in visited:
-        return
-    visited.add((status.st_dev, status.st_ino))
-    for name in names:
-        path = folder / name
-        if name.startswith("."):
-            continue
-        if os.path.isdir(path):
-            yield from _files_below(path, visited)
-        elif name.endswith(_SUFFIXES):
-            yield path
 
 
 def _content(path: pathlib.Path) -> bytes:

@@ -80,6 +80,12 @@ def load_schema(kind: str) -> dict[str, Any]:
     return schema
 
 
+@functools.cache
+def keys_of(kind: str) -> frozenset[str]:
+    """The keys that may stand at the top of a ``device``, ``manufacturer`` or ``master`` file."""
+    return frozenset(load_schema(kind)["properties"])
+
+
 def _kind(data: dict[str, Any]) -> str | None:
     """A file with a key that only device files have is one, even where ``device`` itself is missing or misspelt."""
     shared = set(load_schema("manufacturer")["properties"])

@@ -202,11 +202,19 @@ def _read(path: Path) -> bytes | None:
         raise WriteError(f"cannot read {path}: {error.strerror}") from None
 
 
-def _ours(folder: Path, target: str) -> list[str]:
-    """The paths that the folder's list names; what is not a path inside the folder is passed over."""
-    text = _read(folder / target / LIST) or b""
+def listed_in(place: Path) -> list[str]:
+    """The paths that the list in a target's folder names, seen from there; what is not a path inside the folder is passed over.
+
+    Raises:
+        WriteError: The list cannot be read.
+    """
+    text = _read(place / LIST) or b""
     lines = text.decode("utf-8", "replace").splitlines()
-    return sorted(f"{target}/{line}" for line in lines if _SAFE.fullmatch(line) and ".." not in line.split("/"))
+    return [line for line in lines if _SAFE.fullmatch(line) and ".." not in line.split("/")]
+
+
+def _ours(folder: Path, target: str) -> list[str]:
+    return sorted(f"{target}/{line}" for line in listed_in(folder / target))
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +241,7 @@ class _Stage:
             else:
                 with open(self.new / path, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[name])
-        self._carry_over({Path(path).relative_to(self.place.name) for path in _ours(self.place.parent, self.place.name)})
+        self._carry_over(set(map(Path, listed_in(self.place))))
         listed = "".join(f"{path.as_posix()}\n" for path in sorted(inside, key=Path.as_posix))
         (self.new / LIST).write_text(_LIST_HEAD + listed, encoding="utf-8", newline="\n")
         for made, mode in reversed(self._modes.items()):

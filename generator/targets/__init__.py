@@ -6,13 +6,18 @@ bit position. Others can add one by the entry point group ``codewheel.targets``.
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..model import Device, Manufacturer
 from ..problems import Path as Place
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 
 @dataclass(frozen=True)
@@ -59,8 +64,8 @@ Target = Callable[[Library], Mapping[str, str]]
 #: What a target says of a library before it is asked for files; ``check`` tells it. A target need not have it.
 Problems = Callable[[Library], Iterable[TargetProblem]]
 
-#: Our targets, by name: the module that holds each, and the folder of the output that belongs to it.
-BUILT_IN = {"python": "python", "c": "c", "biss": "biss", "docs": "docs"}
+#: Our targets, by name: the folder of templates that each uses.
+BUILT_IN = {"python": "python", "c": "c", "biss": "biss", "docs": "markdown"}
 
 
 def target(name: str) -> Target:
@@ -68,16 +73,72 @@ def target(name: str) -> Target:
 
     Raises:
         LookupError: There is no such target.
+        TargetError: It is registered and cannot be loaded.
     """
     if name in BUILT_IN:
         found: Target = import_module(f"{__name__}.{name}").generate
         return found
+    registered = _registered()
+    if name not in registered:
+        raise LookupError(name)
+    return _guarded(name, registered[name])
+
+
+def target_names() -> list[str]:
+    """The names of all targets, ours and registered ones."""
+    return [*BUILT_IN, *_registered()]
+
+
+def fault_of(files: object) -> str:
+    """What keeps ``files`` from being text by path, or nothing."""
+    if not isinstance(files, Mapping):
+        return f"this is {_kind(files)}"
+    for path, text in files.items():
+        if not isinstance(path, str) or not isinstance(text, str):
+            return f"{path!r} is {_kind(text)}" if isinstance(path, str) else f"{path!r} is no path"
+        try:
+            (path + text).encode()
+        except UnicodeEncodeError as error:
+            return f"{path!r} holds U+{ord(error.object[error.start]):04X}, which is no character"
+    return ""
+
+
+def _kind(value: object) -> str:
+    return "nothing" if value is None else type(value).__name__
+
+
+def _registered() -> dict[str, EntryPoint]:
     from importlib.metadata import entry_points
 
-    for entry in entry_points(group="codewheel.targets", name=name):
-        registered: Target = entry.load()
-        return registered
-    raise LookupError(name)
+    return {entry.name: entry for entry in entry_points(group="codewheel.targets")}
+
+
+def _guarded(name: str, entry: EntryPoint) -> Target:
+    """A registered target, whose faults become errors of one line."""
+    try:
+        made = entry.load()
+    except Exception as error:
+        raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from None
+
+    def guarded(library: Library) -> Mapping[str, str]:
+        try:
+            files: Mapping[str, str] = made(library)
+        except TargetError:
+            raise
+        except Exception as error:
+            raise TargetError(f"the target '{name}' fails: {_told(error)}") from None
+        if fault := fault_of(files):
+            raise TargetError(f"the target '{name}' has to give text by path; {fault}")
+        return files
+
+    return guarded
+
+
+def _told(error: Exception) -> str:
+    """An error of another's code in one line, with the place where it came about."""
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}{place}"
 
 
 def problems_of(name: str, library: Library) -> Iterable[TargetProblem]:

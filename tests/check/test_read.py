@@ -187,7 +187,7 @@ def test_folders_are_read_in_order_and_each_file_once(tmp_path: pathlib.Path) ->
     for name in ("b/two.yml", "b/one.yaml", "a.yaml", ".hidden/three.yaml", "b/notes.txt"):
         path = tmp_path / name
         path.parent.mkdir(exist_ok=True)
-        path.write_text("a: 1\n")
+        path.write_text("device: a\n")
     (tmp_path / "b" / "up").symlink_to(tmp_path)
     (tmp_path / "c").mkdir()
     (tmp_path / "c" / "round").symlink_to("round")

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
 
+from codewheel import new
 from codewheel.cli import main
 from codewheel.load import load_library
 from codewheel.read import read_document
 from codewheel.problems import Report
 from codewheel.targets import Library, biss, docs
 
+ROOT = Path(__file__).resolve().parents[2]
+
 
 def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "my_encoder", "-o", str(tmp_path)]) == 0
-    assert capsys.readouterr().out == f"written    {tmp_path}/my_encoder.yaml\nwritten    {tmp_path}/manufacturer.yaml\n"
+    assert capsys.readouterr().out == "".join(
+        f"written    {tmp_path}/{name}\n" for name in ("my_encoder.yaml", "manufacturer.yaml", "device.schema.json", "manufacturer.schema.json")
+    )
     found, report = load_library([tmp_path])
     assert not report.problems
     (device,) = found
@@ -27,11 +33,33 @@ def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "no fault" in capsys.readouterr().out
 
 
-def test_the_schemas_named_for_editors_exist(tmp_path: Path) -> None:
+def modeline(path: Path) -> str:
+    return path.read_text(encoding="utf-8").splitlines()[0].partition("$schema=")[2]
+
+
+def test_whoever_clones_the_spec_has_its_schema(tmp_path: Path) -> None:
     assert main(["new", "demo", "-o", str(tmp_path / "demo.yaml")]) == 0
-    for name in ("demo.yaml", "manufacturer.yaml"):
-        first = (tmp_path / name).read_text(encoding="utf-8").splitlines()[0]
-        assert (tmp_path / first.partition("$schema=")[2]).is_file()
+    for kind, name in (("device", "demo.yaml"), ("manufacturer", "manufacturer.yaml")):
+        assert modeline(tmp_path / name) == f"{kind}.schema.json"
+        assert (tmp_path / f"{kind}.schema.json").read_bytes() == (ROOT / "generator" / "spec" / f"{kind}.schema.json").read_bytes()
+
+
+@pytest.mark.parametrize("place", ["generator/spec", ".venv/lib/site-packages/codewheel/spec"])
+def test_in_the_tools_own_checkout_the_schema_is_not_copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str) -> None:
+    (tmp_path / ".git").mkdir()
+    (tmp_path / "specs").mkdir()
+    shutil.copytree(ROOT / "generator" / "spec", tmp_path / place)
+    monkeypatch.setattr(new, "_schema", lambda kind: tmp_path / place / f"{kind}.schema.json")
+    assert main(["new", "demo", "-o", str(tmp_path / "specs")]) == 0
+    of_the_tool = "site-packages" not in place
+    assert modeline(tmp_path / "specs/demo.yaml") == ("../generator/spec/device.schema.json" if of_the_tool else "device.schema.json")
+    assert (tmp_path / "specs/device.schema.json").exists() != of_the_tool
+
+
+def test_a_schema_that_is_there_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "device.schema.json").write_text("{}")
+    assert main(["new", "demo", "-o", str(tmp_path)]) == 0
+    assert (tmp_path / "device.schema.json").read_text() == "{}"
 
 
 def test_a_manufacturer_that_is_there_is_used(tmp_path: Path) -> None:

@@ -1,0 +1,110 @@
+"""``codewheel generate``: from the library to files that are written, or compared."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from .problems import suggestion
+from .render import TemplateFault, unused_templates
+from .targets import BUILT_IN, Library, Target, TargetError, fault_of, target, target_names
+from .terminal import Stop
+from .words import counted
+from .write import Change, WriteError, changes, write
+
+
+def run(chosen: argparse.Namespace, library: Library, targets: Mapping[str, Target]) -> int:
+    """Write or compare every file of the targets; the exit code.
+
+    Raises:
+        Stop: A target, a template or the disk is at fault, or a file differs.
+    """
+    try:
+        files = _files(library, targets)
+        if chosen.check:
+            found = [item for name in targets for item in changes(chosen.output, name, files[name])]
+        else:
+            found = write(chosen.output, files, chosen.force)
+    except (TargetError, TemplateFault, WriteError) as error:
+        raise Stop(str(error), 1) from None
+    words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
+    for item in found:
+        print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
+    _sum_up(found, chosen)
+    if chosen.biss_dtd is not None:
+        _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
+    return 0
+
+
+def targets_named(names: Sequence[str]) -> dict[str, Target]:
+    """The targets of these names.
+
+    Raises:
+        Stop: There is no such target, exit code 2, or it is registered and cannot be loaded, exit code 1.
+    """
+    found = {}
+    for name in names:
+        try:
+            found[name] = target(name)
+        except LookupError:
+            known = target_names()
+            raise Stop(f"there is no target '{name}'{suggestion(name, known, 'there are')}", 2) from None
+        except TargetError as error:
+            raise Stop(str(error), 1) from None
+    return found
+
+
+def _files(library: Library, targets: Mapping[str, Target]) -> dict[str, Mapping[str, str]]:
+    """The files of each target.
+
+    Raises:
+        TargetError: A target fails, or cannot express a device.
+        TemplateFault: A template of the user's is at fault.
+        Stop: A template of the user's is misspelt.
+    """
+    files = {name: made(library) for name, made in targets.items()}
+    if library.own_templates is not None:
+        for made in files.values():
+            if fault := fault_of(made):
+                raise TemplateFault(f"{library.own_templates.as_posix()}: a template makes what is no text; {fault}")
+        unused = list(unused_templates(library.own_templates, [BUILT_IN[name] for name in targets if name in BUILT_IN]))
+        if unused:
+            raise Stop("\n  ".join(["nothing is written, for templates without effect:", *unused]), 2)
+    return files
+
+
+def _sum_up(found: Sequence[Change], chosen: argparse.Namespace) -> None:
+    stale = sum(item.what != "unchanged" for item in found)
+    if not chosen.check:
+        print(f"{counted(stale, 'file')} changed, {len(found) - stale} unchanged" if stale else f"all {len(found)} files unchanged")
+    elif stale:
+        again = ["codewheel", "generate", *map(str, chosen.specs), *(part for path in chosen.more_specs for part in ("--specs", str(path)))]
+        again += [] if chosen.output == Path("generated") else ["-o", str(chosen.output)]
+        raise Stop(f"{counted(stale, 'file')} not what the specs yield; run: {shlex.join(again)}", 1)
+    else:
+        print(f"{counted(len(found), 'file')} up to date")
+
+
+def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
+    """Holds every idbiss file against the document type ``dtd``.
+
+    Raises:
+        Stop: One is not valid, exit code 1, or ``dtd`` cannot be used, exit code 2.
+    """
+    from .biss_dtd import DtdError, faults, read_dtd
+
+    names = [name for name in files if Path(name).name.startswith("idbiss")]
+    try:
+        text = read_dtd(dtd)
+        found = [fault for name in names for fault in faults(files[name], (output / name).as_posix(), text, dtd.as_posix())]
+    except DtdError as error:
+        raise Stop(str(error), 2) from None
+    for fault in found:
+        print(fault, file=sys.stderr)
+    if found:
+        raise Stop(f"not valid by {dtd}: {counted(len(found), 'fault')}", 1)
+    for name in names:
+        print(f"valid by {dtd}: {(output / name).as_posix()}")

@@ -1,0 +1,101 @@
+"""What counts as a spec below a folder, and what is passed over."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from codewheel.cli import main
+from codewheel.problems import Report
+from codewheel.read import read_specs
+from codewheel.spec_files import own_specs
+
+# What other tools keep in YAML, each with the keys that their own documentation shows.
+FOREIGN = {
+    "compose.yaml": 'version: "3"\nservices:\n  device: {image: x}\n',
+    "azure-pipelines.yml": "parameters:\n  - name: x\ntrigger: [main]\n",
+    "zephyr/module.yml": "name: x\nbuild:\n  cmake: zephyr\n",
+    "mkdocs.yml": "site_name: x\nnav: [a.md]\n",
+    "list.yaml": "- device: x\n- codewheel: 1\n",
+    "helm.yaml": "{{- if .Values.x }}\nkind: Pod\n{{- end }}\n",
+    "empty.yaml": "",
+    "comment.yaml": "# device: x\n",
+    "openapi.json.yaml": '{"openapi": "3.1.0", "paths": {}}',
+}
+# Specs, each spoilt in another way: every one has to be read, so that check says what is wrong.
+SPECS = {
+    "plain.yaml": "codewheel: 1\ndevice: x\n",
+    "no_version.yaml": "device: x\n",
+    "misspelt.yaml": "devise: x\nregisters: []\norder_code: {}\n",
+    "nameless.yaml": "title: x\ninterfaces: {}\ncrcs: []\n",
+    "maker.yml": "manufacturer: x\n",
+    "master.yml": "master: x\n",
+    "syntax.yaml": "codewheel: 1\ndevice: x\nregisters: [\n",
+    "quoted.yaml": '---\n"device" : x\n',
+    "indented.yaml": "%YAML 1.2\n---\n  # first\n  device: x\n",
+    "flow.yaml": "{device: x}",
+    "windows.yaml": "\ufefftitle: x\r\ndevice: x\r\n",
+    "old_mac.yaml": "title: x\rdevice: x\r",
+    "tabs.yaml": "title: x\ndevice:\tx\n",
+}
+
+
+def read(folder: Path) -> tuple[set[str], set[str]]:
+    report = Report()
+    read_specs([folder], report)
+    return {Path(name).relative_to(folder).as_posix() for name in report.files}, {Path(name).relative_to(folder).as_posix() for name in report.passed_over}
+
+
+def test_specs_are_told_from_the_yaml_of_others(tmp_path: Path) -> None:
+    for name, text in {**FOREIGN, **SPECS}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(text.encode())
+    (tmp_path / "utf16.yaml").write_bytes("device: x\n".encode("utf-16"))
+    (tmp_path / "gone.yaml").symlink_to("nowhere")
+    assert read(tmp_path) == ({*SPECS, "utf16.yaml", "gone.yaml"}, set(FOREIGN))
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_file_given_by_name_is_always_read(tmp_path: Path, name: str) -> None:
+    path = tmp_path / Path(name).name
+    path.write_text(FOREIGN[name])
+    report = Report()
+    read_specs([path], report)
+    assert report.files == [str(path)]
+
+
+def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
+    (tmp_path / "ci.yml").write_text("jobs: {}\n")
+    report = Report()
+    assert read_specs([tmp_path], report) == []
+    (problem,) = report.problems
+    assert problem.rule == "no-specs" and problem.message.endswith("'device', 'manufacturer' and 'master'; 1 other YAML file was passed over")
+
+
+def test_hidden_folders_environments_and_generated_files_are_left_out(tmp_path: Path) -> None:
+    for name in (".git/a.yaml", "venv/lib/b.yaml", "out/x/c.yaml", "out/x/mine.yaml", "specs/d.yaml"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("device: x\n")
+    (tmp_path / "venv/pyvenv.cfg").write_text("")
+    (tmp_path / "out/.codewheel").write_text("# Written by codewheel generate\nx/c.yaml\n")
+    assert read(tmp_path) == ({"out/x/mine.yaml", "specs/d.yaml"}, set())
+
+
+def test_a_folder_can_be_checked_and_generated_again_and_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "demo"]) == 0
+    (tmp_path / "ci.yml").write_text("jobs: {}\n")
+    for command in (["generate", "."], ["generate", "."], ["check", "."], ["generate", ".", "--check"], ["generate"], ["generate", "-o", "."], ["check", "."]):
+        assert main(command) == 0, capsys.readouterr().err
+    assert "read 2 specs: demo.yaml, manufacturer.yaml; passed over: ci.yml" in capsys.readouterr().out
+
+
+def test_own_specs_are_those_of_the_folder_itself(tmp_path: Path) -> None:
+    (tmp_path / "manufacturer.yaml").write_text("manufacturer: x\n")
+    (tmp_path / "below").mkdir()
+    (tmp_path / "below/b.yaml").write_text("device: b\n")
+    assert own_specs(tmp_path) == [], "nothing but a manufacturer"
+    (tmp_path / "a.yaml").write_text("device: a\n")
+    (tmp_path / "ci.yml").write_text("jobs: {}\n")
+    assert [path.name for path in own_specs(tmp_path)] == ["a.yaml", "manufacturer.yaml"]

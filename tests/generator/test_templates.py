@@ -1,0 +1,118 @@
+"""Templates of the user's: mistakes in them are said by file and line, misspelt ones are told, and line ends do not matter."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from codewheel import render as module
+from codewheel.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+INDEX = "markdown/index.md.jinja"
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Path]:
+    """The current folder, with a spec and an empty folder ``t``."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "demo"]) == 0
+    for folder in module.FOLDERS:
+        (tmp_path / "t" / folder).mkdir(parents=True)
+    capsys.readouterr()
+    yield tmp_path
+    module.environment.cache_clear()
+    module._own_loader.cache_clear()
+
+
+def generate(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
+    code = main(["generate", "demo.yaml", "--templates", "t", *arguments])
+    return code, capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{{ nothing }}", "'nothing' is undefined"),
+        ("{{ 1 / 0 }}", "ZeroDivisionError: division by zero"),
+        ("{% for %}", "Expected an expression, got 'end of statement block'"),
+        ('{% include "x" %}', "there is no template 'x'"),
+        ('{% include "index.md.jinja" %}', "RecursionError: maximum recursion depth exceeded"),
+        ("\udcff\udcfe", "this is not UTF-8; save the template as UTF-8"),
+    ],
+)
+@pytest.mark.parametrize("template", [INDEX, "c/device.h.jinja", "python/device.py.jinja", "biss/idbiss.xml.jinja"])
+def test_a_mistake_is_one_line(place: Path, capsys: pytest.CaptureFixture[str], template: str, text: str, message: str) -> None:
+    maker = place / "manufacturer.yaml"
+    maker.write_text(maker.read_text().replace("# biss_id: 0x0000", "biss_id: 0x4142"))
+    text = text.replace("index.md.jinja", Path(template).name)
+    (place / "t" / template).write_bytes(b"first\n" + text.encode("utf-8", "surrogateescape"))
+    code, err = generate(capsys)
+    assert code == 1 and err.startswith(f"codewheel: t/{template}:2: {message}") and err.count("\n") == 1
+    assert not (place / "generated").exists()
+
+
+def test_a_template_of_ours_that_misses_a_part_of_theirs(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (place / "t/c/parts.h.jinja").write_text("{% macro section(title) %}{% endmacro %}")
+    code, err = generate(capsys)
+    assert code == 1 and "interfaces.h.jinja:" in err and "does not export the requested name 'lines'" in err and err.count("\n") == 1
+
+
+def test_what_is_no_text(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (place / "t" / INDEX).write_text(r'{{ "\ud800" }}')
+    code, err = generate(capsys)
+    assert code == 1 and "'docs/README.md' holds U+D800, which is no character" in err
+
+
+def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("c/devce.h.jinja", "pythn/device.py.jinja", "device.h.jinja", ".git/x.jinja", "c/README.txt"):
+        (place / "t" / name).parent.mkdir(exist_ok=True)
+        (place / "t" / name).write_text("")
+    assert generate(capsys) == (
+        2,
+        "codewheel: nothing is written, for templates without effect:\n"
+        "  no output uses t/c/devce.h.jinja; did you mean 'c/device.h.jinja'?\n"
+        "  no output uses t/device.h.jinja; did you mean 'c/device.h.jinja'?\n"
+        "  no output uses t/pythn/device.py.jinja; did you mean 'python/device.py.jinja'?\n",
+    )
+    assert not (place / "generated").exists()
+
+
+def test_a_folder_without_templates_is_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, err = generate(capsys)
+    assert code == 2 and "the folder t holds no template" in err
+
+
+def test_a_template_of_theirs_that_theirs_uses_is_fine(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ours = (ROOT / "templates/c/crcs.h.jinja").read_text(encoding="utf-8")
+    shutil.copy(ROOT / "templates/c/parts.h.jinja", place / "t/c/mine.jinja")
+    (place / "t/c/crcs.h.jinja").write_text(ours.replace('"parts.h.jinja"', '"mine.jinja"'), encoding="utf-8")
+    assert generate(capsys, "--target", "c") == (0, "")
+    assert generate(capsys, "--target", "docs") == (0, ""), "the templates of other targets are not judged"
+
+
+def test_line_ends_and_byte_order_marks_of_templates_do_not_matter(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["generate", "demo.yaml"]) == 0
+    for path in (ROOT / "templates").glob("*/*.jinja"):
+        text = path.read_text(encoding="utf-8").rstrip("\n") + "\n"
+        (place / "t" / path.parent.name / path.name).write_text("\ufeff" + text, encoding="utf-8", newline="\r\n")
+    assert generate(capsys, "--check") == (0, "")
+
+
+def test_a_cache_that_cannot_be_written_or_read_is_done_without(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    def spoilt(*_: object) -> None:
+        raise EOFError
+
+    monkeypatch.setattr(module.FileSystemBytecodeCache, "dump_bytecode", full)
+    monkeypatch.setattr(module.FileSystemBytecodeCache, "load_bytecode", spoilt)
+    module.environment.cache_clear()
+    assert main(["generate", "demo.yaml"]) == 0
+    monkeypatch.setattr(module.FileSystemBytecodeCache, "__init__", full)
+    module.environment.cache_clear()
+    assert main(["generate", "demo.yaml", "--check"]) == 0
