@@ -66,6 +66,13 @@ def test_generated_is_what_the_specs_yield() -> None:
     assert done.returncode == 0, done.stdout + done.stderr + "\nrun: make generate"
 
 
+def test_a_clone_that_converts_line_ends_leaves_them(tmp_path: Path) -> None:
+    """As git for Windows does by default; generate --check compares bytes."""
+    run("git", "clone", "--quiet", "--shared", "--config", "core.autocrlf=true", ROOT, tmp_path / "clone", cwd=tmp_path)
+    kept = [path for folder in ("generated", "specs", "templates") for path in (tmp_path / "clone" / folder).rglob("*") if path.is_file()]
+    assert len(kept) > 100 and [path for path in kept if b"\r\n" in path.read_bytes()] == []
+
+
 def test_other_folder_and_hash_seed_same_bytes(tmp_path: Path) -> None:
     for seed in ("0", "12345"):
         run(sys.executable, "-m", "codewheel", "generate", "-o", tmp_path / seed, cwd=tmp_path, PYTHONHASHSEED=seed, LC_ALL="C", TZ=f"UTC+{len(seed)}")
