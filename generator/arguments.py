@@ -11,7 +11,7 @@ from typing import Any
 from .problems import suggestion
 
 _WIDTH = 79
-#: What one can type, by command, on the spec that ``new`` writes; each line works after those of ``new``.
+#: What one can type, by command, on the spec that ``new`` writes.
 EXAMPLES = {
     "generate": ("codewheel generate", "codewheel generate my_encoder.yaml -o out --target c", "codewheel generate --check"),
     "check": ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json"),
@@ -19,7 +19,7 @@ EXAMPLES = {
     "show": ("codewheel show my_encoder --specs .", "codewheel show MY-ENCODER-13-SC --specs ."),
     "decode": ("codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010 --specs .", 'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8" --specs .'),
     "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC --specs ."),
-    "diff": ("codewheel diff my_encoder.yaml my_encoder.yaml", "codewheel diff --json my_encoder.yaml my_encoder.yaml"),
+    "diff": ("codewheel diff old/my_encoder.yaml my_encoder.yaml", "codewheel diff old/my_encoder.yaml my_encoder.yaml --json"),
     "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),
 }
 
@@ -75,7 +75,8 @@ def add_examples(commands: argparse._SubParsersAction[Parser]) -> None:
     """Put the examples under the help of each command, and let each know its own parser."""
     for name, parser in commands.choices.items():
         parser.set_defaults(parser=parser)
-        lines = ["examples:", *(f"  {line}" for line in EXAMPLES[name])]
+        of_what = "" if name == "new" else ", where my_encoder is what codewheel new my_encoder writes"
+        lines = [f"examples{of_what}:", *(f"  {line}" for line in EXAMPLES[name])]
         text = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
         parser.epilog = "\n".join([*text, *lines])
         parser.description = textwrap.fill(parser.description or "", _WIDTH)

@@ -189,7 +189,8 @@ def _check(chosen: argparse.Namespace) -> int:
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
     devices, report = load_library(paths)
     if chosen.json:
-        _print_json({"version": JSON_VERSION, "problems": [problem.to_json() for problem in report.problems]})
+        problems = [problem.to_json() for problem in report.problems]
+        _print_json({"version": JSON_VERSION, "files": report.files, "passed_over": report.passed_over, "problems": problems})
         return 1 if report else 0
     for problem in report.problems:
         print(problem.format())
@@ -211,6 +212,8 @@ def _list(chosen: argparse.Namespace) -> int:
         _print_json(list_data(devices))
     else:
         print(list_text(devices))
+    if look_up.has_other_specs(chosen.specs):
+        print(f"codewheel: {look_up.OWN_SPECS_HINT}", file=sys.stderr)
     return 0
 
 

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 #: From this likeness on, of 1, a code is worth naming as the nearest.
 _NEAR = 0.4
-_MOST_FILES = 12
+OWN_SPECS_HINT = "for the specs of this folder add: --specs ."
+_MOST_FILES = 8
 
 
 def load(paths: Sequence[Path]) -> tuple[Device, ...]:
@@ -133,9 +134,14 @@ def _unknown(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> str
         return f"'{text}' is a family, and an order code is needed, such as {device.variants[0].code}; codewheel show {device.name} tells of them"
     if Path(text).suffix in SUFFIXES:
         return f"'{text}' is no order code; a spec is given as: --specs {text}"
-    hint = "; for the specs of this folder add: --specs ." if not specs and own_specs(Path()) else ""
+    hint = f"; {OWN_SPECS_HINT}" if has_other_specs(specs) else ""
     near = ", ".join(nearest_codes(devices, text, _NEAR))
     return f"'{text}' is no known order code; " + (f"the nearest are {near}" if near else "codewheel list shows what they look like") + hint
+
+
+def has_other_specs(specs: Sequence[Path]) -> bool:
+    """Whether the current folder holds specs that a look-up does not read: its answer depends on no folder that the user did not name."""
+    return not specs and bool(own_specs(Path()))
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:

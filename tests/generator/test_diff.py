@@ -126,4 +126,4 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     found = json.loads(capsys.readouterr().out)
     assert (found["version"], found["breaking"]) == (1, 1)
     assert {"family": "demo", "path": "registers.command.address", "change": "changed", "old": 72, "new": 74, "effect": "breaking"} in found["changes"]
-    assert main(["diff", old, str(tmp_path / "nowhere.yaml")]) == 1
+    assert main(["diff", old, str(tmp_path / "nowhere.yaml")]) == 2

@@ -74,11 +74,11 @@ def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
 
 
 def test_hidden_folders_environments_and_generated_files_are_left_out(tmp_path: Path) -> None:
-    for name in (".git/a.yaml", "venv/lib/b.yaml", "out/x/c.yaml", "out/x/mine.yaml", "specs/d.yaml"):
+    for name in (".git/a.yaml", "venv/lib/b.yaml", "out/top.yaml", "out/x/c.yaml", "out/x/mine.yaml", "specs/d.yaml"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("device: x\n")
     (tmp_path / "venv/pyvenv.cfg").write_text("")
-    (tmp_path / "out/.codewheel").write_text("# Written by codewheel generate\nx/c.yaml\n")
+    (tmp_path / "out/.codewheel").write_text("# Written by codewheel generate\ntop.yaml\nx/c.yaml\n")
     assert read(tmp_path) == ({"out/x/mine.yaml", "specs/d.yaml"}, set())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -50,9 +51,13 @@ def test_help_fits_a_terminal_and_has_examples(capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize("command", [name for name in COMMANDS if name != "new"])
 def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, command: str) -> None:
     assert main(["generate"]) == 0
+    if command == "diff":
+        (own / "old").mkdir()
+        for name in ("my_encoder.yaml", "manufacturer.yaml"):
+            shutil.copy(own / name, own / "old")
     for line in EXAMPLES[command]:
         code, _, err = run(capsys, *shlex.split(line)[1:])
-        assert (code, err) == (0, ""), line
+        assert (code, err.replace("codewheel: for the specs of this folder add: --specs .\n", "")) == (0, ""), line
 
 
 def test_the_examples_of_new_work(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,6 +129,8 @@ def test_without_arguments_the_specs_of_the_folder_are_read_and_named(capsys: py
         code, out, _ = run(capsys, command)
         assert code == 0 and out.startswith("read 2 specs: manufacturer.yaml, my_encoder.yaml\n")
     assert not list(own.rglob("amm5*")) and (own / "generated/docs/my_encoder.md").is_file()
+    _, out, _ = run(capsys, "check", "--json")
+    assert json.loads(out) == {"version": 1, "files": ["manufacturer.yaml", "my_encoder.yaml"], "passed_over": [], "problems": []}
     assert run(capsys, "check", "--specs", "my_encoder.yaml")[1].startswith("read 2 specs: my_encoder.yaml, manufacturer.yaml\n")
 
 
@@ -139,6 +146,7 @@ def test_a_look_up_does_not_depend_on_the_folder_but_says_how_it_could(capsys: p
     code, _, err = run(capsys, "show", "my_encoder")
     assert code == 2 and err.endswith("; for the specs of this folder add: --specs .\n")
     assert run(capsys, "show", "my_encoder", "--specs", ".")[0] == 0
+    assert run(capsys, "list")[2] == "codewheel: for the specs of this folder add: --specs .\n"
     code, _, err = run(capsys, "show", "my_encoder.yaml")
     assert code == 2 and err == "codewheel: 'my_encoder.yaml' is no order code; a spec is given as: --specs my_encoder.yaml\n"
 
