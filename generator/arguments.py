@@ -13,13 +13,23 @@ from .problems import suggestion
 _WIDTH = 79
 #: What one can type, by command, on the spec that ``new`` writes.
 EXAMPLES = {
-    "generate": ("codewheel generate", "codewheel generate my_encoder.yaml -o out --target c", "codewheel generate --check"),
+    "generate": (
+        "codewheel generate",
+        "codewheel generate my_encoder.yaml -o out --target c",
+        "codewheel generate --check",
+    ),
     "check": ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json"),
     "list": ("codewheel list", "codewheel list --specs my_encoder.yaml"),
     "show": ("codewheel show my_encoder --specs .", "codewheel show MY-ENCODER-13-SC --specs ."),
-    "decode": ("codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010 --specs .", 'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8" --specs .'),
+    "decode": (
+        "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010 --specs .",
+        'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8" --specs .',
+    ),
     "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC --specs ."),
-    "diff": ("codewheel diff old/my_encoder.yaml my_encoder.yaml", "codewheel diff old/my_encoder.yaml my_encoder.yaml --json"),
+    "diff": (
+        "codewheel diff old/my_encoder.yaml my_encoder.yaml",
+        "codewheel diff old/my_encoder.yaml my_encoder.yaml --json",
+    ),
     "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),
 }
 
@@ -30,8 +40,9 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
             kind = "command" if isinstance(action, argparse._SubParsersAction) else "choice"
-            known = ", ".join(map(str, action.choices))
-            raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{suggestion(str(value), map(str, action.choices)) or f'; known: {known}'}")
+            choices = list(map(str, action.choices))
+            near = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
+            raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{near}")
 
 
 class ShowVersion(argparse.Action):

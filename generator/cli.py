@@ -39,13 +39,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.flush()
         return code
     except BrokenPipeError:
-        # The reader of our output has left before the end: neither done nor a verdict, so the code that a shell gives for it.
+        # The reader of our output has left before the end: neither done nor a verdict, so what a shell says of it.
         release()
         return 141
     except OSError as error:
         release()
         with suppress(OSError):
-            print(f"codewheel: cannot write {error.filename or 'the output'}: {error.strerror or error}", file=sys.stderr, flush=True)
+            place = error.filename or "the output"
+            print(f"codewheel: cannot write {place}: {error.strerror or error}", file=sys.stderr, flush=True)
         release()
         return 1
     except KeyboardInterrupt:
@@ -76,7 +77,9 @@ def _parser() -> argparse.ArgumentParser:
     generate.add_argument("-o", dest="output", type=a_path, default=Path("generated"), metavar="DIR", help="output folder (default: generated)")
     generate.add_argument("--target", action="append", metavar="NAME", help="python, c, biss or docs; may be repeated (default: all four)")
     generate.add_argument("--check", action="store_true", help="write nothing; exit 1 if an output is not what the specs yield")
-    generate.add_argument("--force", action="store_true", help="overwrite files in the way that codewheel has not written")
+    generate.add_argument(
+        "--force", action="store_true", help="overwrite files in the way that codewheel has not written"
+    )
     generate.add_argument("--templates", type=a_path, metavar="DIR", help="folder whose templates are used instead of ours, file by file")
     generate.add_argument("--biss-dtd", type=a_path, metavar="FILE", help="the idbiss.dtd that you have: exit 1 if the idbiss file is not valid by it")
     generate.set_defaults(run=_generate)
@@ -153,7 +156,9 @@ def _metres(text: str) -> int:
 
 
 def _add_more_specs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS")
+    parser.add_argument(
+        "--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS"
+    )
 
 
 def _add_spec_option(parser: argparse.ArgumentParser) -> None:
@@ -190,7 +195,8 @@ def _check(chosen: argparse.Namespace) -> int:
     devices, report = load_library(paths)
     if chosen.json:
         problems = [problem.to_json() for problem in report.problems]
-        _print_json({"version": JSON_VERSION, "files": report.files, "passed_over": report.passed_over, "problems": problems})
+        read = {"files": report.files, "passed_over": report.passed_over}
+        _print_json({"version": JSON_VERSION, **read, "problems": problems})
         return 1 if report else 0
     for problem in report.problems:
         print(problem.format())

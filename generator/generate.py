@@ -79,9 +79,10 @@ def _files(library: Library, targets: Mapping[str, Target]) -> dict[str, Mapping
 def _sum_up(found: Sequence[Change], chosen: argparse.Namespace) -> None:
     stale = sum(item.what != "unchanged" for item in found)
     if not chosen.check:
-        print(f"{counted(stale, 'file')} changed, {len(found) - stale} unchanged" if stale else f"all {len(found)} files unchanged")
+        changed = f"{counted(stale, 'file')} changed, {len(found) - stale} unchanged"
+        print(changed if stale else f"all {len(found)} files unchanged")
     elif stale:
-        again = ["codewheel", "generate", *map(str, chosen.specs), *(part for path in chosen.more_specs for part in ("--specs", str(path)))]
+        again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs])]
         again += [] if chosen.output == Path("generated") else ["-o", str(chosen.output)]
         raise Stop(f"{counted(stale, 'file')} not what the specs yield; run: {shlex.join(again)}", 1)
     else:
@@ -99,7 +100,8 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     names = [name for name in files if Path(name).name.startswith("idbiss")]
     try:
         text = read_dtd(dtd)
-        found = [fault for name in names for fault in faults(files[name], (output / name).as_posix(), text, dtd.as_posix())]
+        places = {name: (output / name).as_posix() for name in names}
+        found = [fault for name in names for fault in faults(files[name], places[name], text, dtd.as_posix())]
     except DtdError as error:
         raise Stop(str(error), 2) from None
     for fault in found:
@@ -107,4 +109,4 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     if found:
         raise Stop(f"not valid by {dtd}: {counted(len(found), 'fault')}", 1)
     for name in names:
-        print(f"valid by {dtd}: {(output / name).as_posix()}")
+        print(f"valid by {dtd}: {places[name]}")

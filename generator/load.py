@@ -60,7 +60,8 @@ def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
 
 def _share(one: Device, other: Device) -> bool:
     """Whether two devices have one name or order code, so that neither can be told from the other."""
-    return one.name == other.name or not {item.code for item in one.variants}.isdisjoint(item.code for item in other.variants)
+    codes = {item.code for item in one.variants}
+    return one.name == other.name or any(item.code in codes for item in other.variants)
 
 
 def _load(

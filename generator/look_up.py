@@ -57,7 +57,7 @@ def _is_there(path: Path) -> bool:
 
 
 def own_or_shipped(paths: Sequence[Path]) -> list[Path]:
-    """The paths that were given, or else the specs of the current folder, or else none, which stands for those that ship with the tool.
+    """The paths that were given, else the specs of the current folder, else none, which stands for those that ship.
 
     Raises:
         Stop: There is nothing at one of the paths; exit code 2.
@@ -131,16 +131,19 @@ def _unknown(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> str
 
     device = _family(devices, text)
     if device is not None:
-        return f"'{text}' is a family, and an order code is needed, such as {device.variants[0].code}; codewheel show {device.name} tells of them"
+        code = device.variants[0].code
+        needed = f"an order code is needed, such as {code}; codewheel show {device.name} tells of them"
+        return f"'{text}' is a family, and {needed}"
     if Path(text).suffix in SUFFIXES:
         return f"'{text}' is no order code; a spec is given as: --specs {text}"
     hint = f"; {OWN_SPECS_HINT}" if has_other_specs(specs) else ""
     near = ", ".join(nearest_codes(devices, text, _NEAR))
-    return f"'{text}' is no known order code; " + (f"the nearest are {near}" if near else "codewheel list shows what they look like") + hint
+    remedy = f"the nearest are {near}" if near else "codewheel list shows what they look like"
+    return f"'{text}' is no known order code; {remedy}{hint}"
 
 
 def has_other_specs(specs: Sequence[Path]) -> bool:
-    """Whether the current folder holds specs that a look-up does not read: its answer depends on no folder that the user did not name."""
+    """Whether the current folder holds specs that a look-up does not read: only those that are named count for it."""
     return not specs and bool(own_specs(Path()))
 
 
@@ -176,4 +179,5 @@ def problems(report: Report) -> Stop:
 def _name_what_is_left_out(report: Report) -> None:
     if report:
         files = list(dict.fromkeys(problem.file for problem in report.problems))
-        print(f"codewheel: left out, for {counted(len(report), 'problem')}: {_listed(files)}; codewheel check tells them", file=sys.stderr)
+        left_out = f"left out, for {counted(len(report), 'problem')}: {_listed(files)}; codewheel check tells them"
+        print(f"codewheel: {left_out}", file=sys.stderr)

@@ -48,8 +48,10 @@ def write_spec(name: str, output: Path | None) -> list[Path]:
     files = {path: device_text(name, _manufacturer(maker), _schema_path(path.parent, "device"))}
     if not maker.exists():
         files[maker] = manufacturer_text(_schema_path(path.parent, "manufacturer"))
-    copies = {path.with_name(f"{kind}.schema.json"): kind for kind in ("device", "manufacturer") if not _in_one_checkout(path.parent, kind)}
-    files |= {place: _schema(kind).read_text(encoding="utf-8") for place, kind in copies.items() if not place.exists()}
+    for kind in ("device", "manufacturer"):
+        copy = path.with_name(f"{kind}.schema.json")
+        if not _in_one_checkout(path.parent, kind) and not copy.exists():
+            files[copy] = _schema(kind).read_text(encoding="utf-8")
     return list(_written(files))
 
 
@@ -82,7 +84,7 @@ def _schema(kind: str) -> Path:
 
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
-    """Whether whoever clones the spec gets the tool's own schema as well: both lie in one checkout, and not in an environment within."""
+    """Whether whoever clones the spec gets the tool's own schema too: both lie in one checkout, outside environments."""
     here = folder.resolve()
     top = next((place for place in (here, *here.parents) if (place / ".git").exists()), None)
     schema = _schema(kind).resolve()
@@ -91,7 +93,9 @@ def _in_one_checkout(folder: Path, kind: str) -> bool:
 
 def _schema_path(folder: Path, kind: str) -> str:
     """Where an editor finds the schema, seen from the spec: the tool's own, or the copy beside the spec."""
-    return Path(os.path.relpath(_schema(kind), folder)).as_posix() if _in_one_checkout(folder, kind) else f"{kind}.schema.json"
+    if not _in_one_checkout(folder, kind):
+        return f"{kind}.schema.json"
+    return Path(os.path.relpath(_schema(kind), folder)).as_posix()
 
 
 def manufacturer_text(schema: str) -> str:

@@ -62,7 +62,10 @@ class Problem:
 
 
 class Report:
-    """Collects problems over all documents of a run. ``files`` are those that were read, ``passed_over`` those in folders that are no specs."""
+    """Collects problems over all documents of a run.
+
+    ``files`` are those that were read, ``passed_over`` those in folders that are no specs.
+    """
 
     def __init__(self) -> None:
         self.files: list[str] = []

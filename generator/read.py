@@ -156,7 +156,8 @@ def _document(file: str, text: str, lines: tuple[str, ...], report: Report) -> D
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     """Reads files and whole folders, each file once.
 
-    A folder stands for the specs in it and below it, in sorted order; what is one, ``spec_files`` knows. A file is read whatever it holds.
+    A folder stands for the specs in it and below it, in sorted order; ``spec_files`` knows which files are specs.
+    A file that is given is read whatever it holds.
     """
     documents = []
     seen: set[str] = set()
@@ -166,8 +167,8 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
         if not found.specs:
             count = len(found.passed_over)
             others = f"; {count} other YAML file{'s were' if count > 1 else ' was'} passed over" if count else ""
-            message = f"the folder holds no spec, a .yaml file with one of the keys 'device', 'manufacturer' and 'master'{others}"
-            report.add_at(str(given), 1, 1, "no-specs", message)
+            message = "the folder holds no spec, a .yaml file with one of the keys 'device', 'manufacturer' and 'master'"
+            report.add_at(str(given), 1, 1, "no-specs", message + others)
         for path in found.specs:
             real = os.path.realpath(path) if "\0" not in str(path) else str(path)
             if real not in seen:

@@ -1,7 +1,7 @@
 """Templates: one Jinja environment per output language, set up so that text from a spec cannot become anything but text.
 
-Templates hold text and loops. A user's own template folder comes before ours, file by file; what is wrong with a template of theirs is said
-by file and line.
+Templates hold text and loops. A user's own template folder comes before ours, file by file; what is wrong with a template of
+theirs is said by file and line.
 """
 
 from __future__ import annotations
@@ -85,7 +85,8 @@ class _OwnTemplates(FileSystemLoader):
         except TemplateNotFound:
             raise
         except UnicodeDecodeError:
-            raise TemplateFault(f"{path.as_posix()}:{_first_bad_line(path)}: this is not UTF-8; save the template as UTF-8") from None
+            place = f"{path.as_posix()}:{_first_bad_line(path)}"
+            raise TemplateFault(f"{place}: this is not UTF-8; save the template as UTF-8") from None
         except OSError as error:
             raise TemplateFault(f"{path.as_posix()}: the template cannot be read: {error.strerror or error}") from None
         self.used.add(template)
@@ -144,7 +145,7 @@ def render(folder: str, template: str, values: Mapping[str, Any], filters: Mappi
 
 
 def _place(error: Exception, own: Path) -> str:
-    """File and line of a fault: in a template of the user's if it came about there, else in ours that uses one of theirs."""
+    """File and line of a fault: in a template of the user's if it came about there, else in one of ours that uses theirs."""
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(_SUFFIX)]
@@ -161,13 +162,15 @@ def _reason(error: Exception) -> str:
 
 
 def unused_templates(own: Path, folders: Iterable[str]) -> Iterator[str]:
-    """A line for each template of the user's that has no effect, being misspelt or misplaced; to be asked when everything is rendered.
+    """A line for each template of the user's that has no effect, being misspelt or misplaced; to be asked after rendering.
 
     Args:
         own: The user's folder.
         folders: The folders of templates that were rendered; nothing is said of the others.
     """
-    ours = {f"{folder}/{item.name}" for folder in FOLDERS for item in (resources.files("codewheel.templates") / folder).iterdir() if item.name.endswith(_SUFFIX)}
+    templates = resources.files("codewheel.templates")
+    names = (f"{folder}/{item.name}" for folder in FOLDERS for item in (templates / folder).iterdir())
+    ours = {name for name in names if name.endswith(_SUFFIX)}
     rendered = set(folders)
     found = [path.relative_to(own) for path in sorted(own.rglob(f"*{_SUFFIX}"))]
     visible = [path for path in found if not any(part.startswith(".") for part in path.parts)]

@@ -1,6 +1,7 @@
 """Which files below a folder are specs.
 
-A file that is given by name is always read. Below a folder lie other YAML files as well, such as those of CI; a spec is known by its keys.
+A file that is given by name is always read. Below a folder lie other YAML files too, such as those of CI; a spec is known by
+its keys.
 """
 
 from __future__ import annotations
@@ -33,8 +34,9 @@ class Found:
 
 
 def below(folder: Path) -> Found:
-    """Every ``*.yaml`` and ``*.yml`` in the folder and below it; left out are names that begin with a dot, virtual environments, and files that generate wrote.
+    """Every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
+    Left out are names that begin with a dot, virtual environments, and files that generate wrote.
     What cannot be read counts as a spec: reading it says why.
     """
     files = sorted(_files_below(folder, set()))
@@ -100,18 +102,23 @@ def _is_spec(path: Path) -> bool:
 
 
 def _names_a_spec(keys: frozenset[str] | None) -> bool:
-    """Whether a file with these keys at its top is a spec: it says so, or it has two keys that only specs have, its name being forgotten."""
-    return keys is not None and (bool(keys & NAMING_KEYS) or len(keys & keys_of("device") - keys_of("manufacturer")) >= 2)
+    """Whether a file with these keys at its top is a spec: it says so, or its name was forgotten."""
+    return keys is not None and (bool(keys & NAMING_KEYS) or _has_parts_of_a_device(keys))
 
 
 def _is_device(keys: frozenset[str] | None) -> bool:
-    return keys is not None and ("device" in keys or len(keys & keys_of("device") - keys_of("manufacturer")) >= 2) and "master" not in keys
+    return keys is not None and "master" not in keys and ("device" in keys or _has_parts_of_a_device(keys))
+
+
+def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
+    """Two of the keys that only specs of devices have; a single one, such as ``parameters``, other tools have as well."""
+    return len(keys & keys_of("device") - keys_of("manufacturer")) >= 2
 
 
 def _keys(path: Path) -> frozenset[str] | None:
     """The keys at the top of a YAML file; None where it cannot be read.
 
-    Found in its text, since a spec with an error in its syntax is one nevertheless, and the files of others need not be understood.
+    Found in its text, since a spec with an error in its syntax is one nevertheless, and others' files need not be read.
     """
     try:
         if not path.is_file():

@@ -21,9 +21,9 @@ class Stop(Exception):
 
 #: What stands for a character that the terminal lacks, where its decomposition would not do.
 _STAND_INS = {
-    "→": "->", "←": "<-", "↔": "<->", "−": "-", "–": "-", "—": "-", "‑": "-", "×": "x", "·": ".", "±": "+-", "≤": "<=", "≥": ">=", "≠": "!=",
-    "≈": "~", "°": "deg", "µ": "u", "μ": "u", "Ω": "Ohm", "²": "^2", "³": "^3", "Ø": "dia. ", "ß": "ss", "§": "section ", "®": "(R)", "©": "(C)",
-    "™": "(TM)", "“": '"', "”": '"', "„": '"', "‘": "'", "’": "'",
+    "→": "->", "←": "<-", "↔": "<->", "−": "-", "–": "-", "—": "-", "‑": "-", "“": '"', "”": '"', "„": '"', "‘": "'", "’": "'",
+    "×": "x", "·": ".", "±": "+-", "≤": "<=", "≥": ">=", "≠": "!=", "≈": "~", "²": "^2", "³": "^3",
+    "°": "deg", "µ": "u", "μ": "u", "Ω": "Ohm", "Ø": "dia. ", "ß": "ss", "§": "section ", "®": "(R)", "©": "(C)", "™": "(TM)",
 }  # fmt: skip
 
 
@@ -69,7 +69,7 @@ class _ClosedInput(io.StringIO):
     """Standard input where there is none."""
 
     def readline(self, *_: object) -> str:  # type: ignore[override]
-        raise Stop("standard input is closed", 2)
+        raise Stop("standard input is closed, so there is no frame to read", 2)
 
     read = __next__ = readline  # type: ignore[assignment]
 

@@ -67,11 +67,11 @@ def write(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool = 
         force: Overwrite files that are in the way and not ours.
 
     Raises:
-        WriteError: A file that is not ours is in the way, or something could not be written. Nothing has changed then, or the message
-            names the targets that were written before.
+        WriteError: A file that is not ours is in the way, or something could not be written. Nothing has changed then,
+            or the message names the targets that were written before.
     """
     found = {target: changes(folder, target, files) for target, files in targets.items()}
-    to_write = [name for name in targets if any(item.what != "unchanged" for item in found[name]) or _ours(folder, name) != sorted(targets[name])]
+    to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name])]
     _refuse_what_is_in_the_way(folder, {name: targets[name] for name in to_write}, found, force)
     stages: list[_Stage] = []
     written: list[str] = []
@@ -91,6 +91,10 @@ def write(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool = 
         for stage in stages:
             _remove(stage.folder)
     return [change for changed in found.values() for change in changed]
+
+
+def _needs_writing(folder: Path, target: str, files: Mapping[str, str], found: Iterable[Change]) -> bool:
+    return any(item.what != "unchanged" for item in found) or _ours(folder, target) != sorted(files)
 
 
 def _shown(error: OSError, stages: Iterable[_Stage], folder: Path) -> str:
@@ -124,7 +128,8 @@ def _remove(stage: Path) -> None:
         for name in folders:
             with suppress(OSError):
                 if not os.path.islink(os.path.join(root, name)):
-                    os.chmod(os.path.join(root, name), 0o700)  # It may be a folder of the old content in which nothing can be removed.
+                    # It may be a folder of the old content in which nothing can be removed.
+                    os.chmod(os.path.join(root, name), 0o700)
     shutil.rmtree(stage / "new", ignore_errors=True)
     with suppress(OSError):
         (stage / _MARK).unlink()
@@ -143,7 +148,9 @@ def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> No
             raise WriteError(f"{needed} is a file, and a folder of this name is needed; nothing has changed")
 
 
-def _refuse_what_is_in_the_way(folder: Path, targets: Mapping[str, Mapping[str, str]], found: Mapping[str, list[Change]], force: bool) -> None:
+def _refuse_what_is_in_the_way(
+    folder: Path, targets: Mapping[str, Mapping[str, str]], found: Mapping[str, list[Change]], force: bool
+) -> None:
     """Refuse to overwrite what no list of ours names; ``force`` takes files, but no folder with all that is in it.
 
     Raises:
@@ -156,12 +163,13 @@ def _refuse_what_is_in_the_way(folder: Path, targets: Mapping[str, Mapping[str, 
             if not force or why == _A_FOLDER:
                 blocked.append(f"\n  {(folder / path).as_posix()}{why}")
     if blocked:
-        remedy = "move it away" if all(line.endswith(_A_FOLDER) for line in blocked) else "move it away, or overwrite files with --force"
+        all_folders = all(line.endswith(_A_FOLDER) for line in blocked)
+        remedy = "move it away" if all_folders else "move it away, or overwrite files with --force"
         raise WriteError(f"not written by codewheel and in its way; nothing has changed; {remedy}:{''.join(blocked)}")
 
 
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
-    """Everything that stands where one of ``files`` or a folder of theirs belongs, and was not written by us, with a word on it."""
+    """Everything that stands where one of ``files`` or a folder of theirs belongs, and is not ours, with a word on it."""
     ours = set(_ours(folder, target))
     folders = {parent.as_posix() for path in files for parent in Path(path).parents} - {".", target}
     for path in sorted(folders - ours):
@@ -203,7 +211,7 @@ def _read(path: Path) -> bytes | None:
 
 
 def listed_in(place: Path) -> list[str]:
-    """The paths that the list in a target's folder names, seen from there; what is not a path inside the folder is passed over.
+    """The paths that the list in a target's folder names, seen from there; a path that leads out of the folder is passed over.
 
     Raises:
         WriteError: The list cannot be read.

@@ -75,12 +75,13 @@ def test_closed_streams(tmp_path: Path) -> None:
     assert run("show", "nonsense", redirect="2>&-").returncode == 2
     assert run("list", redirect="<&- >&- 2>&-").returncode == 0
     done = run("decode", "AMM5A23/65KJP1", "-", redirect="<&-")
-    assert (done.returncode, done.stderr) == (2, b"codewheel: standard input is closed\n")
+    assert (done.returncode, done.stderr) == (2, b"codewheel: standard input is closed, so there is no frame to read\n")
 
 
 def test_bytes_that_are_no_text_are_no_frame() -> None:
-    done = subprocess.run([*COMMAND, *DECODE[:2], "-"], input=b"\xff\n", capture_output=True, env={**os.environ, "PYTHONIOENCODING": "utf-8:strict"}, check=False)
-    assert done.returncode == 2 and b"'\\xff' is not hex" in done.stderr
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8:strict"}
+    done = subprocess.run([*COMMAND, *DECODE[:2], "-"], input=b"\xff\n", capture_output=True, env=environment, check=False)
+    assert done.returncode == 2 and b"' is not hex" in done.stderr
 
 
 def test_a_folder_whose_name_is_no_text(tmp_path: Path) -> None:
@@ -102,4 +103,8 @@ def test_a_reader_that_leaves_early_is_not_told_done() -> None:
             process.stdin.close()
         except BrokenPipeError:
             pass
+        assert process.stderr.read() == b"" and process.wait(60) != 0
+    with subprocess.Popen([*COMMAND, "show", "amm5"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout and process.stderr
+        process.stdout.close()
         assert process.stderr.read() == b"" and process.wait(60) == 141
