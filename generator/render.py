@@ -181,4 +181,6 @@ def unused_templates(own: Path, folders: Iterable[str]) -> Iterator[str]:
         if name in ours or (folder in FOLDERS and folder not in rendered):
             continue
         if folder not in FOLDERS or Path(*path.parts[1:]).as_posix() not in _own_loader(folder, own).used:
-            yield f"no output uses {(own / path).as_posix()}{suggestion(name, ours)}"
+            misplaced = [item for item in ours if item.endswith(f"/{path.name}")] if len(path.parts) == 1 else []
+            hint = f"; did you mean '{misplaced[0]}'?" if len(misplaced) == 1 else suggestion(name, ours)
+            yield f"no output uses {(own / path).as_posix()}{hint}"

@@ -111,4 +111,4 @@ def test_an_erratum_says_why_where_data_is_at_stake(c_devices: tuple[Device, ...
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"#define LIKA_AMM5_{name}_LENGTH")[0].rpartition("/*")[2]
-        assert "MEM BUSY is bit 0 of the address field" in before and "Why: " in before and "would reach another address" in before
+        assert "MEM BUSY is bit 0 of the address field" in before and "Why: " in before and "a write destroys other data" in before

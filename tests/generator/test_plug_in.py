@@ -50,5 +50,5 @@ def test_it_is_known_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ca
     monkeypatch.setattr(targets, "_registered", lambda: {"rust": Entry(lambda: lambda _: {"rust/x.rs": "x"})})
     assert main(["generate", "-o", str(tmp_path), "--target", "rust"]) == 0
     assert (tmp_path / "rust/x.rs").read_text() == "x"
-    assert main(["generate", "-o", str(tmp_path), "--target", "rst"]) == 2
-    assert capsys.readouterr().err == "codewheel: there is no target 'rst'; did you mean 'rust'?\n"
+    assert main(["generate", "-o", str(tmp_path), "--target", "ruts"]) == 2
+    assert capsys.readouterr().err == "codewheel: there is no target 'ruts'; did you mean 'rust'?\n"

@@ -13,7 +13,7 @@ import pytest
 from codewheel.terminal import _STAND_INS, _in_words
 
 COMMAND = [sys.executable, "-m", "codewheel"]
-DECODE = ["decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E"]
+DECODE = ["decode", "AMM5A23/65KJP1", "02 00 C7 D1 6A 7E"]
 
 
 def run(*arguments: str, redirect: str = "", **environment: str) -> subprocess.CompletedProcess[bytes]:

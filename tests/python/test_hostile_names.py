@@ -39,12 +39,12 @@ def hostile(words: list[str]) -> dict[str, Any]:
     layouts: list[dict[str, Any]] = []
     for index, word in enumerate(words):
         layouts += [
-            {"name": f"own_choice_{index}", "fields": [{"name": word, "bits": 6, "values": {"one": {"value": 1}, "two": {"value": 2}}}, {"name": "own_flag", "active": "low"}, crc]},
+            {"name": f"own_choice_{index}", "fields": [{"name": word, "bits": 6, "values": {"one": {"value": 1}, "two": {"value": 2}}}, {"name": "own_flag", "active": "low", "makes_position": "usable"}, crc]},
             {"name": f"own_digits_{index}", "fields": [{"name": word, "bits": 14, "digits": [{"name": "own_high", "digits": 2}, {"name": "own_low", "digits": 2}]}, crc]},
             {"name": f"own_sign_{index}", "fields": [{"name": word, "bits": "own_bits", "signed": True}, {"name": "own_steps", "bits": 4, "zero_means": 16}]},
-            {"name": f"own_join_{index}", "fields": [{"name": word, "bits": "own_bits"}, {"name": "own_low", "bits": 4}, {"name": "own_flag", "active": "high"}],
+            {"name": f"own_join_{index}", "fields": [{"name": word, "bits": "own_bits"}, {"name": "own_low", "bits": 4}, {"name": "own_flag", "active": "high", "makes_position": "usable"}],
              "join": {"own_position": [word, "own_low"]}, "gray": {"of": "own_position", "when": "own_gray"}},
-            {"name": f"own_number_{index}", "fields": [{"name": "own_high", "bits": 4}, {"name": "own_low", "bits": 4}, {"name": "own_flag", "active": "high"}], "join": {word: ["own_high", "own_low"]}},
+            {"name": f"own_number_{index}", "fields": [{"name": "own_high", "bits": 4}, {"name": "own_low", "bits": 4}, {"name": "own_flag", "active": "high", "makes_position": "usable"}], "join": {word: ["own_high", "own_low"]}},
             {"name": f"own_beside_{index}", "fields": [{"name": "own_high", "bits": 4}, {"name": "own_low", "bits": 4}, {"name": word, "bits": 6}], "join": {"own_position": ["own_high", "own_low"]}},
             {"name": f"own_bytes_{index}", "carried_as": "bytes", "byte_order": "low_byte_first", "fields": [{"name": word, "bits": "own_bits", "padded_to": 16}, {"name": "own_crc", "crc": "own_8"}]},
         ]  # fmt: skip
