@@ -52,10 +52,15 @@ class EncodeText(LayoutText):
                 lines.append(f'check_limits("{self.register.limits_of}", self.{bounded}, self.limits({arguments}))')
         return lines
 
-    @staticmethod
-    def _local(item: Field) -> str:
+    @property
+    def _local_names(self) -> tuple[str, ...]:
+        """What ``decode`` and ``encode`` use for themselves, the functions of CRCs among them."""
+        crcs = self.module.crc_names.values()
+        return (*LOCAL_NAMES, *crcs, *(f"{name}_of_bits" for name in crcs))
+
+    def _local(self, item: Field) -> str:
         """The variable in ``encode`` that holds the checked bits of a field."""
-        return attribute(item.name, LOCAL_NAMES)
+        return attribute(item.name, self._local_names)
 
     def _bounded(self, register: Register) -> str:
         """The attribute that the limits bound."""

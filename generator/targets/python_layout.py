@@ -10,7 +10,7 @@ from ..expressions import Expression
 from ..model import Field, Join, Layout, Register
 from ..words import sentence
 from .python_encode import EncodeText
-from .python_expressions import BITS, LOCAL_NAMES, compared, digits_of, meaning_of, moved_left, number_text, times
+from .python_expressions import BITS, compared, digits_of, meaning_of, moved_left, number_text, times
 from .python_source import WIDTH, Block, Call, attribute, bare, chain, docstring, grouped, literal, operand, quoted, receiver, used_names
 from .python_views import Attribute, Check, Codec, Joined, JoinPart
 
@@ -120,12 +120,6 @@ class CodecBuilder(EncodeText):
         computed = f"({self._raw(of)}).bit_count() & 1"
         raw = self._raw(item)
         self.checks.append(Check(f"{compared(raw)} != ({computed})", f'ConstantError("{item.name}", {raw}, {computed})'))
-
-    @property
-    def _local_names(self) -> tuple[str, ...]:
-        """What ``decode`` uses for itself, the functions of CRCs among them."""
-        crcs = self.module.crc_names.values()
-        return (*LOCAL_NAMES, *crcs, *(f"{name}_of_bits" for name in crcs))
 
     def _data(self, item: Field, ranges: list[Check], late: list[str]) -> Iterable[Attribute]:
         name, local, raw = self._attribute(item.name), attribute(item.name, self._local_names), self._raw(item)
