@@ -200,6 +200,13 @@ class Layout:
         return tuple(item for item in self.fields if item.carries_data)
 
     @property
+    def spoiling_flags(self) -> tuple[Field, ...]:
+        """The flags during which the position of this frame is not usable; one that sums up others of the frame adds nothing to them."""
+        here = {item.name for item in self.fields}
+        spoiling = (item for item in self.fields if item.implemented and item.makes_position == "not_usable")
+        return tuple(item for item in spoiling if not item.sums_up or not here.issuperset(item.sums_up))
+
+    @property
     def crc_field(self) -> Field | None:
         return next((item for item in self.fields if item.kind == "crc"), None)
 

@@ -182,8 +182,8 @@ class ExampleBuilder:
             request=f"{self.view.PREFIX}_{self.interface.kind.upper()}_CONTROL_{sent.name.upper()}" if sent is not None else number(data[0], True) if data else "",
             length=f"{self.view.PREFIX}_{layout.name.upper()}_LENGTH",
             shown=tuple(shown(source, "frame")),
-            meaning=tuple(self._meaning(layout, 8 if spoilers(layout) else 4)),
-            usable=" && ".join(f"!frame->{c_name(field.name)}" for field in spoilers(layout)),
+            meaning=tuple(self._meaning(layout, 8 if layout.spoiling_flags else 4)),
+            usable=" && ".join(f"!frame->{c_name(field.name)}" for field in layout.spoiling_flags),
         )
 
     def _on_the_line(self) -> tuple[Layout, int, str]:
@@ -252,12 +252,6 @@ class ExampleBuilder:
         for register, example in sorted(registers, key=lambda item: item[0].address):
             data = register.default_bytes() or bytes(register.length) if register.name in written else example.bytes
             yield Line(f"[0x{register.address:02X}] = {', '.join(number(byte, True) for byte in data)}", title(register) + (", as delivered" if register.name in written else ""))
-
-
-def spoilers(layout: Layout) -> tuple[Field, ...]:
-    """The flags of a frame during which what it holds is not to be used; a warning leaves it usable."""
-    flags = (field for field in layout.fields if field.kind == "flag" and field.implemented)
-    return tuple(field for field in flags if "warning" not in field.name)
 
 
 def shown(source: LayoutSource, struct: str) -> Iterable[str]:

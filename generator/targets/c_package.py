@@ -11,7 +11,7 @@ from ..model import Device, Manufacturer
 from ..render import plain
 from . import has_biss
 from .c_device import DeviceView
-from .c_example import ExampleView, ReadView, RunView, examples, spoilers
+from .c_example import ExampleView, ReadView, RunView, examples
 from .c_source import ascii_text, c_name
 from .c_views import CrcView
 
@@ -99,7 +99,7 @@ def guide(programs: Mapping[str, Sequence[tuple[DeviceView, ExampleView]]]) -> G
         layout=example.frame.struct,
         carried_as=example.frame.carried_as,
         member=c_name(members[0]) if members else "no_data",
-        spoiled=" || ".join(f"frame.{c_name(field.name)}" for field in spoilers(layout)),
+        spoiled=" || ".join(f"frame.{c_name(field.name)}" for field in layout.spoiling_flags),
     )
 
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from .python_module import Module
 
 
-#: How many flags of a frame, how many registers and how many procedures are shown.
-_FLAGS, _REGISTERS, _PROCEDURES = 2, 3, 2
+#: How many registers and how many procedures are shown.
+_REGISTERS, _PROCEDURES = 3, 2
 
 
 def start(readmes: Sequence[Readme]) -> Shown:
@@ -47,7 +47,6 @@ class Readme:
             number = codec.encode(self.device, placed, values)
             joined = {join.name: codec.join_value(placed, join, codec.from_gray(placed, number)) for join in view.layout.joins}
             plain = [item.name for item in placed.fields if item.field.kind == "number" and item.name != view.layout.selector]
-            flags = [item.name for item in placed.fields if item.field.kind == "flag" and item.field.implemented]
             shown = {name: values[name] for name in plain} | joined
             text, bits, digits = f"{number:#x}", placed.bits, f"{number:0{placed.bits}b}"
             if view.layout.carried_as == "bytes":
@@ -55,7 +54,7 @@ class Readme:
                 text = f'bytes.fromhex("{codec.number_to_bytes(view.layout, number, placed.bits).hex(" ").upper()}")'
             own = class_names(view.layout, None)
             printed = ", ".join(f"frame.{attribute(name, own)}" for name in shown)
-            seen = tuple(f"frame.{attribute(name, own)}" for name in flags[:_FLAGS])
+            seen = tuple(f"frame.{attribute(item.name, own)}" for item in view.layout.spoiling_flags)
             found.append(Shown(variant.code, text, printed, " ".join(map(str, shown.values())), seen, bits, digits))
         # The first example is the one that is copied: it shows a look at the flags, where any frame has some.
         return sorted(found, key=lambda item: not item.flags)

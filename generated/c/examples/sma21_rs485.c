@@ -51,8 +51,8 @@ static const lika_transport transport = {
 /* A frame can be well formed, its CRC right, and still say that its position is not to be used. */
 static bool is_usable(const lika_sma21_position_reply *frame)
 {
-    return !frame->status_alarm && !frame->status_error && !frame->overspeed &&
-        !frame->initialization_error && !frame->hardware_error && !frame->low_amplitude_error;
+    return !frame->overspeed && !frame->initialization_error && !frame->hardware_error &&
+        !frame->low_amplitude_error;
 }
 
 static lika_result show_frame(void)

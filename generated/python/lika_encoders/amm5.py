@@ -13,7 +13,7 @@ A sound frame can report a fault of the encoder. Look at its flags before you us
 
     encoder = lookup("AMM5A21/65KSC1")
     frame = encoder.decode(0x55bcd15e2)
-    if not (frame.error or frame.warning):
+    if not frame.error:
         print(frame.multiturn, frame.singleturn, frame.position)
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is

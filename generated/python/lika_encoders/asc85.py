@@ -13,7 +13,7 @@ A sound frame can report a fault of the encoder. Look at its flags before you us
 
     encoder = lookup("ASC8525/SC1")
     frame = encoder.decode(0x2b79a2ac1)
-    if not (frame.error or frame.warning):
+    if not frame.error:
         print(frame.position)
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
