@@ -62,10 +62,10 @@ def test_a_broken_document_type_is_told_with_its_line(document: str, ours: bytes
 
 def test_entities_that_grow_are_refused(document: str, ours: bytes) -> None:
     levels = b"".join(b'<!ENTITY %% a%d "%s">\n' % (level, b"%%a%d;" % (level - 1) * 10) for level in range(1, 12))
-    before = time.perf_counter()
+    before = time.process_time()
     with pytest.raises(DtdError):
         check(document, b"<!ENTITY % a0 \"<!ENTITY b 'x'>\">\n" + levels + b"%a11;\n" + ours)
-    assert time.perf_counter() - before < 5
+    assert time.process_time() - before < 5
 
 
 @pytest.mark.parametrize("text", [b"", b"\x00\xff\x80", b"<a/>", b"<!ELEMENT"])

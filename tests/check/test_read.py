@@ -216,10 +216,10 @@ def test_folder_without_specs(tmp_path: pathlib.Path) -> None:
     ids=["aliases", "lists", "maps", "indentation", "digits", "items"],
 )
 def test_bombs_give_one_problem_soon(tmp_path: pathlib.Path, content: str) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     _, problems = read(tmp_path, content)
     assert len(problems) == 1
-    assert time.perf_counter() - start < 5
+    assert time.process_time() - start < 5
 
 
 def test_reader_goes_on_after_a_duplicate_key(tmp_path: pathlib.Path) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import json
+import shlex
 import subprocess
 import sys
 from importlib import resources
@@ -264,12 +265,12 @@ def test_other_streams(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "codewheel", "decode", "AMM5A23/65KJP1", "-"]
     done = subprocess.run(command, input=b"\xff\xfe\n02 00 C7 D1 6A 7E\n", capture_output=True)
     assert done.returncode == 2 and b"line 1" in done.stderr and b"Traceback" not in done.stderr and b"line 2" in done.stdout
-    done = subprocess.run(f"{' '.join(command)} <&-", shell=True, capture_output=True)
+    done = subprocess.run(f"{shlex.join(command)} <&-", shell=True, capture_output=True)
     assert done.returncode == 2 and done.stderr == b"codewheel: standard input is closed, so there is no frame to read\n"
     # The reader leaves after the first line; the fault of that frame is not forgotten.
     lines = tmp_path / "frames"
     lines.write_text("02 20 C7 D1 6A 5F\n" * 2000)
-    done = subprocess.run(["bash", "-c", f"set -o pipefail; {' '.join(command)} < {lines} | head -1"], capture_output=True)
+    done = subprocess.run(["bash", "-c", f"set -o pipefail; {shlex.join(command)} < {shlex.quote(str(lines))} | head -1"], capture_output=True)
     assert done.returncode == 1 and done.stderr == b""
 
 

@@ -289,16 +289,16 @@ def test_no_crc_no_explanation(decode: Run) -> None:
 
 
 def test_frames_far_off_are_no_burden(decode: Run) -> None:
-    before = time.perf_counter()
+    before = time.process_time()
     for code, frame in (("AM3616/4096-I7", "0b" + "10" * 2000), ("AM3616/4096-I7", "0x" + "f" * 4000), ("AMM5A17/1SC1", "0b1"), ("AMM5A23/65KJP1", "02 " * 1000), ("AMM5A23/65KJP1", "02")):
         assert decode(code, frame)[0] == 1
-    assert time.perf_counter() - before < 15
+    assert time.process_time() - before < 15
 
 
 def test_one_frame_takes_far_less_than_a_second(devices: Mapping[str, Device]) -> None:
-    before = time.perf_counter()
+    before = time.process_time()
     list(outcomes(devices["am36"], "AM3616/4096-I7", 10))
-    assert (time.perf_counter() - before) / 10 < 0.5
+    assert (time.process_time() - before) / 10 < 0.5
 
 
 def test_the_page_shows_what_the_command_prints(capsys: pytest.CaptureFixture[str]) -> None:
