@@ -35,6 +35,16 @@ class Context:
             return None  # reported by the rules on references and expressions
 
 
+#: What BiSS itself means by its two status bits: where a spec says nothing else of them, the position is worth this while they are active.
+BISS_FLAGS: Mapping[str, str] = {"error": "not_usable", "warning": "usable_with_warning"}
+
+
+def makes_position(raw: Raw, interface: str) -> str:
+    """What the position is worth while the flag ``raw`` is active; empty where nothing is known."""
+    said: str = raw.get("makes_position", "")
+    return said or (BISS_FLAGS.get(raw["name"], "") if interface == "biss" and "active" in raw else "")
+
+
 def bit_range(text: int | str) -> tuple[int, int] | None:
     """``7:6`` as (7, 6) and ``5`` as (5, 5); None when it is neither, or upside down."""
     high, _, low = str(text).partition(":")

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from .crc import fold_plan
 from .expressions import Expression
-from .fields import Context, Raw, bit_range, digits, equals, kind, pieces, values, zero_field
+from .fields import Context, Raw, bit_range, digits, equals, kind, makes_position, pieces, values, zero_field
 from .joins import check_joined
 from .model import Field, Join, Layout
 from .problems import Path
@@ -257,7 +257,7 @@ def _fields(item: Item, context: Context, interface: str) -> Iterable[Field]:
             active_low=raw.get("active") == "low",
             when_active=raw.get("when_active", ""),
             when_inactive=raw.get("when_inactive", ""),
-            makes_position=raw.get("makes_position", ""),
+            makes_position=makes_position(raw, interface),
             sums_up=tuple(raw.get("sums_up", ())),
             values=values(raw, context, interface),
             crc=raw.get("crc", ""),

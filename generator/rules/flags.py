@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..problems import DocumentReport, Path, quoted, suggestion
+from ..fields import BISS_FLAGS
 from .walk import Fields, Spec, by_name, field_lists, field_names, items, layouts, mapping
 
 
@@ -17,6 +18,8 @@ def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> Non
             continue
         for path, field in _with_groups(fields, spec):
             if "active" in field and "makes_position" not in field and "name" in field:
+                if fields.interface == "biss" and field["name"] in BISS_FLAGS:
+                    continue
                 wrong = f"{quoted(field['name'])} comes in a frame with the position; say what the position is worth"
                 right = "with 'makes_position': not_usable, usable_with_warning or usable"
                 report.add("makes-position-missing", path, f"{wrong} while it is active, {right}")

@@ -32,8 +32,6 @@ SLIPS = {
     "top_bit": ("poly: 0x05", "poly: 0x25", "crc-impossible: the polynomial 0x25 does not fit into 5 bits; leave the top bit out: 0x5"),
     "start": ("init: 0x5A3C", "init: 0", "example 'position_channel' does not hold: the CRC is 0x4587; over these bits it has to be 0x5e9a"),
     "bank": ("      - {do: write, register: bank, value: position}\n", "", "bank-not-selected: 'preset' is in bank 1; write that to 'bank' before it"),
-    "worth": ("            makes_position: usable_with_warning\n", "",
-              "makes-position-missing: 'warning' comes in a frame with the position; say what the position is worth while it is active"),
     "bits_from_1": ("at: 2:1, values", "at: 3:2, values", ""),
 }
 

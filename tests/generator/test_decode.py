@@ -19,6 +19,7 @@ import pytest
 from planted import crc
 
 from codewheel.cli import main
+from codewheel.load import load_library
 
 SPECS = Path(__file__).parents[1] / "specs"
 Capture = pytest.CaptureFixture[str]
@@ -318,3 +319,21 @@ def test_degrees_and_micrometres(capsys: Capture) -> None:
 def test_one_byte_is_no_bytes(capsys: Capture) -> None:
     assert refused(capsys, "AMM5A21/65KSC1", "--as", "command", "01 02") == "'command' has 1 byte; this has 2"
     assert "Master → Encoder: CF, 1 byte " in text(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]
+
+
+def test_the_status_bits_of_biss_need_no_word(tmp_path: Path, capsys: Capture) -> None:
+    """nE is BiSS's own error bit and nW its warning bit, 0 while active: a spec that says nothing else of them is understood."""
+    specs = Path(__file__).parents[1] / "specs"
+    text = (specs / "bits22.yaml").read_text(encoding="utf-8")
+    assert text.count(", makes_position: ") == 2
+    for word in ("not_usable", "usable_with_warning"):
+        text = text.replace(f", makes_position: {word}", "")
+    (tmp_path / "bits22.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text((specs / "manufacturer.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    found = []
+    for folder in (specs, tmp_path):
+        devices, report = load_library([folder / "bits22.yaml"])
+        assert not report
+        layout = next(item for item in devices[0].interface("biss").layouts if item.sender == "encoder")
+        found.append([item.makes_position for item in layout.fields if item.kind == "flag"])
+    assert found == [["not_usable", "usable_with_warning"]] * 2
