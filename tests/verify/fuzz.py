@@ -120,7 +120,7 @@ def source(batch: Batch, include: Path) -> str:
     header = Header(batch, include)
     takers = "".join(f"    {{ uint8_t held[8]; size_t i; for (i = 0U; i < 8U; i++) {{ held[i] = (uint8_t)take(1U); }} (void){item.name}(variant, held, {item.length}); }}\n" for item in batch.view.takers)
     values = {
-        "maker": header.maker, "MAKER": header.maker.upper(), "prefix": header.prefix, "calls": header.calls(), "takers": takers,
+        "maker": header.maker, "MAKER": header.maker.upper(), "prefix": header.prefix, "spelled": "1" if batch.device.order_code.also_written else "0", "calls": header.calls(), "takers": takers,
         "rows": ", ".join(f"call_{name}" for _, name, _ in header.functions),
         "exact": ", ".join(str(int(is_exact(batch, item))) for item in batch.codecs),
         "refuse": ", ".join(str(int(may_be_refused(batch, item))) for item in batch.codecs),
