@@ -5,10 +5,22 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate test verify bench check spec-page clean
+.PHONY: generate lint quick test verify bench house check spec-page templates-page clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
+
+# The format of the Python files, and the linter's rules in pyproject.toml.
+# .venv/bin/ruff format mends the one, .venv/bin/ruff check --fix a part of the other.
+lint: .venv/.installed
+	@$(PY) -m ruff format --check --quiet --output-format concise .
+	@$(PY) -m ruff check --quiet --output-format concise .
+
+# What a change of wording or of a rule needs, in half a minute: all but the tests that are marked as slow.
+quick: lint
+	@$(PY) -m mypy --no-error-summary generator
+	@said=$$($(PY) -m codewheel generate --check) || { echo "$$said" | grep -v '^up to date'; exit 1; }
+	@$(PY) -m pytest -n auto --dist worksteal -m 'not slow'
 
 test: .venv/.installed tools
 	@$(PY) -m pytest -n auto --dist worksteal
@@ -26,11 +38,18 @@ verify-footprint: bench-packages
 bench: .venv/.installed tools bench-packages
 	@$(PY) benchmarks/footprint.py $(BENCH)
 
+# How the generator is built, in figures; HOUSE="--against COMMIT" puts an earlier commit beside it, HOUSE=--list names the places.
+house: .venv/.installed
+	@$(PY) benchmarks/house.py $(HOUSE)
+
 check: .venv/.installed
 	@$(PY) -m codewheel check specs
 
 spec-page: .venv/.installed
-	@$(PY) -m codewheel.spec_page docs/spec-language.md
+	@$(PY) -m codewheel.spec.language_page docs/spec-language.md
+
+templates-page: .venv/.installed
+	@$(PY) -m codewheel.targets.templates_page docs/templates.md
 
 .PHONY: bench-packages
 bench-packages: .venv/.installed

@@ -37,8 +37,19 @@ class Board:
     def version(self) -> str:
         return f"{self.compiler} {_run([self.compiler, '-dumpfullversion', '-dumpversion'])}".strip()
 
-    def link(self, sources: Sequence[Path], include: Sequence[Path], entry: str, program: Path, options: Sequence[str] = ()) -> Path:
-        command = [self.compiler, *OPTIONS, *self.flags, *options, *(f"-I{folder}" for folder in include), *map(str, sources), "-o", str(program)]
+    def link(
+        self, sources: Sequence[Path], include: Sequence[Path], entry: str, program: Path, options: Sequence[str] = ()
+    ) -> Path:
+        command = [
+            self.compiler,
+            *OPTIONS,
+            *self.flags,
+            *options,
+            *(f"-I{folder}" for folder in include),
+            *map(str, sources),
+            "-o",
+            str(program),
+        ]
         _run([*command, *([f"-Wl,-e,{entry}"] if entry else [])])
         return program
 
@@ -56,8 +67,16 @@ class Board:
 
     def _instructions(self, sources: Sequence[Path], include: Sequence[Path], folder: Path) -> int:
         """Instructions between ``entry`` and its return that are not its own, by emulation."""
-        program = self.link(sources, include, "entry", folder / f"{self.name}.run.elf", ["-Wl,--undefined=check", "-Wl,--defsym=nothing=0"])
-        symbols = {line.split()[-1]: line.split() for line in _run([f"{self.prefix}-nm", "-S", str(program)]).splitlines()}
+        program = self.link(
+            sources,
+            include,
+            "entry",
+            folder / f"{self.name}.run.elf",
+            ["-Wl,--undefined=check", "-Wl,--defsym=nothing=0"],
+        )
+        symbols = {
+            line.split()[-1]: line.split() for line in _run([f"{self.prefix}-nm", "-S", str(program)]).splitlines()
+        }
         own = range(int(symbols["entry"][0], 16), int(symbols["entry"][0], 16) + int(symbols["entry"][1], 16))
         count = 0
 
@@ -78,8 +97,21 @@ class Board:
     def _cycles(self, sources: Sequence[Path], include: Sequence[Path], folder: Path) -> int:
         options = [option for option in OPTIONS if option != "-nostartfiles"]
         program = folder / "avr.run.elf"
-        _run([self.compiler, *options, *self.flags, *(f"-I{item}" for item in include), *map(str, sources), str(HERE / "c" / "avr_main.c"), "-o", str(program)])
-        said = subprocess.run(["simavr", "-m", "atmega328p", "-f", "16000000", str(program)], capture_output=True, text=True, timeout=60)
+        _run(
+            [
+                self.compiler,
+                *options,
+                *self.flags,
+                *(f"-I{item}" for item in include),
+                *map(str, sources),
+                str(HERE / "c" / "avr_main.c"),
+                "-o",
+                str(program),
+            ]
+        )
+        said = subprocess.run(
+            ["simavr", "-m", "atmega328p", "-f", "16000000", str(program)], capture_output=True, text=True, timeout=60
+        )
         found = re.search(r"(\d{5})", said.stdout + said.stderr)
         if found is None or not int(found[1]):
             raise RuntimeError(f"{program.name}: the frame was not decoded as it should be: {said.stdout}{said.stderr}")
@@ -89,7 +121,9 @@ class Board:
 BOARDS = (
     Board("cortex-m0plus", "arm-none-eabi", ("-mcpu=cortex-m0plus", "-mthumb"), "instructions"),
     Board("cortex-m4", "arm-none-eabi", ("-mcpu=cortex-m4", "-mthumb"), "instructions"),
-    Board("rv32imc", "riscv64-unknown-elf", ("-march=rv32imc", "-mabi=ilp32", "--specs=picolibc.specs"), "instructions"),
+    Board(
+        "rv32imc", "riscv64-unknown-elf", ("-march=rv32imc", "-mabi=ilp32", "--specs=picolibc.specs"), "instructions"
+    ),
     Board("avr", "avr", ("-mmcu=atmega328p",), "cycles"),
 )
 
@@ -120,7 +154,9 @@ def _load(machine: Any, program: Path) -> None:
     offset, (size, count) = struct.unpack_from("<I", data, 28)[0], struct.unpack_from("<HH", data, 42)
     headers = [struct.unpack_from("<IIIIIIII", data, offset + index * size) for index in range(count)]
     loaded = [header for header in headers if header[0] == _LOADED and header[5]]
-    pages = {address // PAGE for header in loaded for address in range(header[2], header[2] + header[5] + PAGE, PAGE)} | {STACK // PAGE, STOP // PAGE}
+    pages = {
+        address // PAGE for header in loaded for address in range(header[2], header[2] + header[5] + PAGE, PAGE)
+    } | {STACK // PAGE, STOP // PAGE}
     for page in sorted(pages):
         machine.mem_map(page * PAGE, PAGE)
     for header in loaded:

@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.crc import compute_bits
-from codewheel.load import load_library
+from codewheel.build.load import load_library
 from codewheel.model import Crc
+from codewheel.reference.crc import compute_bits
 from codewheel.targets import Library
-from codewheel.targets.c import generate
+from codewheel.targets.c.files import generate
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parent
@@ -44,11 +44,34 @@ class Frame:
 _POSITION = "(out.multiturn == 0xABCU) && (out.singleturn == 0x234567U)"
 _BISS_GOOD = f"{_POSITION} && !out.error && !out.warning"
 FRAMES = (
-    Frame("biss46", "BiSS, 46 bits", "bench/biss46.h", "bench_biss46_variant", "BENCH_BISS46_B38SC", "bench_biss46_single_cycle_data", _BISS_GOOD),
-    Frame("biss47", "BiSS, 47 bits (AMM5)", "lika/amm5.h", "lika_amm5_variant", "LIKA_AMM5_A23_65KSC1", "lika_amm5_single_cycle_data", _BISS_GOOD),
-    Frame("rs485", "RS-485, 11 bytes (AMM5)", "lika/amm5.h", "lika_amm5_variant", "LIKA_AMM5_A23_65KJP1", "lika_amm5_complete_reply",
-          f"{_POSITION} && out.battery_alarm && out.status_st_error && !out.busy"),
-)  # fmt: skip
+    Frame(
+        "biss46",
+        "BiSS, 46 bits",
+        "bench/biss46.h",
+        "bench_biss46_variant",
+        "BENCH_BISS46_B38SC",
+        "bench_biss46_single_cycle_data",
+        _BISS_GOOD,
+    ),
+    Frame(
+        "biss47",
+        "BiSS, 47 bits (AMM5)",
+        "lika/amm5.h",
+        "lika_amm5_variant",
+        "LIKA_AMM5_A23_65KSC1",
+        "lika_amm5_single_cycle_data",
+        _BISS_GOOD,
+    ),
+    Frame(
+        "rs485",
+        "RS-485, 11 bytes (AMM5)",
+        "lika/amm5.h",
+        "lika_amm5_variant",
+        "LIKA_AMM5_A23_65KJP1",
+        "lika_amm5_complete_reply",
+        f"{_POSITION} && out.battery_alarm && out.status_st_error && !out.busy",
+    ),
+)
 
 #: Bits of the singleturn position of the frames that are words.
 SINGLETURN = {"biss46": 26, "biss47": 23}
@@ -62,7 +85,13 @@ def word(frame: Frame, multiturn: int = 0xABC, singleturn: int = 0x234567) -> in
 
 def reply(multiturn: int = 0xABC, singleturn: int = 0x234567) -> bytes:
     """A sound reply with two flags set."""
-    data = bytes((0x1A, 0x10)) + singleturn.to_bytes(3, "little") + bytes((0x23,)) + multiturn.to_bytes(3, "little") + bytes((0x80,))
+    data = (
+        bytes((0x1A, 0x10))
+        + singleturn.to_bytes(3, "little")
+        + bytes((0x23,))
+        + multiturn.to_bytes(3, "little")
+        + bytes((0x80,))
+    )
     crc = 0
     for byte in data:
         crc ^= byte
@@ -76,7 +105,8 @@ def sample(frame: Frame) -> bytes:
 
 @dataclass(frozen=True)
 class Candidate:
-    """``source`` is C that holds ``function``; ``call`` decodes the frame ``bytes`` or ``word`` with what ``globals`` declare, and gives ``result``."""
+    """``source`` is C that holds ``function``; ``call`` decodes the frame ``bytes`` or ``word``
+    with what ``globals`` declare, and gives ``result``."""
 
     name: str
     function: str
@@ -93,30 +123,111 @@ def candidates(frame: Frame, peers: Path) -> Iterator[Candidate]:
     yield from ours(frame)
     name = frame.name
     given = "word" if frame.is_word else "bytes, sizeof bytes"
-    yield Candidate("hand-written", f"hand_{name}", _c(f"hand_{name}.c"), f'#include "{HERE}/c/hand.h"\nstatic {_hand(frame)} out;', f"hand_{name}({given}, &out)", frame.good)
-    yield Candidate("extraction only", f"floor_{name}", _c("floor.c"), f'#include "{HERE}/c/hand.h"\nint floor_{name}({_arguments(frame)}, {_hand(frame)} *out);\nstatic {_hand(frame)} out;', f"floor_{name}({given}, &out)", frame.good, does="no check")
-    yield Candidate("cantools", f"peer_{name}_unpack", f'#include "{peers}/peer.c"\n', f'#include "{peers}/peer.h"\nstatic struct peer_{name}_t out;', f"peer_{name}_unpack(&out, bytes, sizeof bytes)", _POSITION, does="no CRC, no constants, no position as one number")
+    yield Candidate(
+        "hand-written",
+        f"hand_{name}",
+        _c(f"hand_{name}.c"),
+        f'#include "{HERE}/c/hand.h"\nstatic {_hand(frame)} out;',
+        f"hand_{name}({given}, &out)",
+        frame.good,
+    )
+    yield Candidate(
+        "extraction only",
+        f"floor_{name}",
+        _c("floor.c"),
+        f"""#include "{HERE}/c/hand.h"
+int floor_{name}({_arguments(frame)}, {_hand(frame)} *out);
+static {_hand(frame)} out;""",
+        f"floor_{name}({given}, &out)",
+        frame.good,
+        does="no check",
+    )
+    yield Candidate(
+        "cantools",
+        f"peer_{name}_unpack",
+        f'#include "{peers}/peer.c"\n',
+        f'#include "{peers}/peer.h"\nstatic struct peer_{name}_t out;',
+        f"peer_{name}_unpack(&out, bytes, sizeof bytes)",
+        _POSITION,
+        does="no CRC, no constants, no position as one number",
+    )
     kind = f"peer_{name.capitalize()}_1_0"
-    include = f'#include "peer/{name.capitalize()}_1_0.h"\n'
-    yield Candidate("nunavut", "decode_nunavut", f"{include}int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);\nint decode_nunavut({kind} *out, const uint8_t *bytes, size_t size)\n{{\n    return {kind}_deserialize_(out, bytes, &size);\n}}\n",
-                    f"{include}int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);\nstatic {kind} out;", "decode_nunavut(&out, bytes, sizeof bytes)", "true", does="its own order of bits; no CRC, no constants, no position as one number")  # fmt: skip
+    declared = f"""#include "peer/{name.capitalize()}_1_0.h"
+int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);
+"""
+    yield Candidate(
+        "nunavut",
+        "decode_nunavut",
+        f"""{declared}int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size)
+{{
+    return {kind}_deserialize_(out, bytes, &size);
+}}
+""",
+        f"{declared}static {kind} out;",
+        "decode_nunavut(&out, bytes, sizeof bytes)",
+        "true",
+        does="its own order of bits; no CRC, no constants, no position as one number",
+    )
     data = f"pycrc_{name}"
-    yield Candidate("pycrc", "crc_of", f'#include "{peers}/{data}.c"\ncrc_t crc_of(const uint8_t *bytes, size_t length);\ncrc_t crc_of(const uint8_t *bytes, size_t length)\n{{\n    return crc_finalize(crc_update(crc_init(), bytes, length));\n}}\n',
-                    f'#include "{peers}/{data}.h"\ncrc_t crc_of(const uint8_t *bytes, size_t length);\nstatic const uint8_t covered[] = {{ {_list(covered(frame))} }};', "crc_of(covered, sizeof covered)", "true", received(frame), "the CRC alone, over whole bytes")  # fmt: skip
+    yield Candidate(
+        "pycrc",
+        "crc_of",
+        f"""#include "{peers}/{data}.c"
+crc_t crc_of(const uint8_t *bytes, size_t length);
+crc_t crc_of(const uint8_t *bytes, size_t length)
+{{
+    return crc_finalize(crc_update(crc_init(), bytes, length));
+}}
+""",
+        f"""#include "{peers}/{data}.h"
+crc_t crc_of(const uint8_t *bytes, size_t length);
+static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
+        "crc_of(covered, sizeof covered)",
+        "true",
+        received(frame),
+        "the CRC alone, over whole bytes",
+    )
 
 
 def ours(frame: Frame) -> Iterator[Candidate]:
-    """Our decoder for an order code chosen when it is compiled, at run time, and with the table that a macro chooses."""
+    """Our decoder: order code chosen when compiled, chosen at run time, and with the table that a macro chooses."""
     given, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
     result = f"{frame.maker.lower()}_result"
     passed = given if frame.is_word else "bytes, sizeof bytes"
-    for name, macro in (("ours, order code fixed", ""), ("ours, fixed, table", f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n")) if frame.is_word else (("ours, order code fixed", ""),):
+    forms = {"ours, order code fixed": ""}
+    if frame.is_word:
+        forms["ours, fixed, table"] = f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n"
+    for name, macro in forms.items():
         head = f'{macro}#include "{frame.header}"\n{result} decode_ours({parameters}, {frame.layout} *out);\n'
-        body = f"static const {frame.variant_type} encoder = {frame.variant};\n{result} decode_ours({parameters}, {frame.layout} *out)\n{{\n    return {frame.layout}_decode(&encoder, {given}, out);\n}}\n"
-        yield Candidate(name, "decode_ours", head + body, f"{head}static {frame.layout} out;", f"decode_ours({passed}, &out)", frame.good)
-    head = f'#include "{frame.header}"\n{result} decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out);\n'
-    body = f"{result} decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)\n{{\n    return {frame.layout}_decode(variant, {given}, out);\n}}\n"
-    yield Candidate("ours, at run time", "decode_ours", head + body, f"{head}static {frame.layout} out;\nstatic const {frame.variant_type} encoder = {frame.variant};", f"decode_ours(&encoder, {passed}, &out)", frame.good)
+        body = f"""static const {frame.variant_type} encoder = {frame.variant};
+{result} decode_ours({parameters}, {frame.layout} *out)
+{{
+    return {frame.layout}_decode(&encoder, {given}, out);
+}}
+"""
+        yield Candidate(
+            name,
+            "decode_ours",
+            head + body,
+            f"{head}static {frame.layout} out;",
+            f"decode_ours({passed}, &out)",
+            frame.good,
+        )
+    signature = f"{result} decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.layout} *out)"
+    head = f'#include "{frame.header}"\n{signature};\n'
+    body = f"""{signature}
+{{
+    return {frame.layout}_decode(variant, {given}, out);
+}}
+"""
+    yield Candidate(
+        "ours, at run time",
+        "decode_ours",
+        head + body,
+        f"{head}static {frame.layout} out;\nstatic const {frame.variant_type} encoder = {frame.variant};",
+        f"decode_ours(&encoder, {passed}, &out)",
+        frame.good,
+    )
 
 
 def covered(frame: Frame) -> bytes:
@@ -132,7 +243,7 @@ def received(frame: Frame) -> int:
 
 
 def entry(frame: Frame, candidate: Candidate) -> str:
-    """C around one call: the call, the same call of a function that only returns, and whether the first gave what it should."""
+    """C around one call: the call, a call that only returns, and whether the first gave what it should."""
     value = f"static const uint64_t word = UINT64_C({word(frame):#x});\n" if frame.is_word else ""
     nothing = candidate.call.replace(candidate.function, "nothing", 1)
     return f"""#include <stdbool.h>
@@ -180,13 +291,42 @@ def write_peers(folder: Path) -> Path:
         if importlib.util.find_spec(package) is None:
             raise RuntimeError(f"no {package} here; make bench installs it")
     folder.mkdir(parents=True, exist_ok=True)
-    _run("cantools", "generate_c_source", "--no-floating-point-numbers", "--database-name", "peer", "-o", str(folder), str(HERE / "peers" / "frames.dbc"))
-    _run("nunavut", "--target-language", "c", "--omit-float-serialization-support", "-O", str(folder), str(HERE / "peers" / "peer"))
+    _run(
+        "cantools",
+        "generate_c_source",
+        "--no-floating-point-numbers",
+        "--database-name",
+        "peer",
+        "-o",
+        str(folder),
+        str(HERE / "peers" / "frames.dbc"),
+    )
+    _run(
+        "nunavut",
+        "--target-language",
+        "c",
+        "--omit-float-serialization-support",
+        "-O",
+        str(folder),
+        str(HERE / "peers" / "peer"),
+    )
     for frame in FRAMES:
-        model = ("--width=6", "--poly=3", "--xor-out=0x3f") if frame.is_word else ("--width=8", "--poly=1", "--xor-out=0")
+        model = (
+            ("--width=6", "--poly=3", "--xor-out=0x3f") if frame.is_word else ("--width=8", "--poly=1", "--xor-out=0")
+        )
         reflect = str(not frame.is_word)
         for kind in ("h", "c"):
-            _run("pycrc", *model, "--xor-in=0", f"--reflect-in={reflect}", f"--reflect-out={reflect}", "--algorithm=table-driven", f"--generate={kind}", "-o", str(folder / f"pycrc_{frame.name}.{kind}"))
+            _run(
+                "pycrc",
+                *model,
+                "--xor-in=0",
+                f"--reflect-in={reflect}",
+                f"--reflect-out={reflect}",
+                "--algorithm=table-driven",
+                f"--generate={kind}",
+                "-o",
+                str(folder / f"pycrc_{frame.name}.{kind}"),
+            )
     return folder
 
 

@@ -1,7 +1,8 @@
-"""Size and speed of the generated C decoders beside hand-written ones and what other generators make of the same frames.
+"""Size and speed of the generated C decoders beside hand-written ones and those of other generators.
 
     python benchmarks/footprint.py            measures and prints
-    python benchmarks/footprint.py --write    also writes the table of docs/footprint.md and the figures that tests/verify/test_footprint.py holds
+    python benchmarks/footprint.py --write    also writes the table of docs/footprint.md
+                                              and the figures that tests/verify/test_footprint.py holds
 
 Bytes and counts are exact. Times are not, and stay out of the files but for their ratios.
 """
@@ -39,27 +40,43 @@ def measure(frame: Frame, candidate: Candidate, board: Board, include: list[Path
 def measure_ours(board: Board, folder: Path) -> dict[str, dict[str, tuple[int, int]]]:
     """The figures of our decoders alone, by frame and candidate: what a test can hold without the other generators."""
     include = [write_headers(folder)]
-    return {frame.name: {item.name: measure(frame, item, board, include, folder) for item in ours(frame)} for frame in FRAMES}
+    return {
+        frame.name: {item.name: measure(frame, item, board, include, folder) for item in ours(frame)}
+        for frame in FRAMES
+    }
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true", help="write docs/footprint.md and the recorded figures")
     write = parser.parse_args().write
-    text, recorded = [], {board.name: {"compiler": board.version(), "figures": {frame.name: {} for frame in FRAMES}} for board in BOARDS}
+    text, recorded = (
+        [],
+        {
+            board.name: {"compiler": board.version(), "figures": {frame.name: {} for frame in FRAMES}}
+            for board in BOARDS
+        },
+    )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         include = [write_headers(folder), write_peers(folder / "peers")]
         for frame in FRAMES:
             chosen = list(candidates(frame, include[1]))
-            rows = {item.name: {board.name: measure(frame, item, board, include, folder) for board in BOARDS} for item in chosen}
+            rows = {
+                item.name: {board.name: measure(frame, item, board, include, folder) for board in BOARDS}
+                for item in chosen
+            }
             times = nanoseconds(frame, chosen, include, folder)
             for item in ours(frame):
                 for board in BOARDS:
                     recorded[board.name]["figures"][frame.name][item.name] = rows[item.name][board.name]
             text += [*table(frame, chosen, rows, times), ""]
             print("\n".join(text[-len(chosen) - 5 :]))
-            print("ns per frame on this machine: " + ", ".join(f"{key} {value:.1f}" for key, value in times.items()) + "\n")
+            print(
+                "ns per frame on this machine: "
+                + ", ".join(f"{key} {value:.1f}" for key, value in times.items())
+                + "\n"
+            )
     if write:
         versions = [f"Compilers: {'; '.join(dict.fromkeys(board.version() for board in BOARDS))}.", ""]
         page = PAGE.read_text(encoding="utf-8")
@@ -68,10 +85,16 @@ def main() -> None:
         RECORDED.write_text(json.dumps(recorded, indent=1) + "\n", encoding="utf-8")
 
 
-def table(frame: Frame, chosen: Iterable[Candidate], rows: Mapping[str, Figures], times: Mapping[str, float]) -> Iterable[str]:
+def table(
+    frame: Frame, chosen: Iterable[Candidate], rows: Mapping[str, Figures], times: Mapping[str, float]
+) -> Iterable[str]:
     yield f"### {frame.title}"
     yield ""
-    yield "| | " + " | ".join(f"{board.name}: bytes / {board.unit}" for board in BOARDS) + " | host, hand-written = 1 | does |"
+    yield (
+        "| | "
+        + " | ".join(f"{board.name}: bytes / {board.unit}" for board in BOARDS)
+        + " | host, hand-written = 1 | does |"
+    )
     yield "|---" * (len(BOARDS) + 3) + "|"
     for item in chosen:
         figures = " | ".join(f"{size} / {count}" for size, count in (rows[item.name][board.name] for board in BOARDS))

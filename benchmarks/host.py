@@ -11,9 +11,11 @@ from candidates import Candidate, Frame, covered, reply, word
 FRAMES, TURNS, TIMES = 256, 60, 400
 
 
-def nanoseconds(frame: Frame, candidates: Sequence[Candidate], include: Sequence[Path], folder: Path) -> dict[str, float]:
+def nanoseconds(
+    frame: Frame, candidates: Sequence[Candidate], include: Sequence[Path], folder: Path
+) -> dict[str, float]:
     """The time of one frame for each candidate, by its name."""
-    words, replies, bytes_ = [], [], []
+    words, replies = [], []
     for index in range(FRAMES):
         turns, angle = (index * 37) & 0xFFF, (index * 7919) & 0x3FFFFF
         words.append(word(frame, turns, angle) if frame.is_word else 0)
@@ -22,7 +24,11 @@ def nanoseconds(frame: Frame, candidates: Sequence[Candidate], include: Sequence
     rows = ",\n".join("{ " + ", ".join(map(str, data)) + " }" for data in replies)
     sources = []
     for index, candidate in enumerate(candidates):
-        call = candidate.call.replace("sizeof bytes", f"{len(replies[0])}U").replace("sizeof covered", f"{length}U").replace("covered", "bytes")
+        call = (
+            candidate.call.replace("sizeof bytes", f"{len(replies[0])}U")
+            .replace("sizeof covered", f"{length}U")
+            .replace("covered", "bytes")
+        )
         path = folder / f"host_{index}.c"
         # In one unit, so that the compiler may take the decoder into the loop.
         path.write_text(f"""#include <stdint.h>
@@ -92,10 +98,20 @@ int main(void)
     for path in (*sources, main):
         # Each in a unit of its own: the peers' helpers share names.
         target = path.with_suffix(".o")
-        subprocess.run(["cc", "-std=c11", "-O2", "-w", *(f"-I{item}" for item in include), "-c", str(path), "-o", str(target)], check=True, timeout=120)
+        subprocess.run(
+            ["cc", "-std=c11", "-O2", "-w", *(f"-I{item}" for item in include), "-c", str(path), "-o", str(target)],
+            check=True,
+            timeout=120,
+        )
         objects.append(str(target))
-    for target in objects[:-1]:
-        subprocess.run(["objcopy", f"--keep-global-symbol=run_{Path(target).stem.removeprefix('host_')}", target], check=True, timeout=60)
+    for made in objects[:-1]:
+        subprocess.run(
+            ["objcopy", f"--keep-global-symbol=run_{Path(made).stem.removeprefix('host_')}", made],
+            check=True,
+            timeout=60,
+        )
     subprocess.run(["cc", *objects, "-o", str(folder / "host")], check=True, timeout=60)
-    printed = subprocess.run([str(folder / "host")], check=True, capture_output=True, text=True, timeout=300).stdout.split()
-    return {candidate.name: float(value) for candidate, value in zip(candidates, printed)}
+    printed = subprocess.run(
+        [str(folder / "host")], check=True, capture_output=True, text=True, timeout=300
+    ).stdout.split()
+    return {candidate.name: float(value) for candidate, value in zip(candidates, printed, strict=True)}

@@ -13,9 +13,9 @@ import timeit
 from collections.abc import Callable
 from pathlib import Path
 
-from codewheel.load import load_library
+from codewheel.build.load import load_library
 from codewheel.targets import Library
-from codewheel.targets.python import generate
+from codewheel.targets.python.files import generate
 
 CALLS = 100_000
 ROUNDS = 7
@@ -51,7 +51,9 @@ def _measure_biss() -> None:
         {
             "floor: int.from_bytes and a tuple, no CRC": floor,
             "SingleCycleData.decode": lambda: amm5.SingleCycleData.decode(word, variant),
-            "SingleCycleData.decode, from bytes": lambda: amm5.SingleCycleData.decode(int.from_bytes(data, "big"), variant),
+            "SingleCycleData.decode, from bytes": lambda: amm5.SingleCycleData.decode(
+                int.from_bytes(data, "big"), variant
+            ),
             "variant.decode": lambda: variant.decode(word),
         },
     )
@@ -61,7 +63,8 @@ def _measure_rs485() -> None:
     from lika_encoders import amm5
 
     variant = amm5.lookup("AMM5A23/65KJP1")
-    data = amm5.CompleteReply(variant, False, False, singleturn=0x5A5A5A, multiturn=0x1234).encode()
+    made = amm5.CompleteReply(variant, False, False, singleturn=0x5A5A5A, encoder_id=0x23, multiturn=0x1234)
+    data, busy = made.encode(), made._replace(busy=True)
 
     def floor() -> object:
         number = int.from_bytes(data, "little")
@@ -73,6 +76,9 @@ def _measure_rs485() -> None:
             "floor: int.from_bytes and a tuple, no CRC": floor,
             "CompleteReply.decode": lambda: amm5.CompleteReply.decode(data, variant),
             "decode_reply": lambda: amm5.decode_reply(data, variant),
+            "frame.verdict": lambda: made.verdict,
+            "frame.reports, nothing to report": lambda: made.reports,
+            "frame.reports, busy": lambda: busy.reports,
         },
     )
 

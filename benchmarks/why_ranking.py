@@ -1,9 +1,10 @@
-"""How often the mistake that was made is found, and how often it is named first: frames of every family with one mistake planted in each.
+"""How often the mistake that was made is found, and how often first: frames of every family, one mistake in each.
 
     python benchmarks/why_ranking.py [FRAMES]
 
-FRAMES is how many frames of each order code have each mistake, 20 if not given. The same frames every time. A planted frame that fits all the same, by
-coincidence or because the mistake changed nothing, is counted as unseen: no reader would ask why.
+FRAMES is how many frames of each order code have each mistake, 20 if not given. The same frames every time.
+A planted frame that fits all the same, by coincidence or because the mistake changed nothing,
+is counted as unseen: no reader would ask why.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from codewheel.decode import decode_text, why_text
-from codewheel.load import load_library
+from codewheel.build.load import load_library
+from codewheel.commands.decode import decode_text, why_text
 from codewheel.model import Device
-from codewheel.order_codes import UnknownOrderCode, find
-from codewheel.why import Why
+from codewheel.reference.order_codes import UnknownOrderCode, find
+from codewheel.why.mistakes import Why
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "generator"))
 
-import planted  # noqa: E402
+import planted
 
 
 @dataclass
@@ -47,17 +48,25 @@ def main() -> None:
     print(f"{'mistake':34} {'frames':>7} {'unseen':>7} {'listed':>8} {'first':>8} {'in the list':>12}")
     for name, count in counts.items():
         seen = max(count.frames - count.unseen, 1)
-        print(f"{name:34} {count.frames:7} {count.unseen:7} {count.listed / seen:8.1%} {count.first / seen:8.1%} {count.explanations / seen:12.2f}")
+        print(
+            f"{name:34} {count.frames:7} {count.unseen:7} {count.listed / seen:8.1%} {count.first / seen:8.1%} "
+            f"{count.explanations / seen:12.2f}"
+        )
     everything = [second for count in counts.values() for second in count.seconds]
     planted_ones = [count for name, count in counts.items() if name not in NOISE]
     seen = sum(count.frames - count.unseen for count in planted_ones)
-    print(f"{'all planted mistakes':34} {sum(count.frames for count in planted_ones):7} {sum(count.unseen for count in planted_ones):7}"
-          f" {sum(count.listed for count in planted_ones) / seen:8.1%} {sum(count.first for count in planted_ones) / seen:8.1%}")
+    print(
+        f"{'all planted mistakes':34} {sum(count.frames for count in planted_ones):7} "
+        f"{sum(count.unseen for count in planted_ones):7} "
+        f"{sum(count.listed for count in planted_ones) / seen:8.1%} "
+        f"{sum(count.first for count in planted_ones) / seen:8.1%}"
+    )
     print(f"seconds for one frame: {sum(everything) / len(everything):.4f} on average, {max(everything):.4f} at most")
 
 
 def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
-    """What became of each mistake, by its name, and of frames of random bits; there ``listed`` counts the frames that have an explanation at all."""
+    """What became of each mistake, by its name, and of frames of random bits;
+    there ``listed`` counts the frames that have an explanation at all."""
     counts: dict[str, Count] = {}
     for name, plant in _plants(rounds):
         count = counts.setdefault(name, Count())
@@ -66,7 +75,11 @@ def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
         if why is None:
             count.unseen += 1
             continue
-        places = [place for place, item in enumerate(why.explanations) if item.kind == plant.kind and plant.words in f"{item.text} {' '.join(item.codes)}"]
+        places = [
+            place
+            for place, item in enumerate(why.explanations)
+            if item.kind == plant.kind and plant.words in f"{item.text} {' '.join(item.codes)}"
+        ]
         count.listed += bool(places) if plant.kind else any(not item.twice for item in why.explanations)
         count.first += places[:1] == [0]
         count.explanations += len(why.explanations)

@@ -1,45 +1,41 @@
-"""Templates: one Jinja environment per output language, set up so that text from a spec cannot become anything but text.
+"""Templates: the Jinja templates of a target, and a user's own, which come before them file by file.
 
-Templates hold text and loops. A user's own template folder comes before ours, file by file; what is wrong with a template of
-theirs is said by file and line.
+A mistake in a template of the user's is told by file and line. A template that has no effect is told as well.
 """
 
 from __future__ import annotations
 
 import re
-import textwrap
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from functools import lru_cache
+from dataclasses import dataclass, field
+from functools import cache, partial
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import get_args
 
-from jinja2 import ChoiceLoader, Environment, FileSystemBytecodeCache, FileSystemLoader, PackageLoader, StrictUndefined
-from jinja2 import TemplateNotFound, TemplateSyntaxError
+from jinja2 import (
+    ChoiceLoader,
+    Environment,
+    FileSystemBytecodeCache,
+    FileSystemLoader,
+    PrefixLoader,
+    StrictUndefined,
+    TemplateNotFound,
+    TemplateSyntaxError,
+)
 from jinja2.bccache import Bucket
 
-from .problems import suggestion
+from .say.lines import plain, wrapped
+from .spec.problems import suggestion
 
-#: The folders of templates.
-FOLDERS = ("biss", "c", "markdown", "python")
 _SUFFIX = ".jinja"
-
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+")
-
-
-def plain(text: object) -> str:
-    """One line of text: control characters, line ends and direction marks become spaces."""
-    return _CONTROL.sub(" ", str(text)).strip()
-
-
-def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
-    """``text`` as a paragraph of at most ``width`` columns, every line after ``prefix`` (the first after ``first``)."""
-    lead = prefix if first is None else first
-    return textwrap.fill(
-        plain(text), width=width, initial_indent=lead, subsequent_indent=prefix, break_long_words=False, break_on_hyphens=False
-    )
+_CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+#: Before the name of a template: the one that ships with the target, also where the user has one of that name.
+_SHIPPED = "shipped"
+#: The filters that all targets have.
+COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": plain, "wrapped": wrapped}
 
 
 class TemplateFault(ValueError):
@@ -102,50 +98,103 @@ def _first_bad_line(path: Path) -> int:
     return 1
 
 
-@lru_cache(maxsize=None)
-def _own_loader(folder: str, own_templates: Path) -> _OwnTemplates:
-    return _OwnTemplates(own_templates / folder)
+def our_templates(target: str) -> Path:
+    """The folder of the templates that ship with codewheel for a target of ours."""
+    return Path(str(resources.files("codewheel.templates"))) / target
 
 
-@lru_cache(maxsize=None)
-def environment(folder: str, own_templates: Path | None = None) -> Environment:
-    """The environment for the templates in ``folder``, one of ``FOLDERS``."""
-    ours = PackageLoader("codewheel.templates", folder)
+@cache
+def _own_loader(own: Path) -> _OwnTemplates:
+    return _OwnTemplates(own)
+
+
+@dataclass(frozen=True, eq=False)
+class Templates:
+    """The templates of a target: the ``*.jinja`` files of a folder, and what they can use.
+
+    A user's template of the same name comes first; in it ``shipped/NAME`` is the one that it stands for. An undefined
+    name is an error. A line that holds nothing but a statement leaves nothing behind.
+
+    Attributes:
+        folder: Where the files lie; in a package of yours ``Path(__file__).parent / "templates"``.
+        values: For each template that is rendered by name, the ``TypedDict`` of its values, each value ``Annotated``
+            with a line on it. Only the page of templates is made from this.
+        filters: Filters by name, besides those of Jinja, ``plain`` and ``wrapped``. Text from a spec can be anything;
+            they make it harmless in the language of the output. The page shows the first lines of their docstrings.
+        functions: Functions by name, which every template can call. The page shows them likewise.
+        autoescape: Whether values are escaped for XML.
+        tests: Classes that templates can ask for, by the name of the test: ``op is zeros_above``. ``tests_for`` names
+            them. The page shows the first lines of their docstrings.
+    """
+
+    folder: Path
+    values: Mapping[str, type] = field(default_factory=dict)
+    filters: Mapping[str, Callable[..., object]] = field(default_factory=dict)
+    functions: Mapping[str, Callable[..., object]] = field(default_factory=dict)
+    autoescape: bool = False
+    tests: Mapping[str, type] = field(default_factory=dict)
+
+    @property
+    def names(self) -> list[str]:
+        """The file names of all templates, sorted."""
+        return sorted(path.name for path in self.folder.glob(f"*{_SUFFIX}"))
+
+    def render(self, template: str, values: Mapping[str, object], own: Path | None) -> str:
+        """The text that a template makes of these values.
+
+        Args:
+            template: Its file name.
+            values: Values by name.
+            own: The folder of the user's templates for this target: ``Library.own_templates``.
+
+        Raises:
+            TemplateFault: A template of the user's is at fault.
+        """
+        try:
+            text = environment(self, own).get_template(template).render(values)
+            text.encode()
+            return text
+        except TemplateFault:
+            raise
+        except Exception as error:
+            if own is None or not _own_loader(own).used:
+                raise
+            raise TemplateFault(f"{_place(error, own) or (own / template).as_posix()}: {_reason(error)}") from None
+
+
+@cache
+def environment(templates: Templates, own: Path | None = None) -> Environment:
+    """The environment in which templates are rendered, a user's folder of templates before ours."""
+    shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
+    by_name = PrefixLoader({_SHIPPED: shipped})
     made = Environment(
-        loader=ours if own_templates is None else ChoiceLoader([_own_loader(folder, own_templates), ours]),
+        loader=shipped if own is None else ChoiceLoader([_own_loader(own), by_name, shipped]),
         bytecode_cache=_compiled(),
         undefined=StrictUndefined,
-        autoescape=folder == "biss",
+        autoescape=templates.autoescape,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters["plain"] = plain
-    made.filters["wrapped"] = wrapped
+    made.filters |= {**COMMON_FILTERS, **templates.filters}
+    tests: dict[str, Callable[..., bool]] = {name: partial(_is, kind) for name, kind in templates.tests.items()}
+    made.tests.update(tests)
+    made.globals |= templates.functions
     return made
 
 
-def render(folder: str, template: str, values: Mapping[str, Any], filters: Mapping[str, Callable[..., Any]] | None = None, own_templates: Path | None = None) -> str:
-    """The text that ``template`` of ``folder`` makes of ``values``.
+def tests_for(*classes: object) -> dict[str, type]:
+    """The test for each of these classes, alone or in a union: ``zeros_above`` for a ``ZerosAbove``."""
+    found = [item for one in classes for item in get_args(one) or (one,)]
+    return {_CAPITAL.sub("_", item.__name__).lower(): item for item in found}
 
-    Raises:
-        TemplateFault: A template of the user's is at fault.
-    """
-    made = environment(folder, own_templates)
-    if filters:
-        made.filters.update(filters)
-    try:
-        return made.get_template(template).render(values)
-    except TemplateFault:
-        raise
-    except Exception as error:
-        if own_templates is None or not _own_loader(folder, own_templates).used:
-            raise
-        raise TemplateFault(f"{_place(error, own_templates / folder) or template}: {_reason(error)}") from None
+
+def _is(kind: type, item: object) -> bool:
+    return isinstance(item, kind)
 
 
 def _place(error: Exception, own: Path) -> str:
-    """File and line of a fault: in a template of the user's if it came about there, else in one of ours that uses theirs."""
+    """File and line of a fault: in the user's template if it arose there, else in one of ours that uses theirs."""
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(_SUFFIX)]
@@ -156,31 +205,32 @@ def _place(error: Exception, own: Path) -> str:
 def _reason(error: Exception) -> str:
     if isinstance(error, TemplateNotFound):
         return f"there is no template '{plain(error.name)}'"
+    if isinstance(error, UnicodeEncodeError):
+        return f"the text holds U+{ord(error.object[error.start]):04X}, which is no character"
     module = type(error).__module__
     kind = "" if module.startswith("jinja2") else f"{type(error).__name__}: "
     return f"{kind}{plain(error)}"
 
 
-def unused_templates(own: Path, folders: Iterable[str]) -> Iterator[str]:
-    """A line for each template of the user's that has no effect, being misspelt or misplaced; to be asked after rendering.
+def unused_templates(own: Path, rendered: Mapping[str, Templates | None], others: Iterable[str]) -> Iterator[str]:
+    """A line for each template of the user's that has no effect; to be asked after rendering.
 
     Args:
-        own: The user's folder.
-        folders: The folders of templates that were rendered; nothing is said of the others.
+        own: The user's folder, which has a folder for each target.
+        rendered: The templates of the targets that were run, by the name of the target.
+        others: The names of targets that were not run; nothing is said of their folders.
     """
-    templates = resources.files("codewheel.templates")
-    names = (f"{folder}/{item.name}" for folder in FOLDERS for item in (templates / folder).iterdir())
-    ours = {name for name in names if name.endswith(_SUFFIX)}
-    rendered = set(folders)
+    ours = {f"{name}/{file}" for name, templates in rendered.items() if templates for file in templates.names}
     found = [path.relative_to(own) for path in sorted(own.rglob(f"*{_SUFFIX}"))]
     visible = [path for path in found if not any(part.startswith(".") for part in path.parts)]
     if not visible:
-        yield f"the folder {own.as_posix()} holds no template; a template of ours has a path such as {min(ours)} in it"
+        example = f"; a template of ours has a path such as {min(ours)} in it" if ours else ""
+        yield f"the folder {own.as_posix()} holds no template{example}"
     for path in visible:
         folder, name = path.parts[0], path.as_posix()
-        if name in ours or (folder in FOLDERS and folder not in rendered):
+        if name in ours or (folder not in rendered and folder in others):
             continue
-        if folder not in FOLDERS or Path(*path.parts[1:]).as_posix() not in _own_loader(folder, own).used:
-            misplaced = [item for item in ours if item.endswith(f"/{path.name}")] if len(path.parts) == 1 else []
+        if folder not in rendered or Path(*path.parts[1:]).as_posix() not in _own_loader(own / folder).used:
+            misplaced = [item for item in ours if item.endswith(f"/{path.name}")]
             hint = f"; did you mean '{misplaced[0]}'?" if len(misplaced) == 1 else suggestion(name, ours)
             yield f"no output uses {(own / path).as_posix()}{hint}"

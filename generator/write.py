@@ -1,8 +1,9 @@
 """Writing: the only module that touches the output folder.
 
-Each target owns one folder of the output. Its new content is put together in a stage beside the old one, in full, and only when every
-target is complete do the folders change places. Files and folders of a target folder that are not ours are kept; a list in the folder
-names those that are ours. Nothing else is ever overwritten or removed, unless the user asks for it.
+Each target owns one folder of the output. Its new content is put together in a stage beside the old one,
+in full, and only when every target is complete do the folders change places.
+Files and folders of a target folder that are not ours are kept; a list in the folder names those that are ours.
+Nothing else is ever overwritten or removed, unless the user asks for it.
 """
 
 from __future__ import annotations
@@ -53,8 +54,13 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
         WriteError: A path leads out of the target's folder, or the folder cannot be read.
     """
     _refuse_bad_paths(folder, target, files)
-    found = [Change(path, "unchanged" if _read(folder / path) == text.encode() else "written") for path, text in files.items()]
-    found += [Change(path, "removed") for path in _ours(folder, target) if path not in files and (folder / path).is_file()]
+    found = [
+        Change(path, "unchanged" if _read(folder / path) == text.encode() else "written")
+        for path, text in files.items()
+    ]
+    found += [
+        Change(path, "removed") for path in _ours(folder, target) if path not in files and (folder / path).is_file()
+    ]
     return sorted(found, key=lambda item: item.path)
 
 
@@ -139,7 +145,9 @@ def _remove(stage: Path) -> None:
 def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> None:
     for path in files:
         if not _SAFE.fullmatch(path) or ".." in path.split("/") or path.split("/")[0] != target:
-            raise WriteError(f"the target '{target}' asks for the path '{path}', which is not one inside its folder '{target}/'")
+            raise WriteError(
+                f"the target '{target}' asks for the path '{path}', which is not one inside its folder '{target}/'"
+            )
     place = folder / target
     if place.is_symlink():
         raise WriteError(f"{place} is a link; the output goes into real folders only")
@@ -151,11 +159,7 @@ def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> No
 def _refuse_what_is_in_the_way(
     folder: Path, targets: Mapping[str, Mapping[str, str]], found: Mapping[str, list[Change]], force: bool
 ) -> None:
-    """Refuse to overwrite what no list of ours names; ``force`` takes files, but no folder with all that is in it.
-
-    Raises:
-        WriteError: It names everything that is in the way of any target.
-    """
+    """Refuse to overwrite what no list of ours names; ``force`` takes files, but no folder with all that is in it."""
     blocked: list[str] = []
     for target, files in targets.items():
         differing = {item.path for item in found[target] if item.what == "written"}
@@ -169,7 +173,7 @@ def _refuse_what_is_in_the_way(
 
 
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
-    """Everything that stands where one of ``files`` or a folder of theirs belongs, and is not ours, with a word on it."""
+    """What stands where one of ``files`` or a folder of theirs belongs and is not ours, with a word on each."""
     ours = set(_ours(folder, target))
     folders = {parent.as_posix() for path in files for parent in Path(path).parents} - {".", target}
     for path in sorted(folders - ours):
@@ -211,7 +215,7 @@ def _read(path: Path) -> bytes | None:
 
 
 def listed_in(place: Path) -> list[str]:
-    """The paths that the list in a target's folder names, seen from there; a path that leads out of the folder is passed over.
+    """The paths in the list of a target's folder, seen from there; one that leads out of the folder is passed over.
 
     Raises:
         WriteError: The list cannot be read.
@@ -238,7 +242,7 @@ class _Stage:
         return self.folder / "new"
 
     def fill(self, files: Mapping[str, str], unchanged: set[str]) -> None:
-        """Put in all that the target's folder shall hold; what stays as it is becomes a second name of the same file."""
+        """Put in all that the target's folder shall hold; what stays the same becomes a second name of its file."""
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         inside = {Path(path).relative_to(self.place.name): path for path in files}
@@ -257,7 +261,7 @@ class _Stage:
                 made.chmod(mode)
 
     def _carry_over(self, ours: set[Path]) -> None:
-        """Take along what is not ours, empty folders included; a folder that held files of ours alone goes with them."""
+        """Take along what is not ours, empty folders included; a folder that held only files of ours goes with them."""
         for root, folders, names in os.walk(self.place, onerror=_raise) if self.place.is_dir() else ():
             here = Path(root).relative_to(self.place)
             for name in (*names, *(name for name in folders if (Path(root) / name).is_symlink())):

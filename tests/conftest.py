@@ -2,27 +2,84 @@
 
 from __future__ import annotations
 
+import fcntl
 import importlib
 import json
+import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
-
-from codewheel.load import load_library
+from codewheel.build import load
+from codewheel.commands import check, outputs
+from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
+from codewheel.targets.docs.files import generate as generate_docs
+from hostile_texts import spoilt
 
 ROOT = Path(__file__).resolve().parent.parent
+MadeOnce = Callable[[str, Callable[[Path], object]], Path]
+_SLOW = {"gcc", "g++", "clang", "clang++", "cc", "c++", "pip", "mypy"}
+#: Folders of specs that no test changes.
+_OURS = {ROOT / "specs", ROOT / "docs" / "example", ROOT / "tests" / "specs", ROOT / "tests" / "c" / "specs"}
+
+
+def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
+    """A test that needs what is made once is slow, for one of them has to make it; so is the longer evidence."""
+    for item in items:
+        if "made_once" in getattr(item, "fixturenames", ()) or ROOT / "tests" / "verify" in item.path.parents:
+            item.add_marker(pytest.mark.slow)
+
+
+@pytest.fixture(autouse=True)
+def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compilers, pip and mypy are for tests that are marked as slow."""
+    start = subprocess.Popen.__init__
+
+    def started(self: Any, command: Any, *more: Any, **named: Any) -> None:
+        words = {command} if isinstance(command, str) else {Path(str(word)).name for word in command}
+        assert not words & _SLOW, f"this test runs {', '.join(words & _SLOW)}: mark it with pytest.mark.slow"
+        start(self, command, *more, **named)
+
+    if request.node.get_closest_marker("slow") is None:
+        monkeypatch.setattr(subprocess.Popen, "__init__", started)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _specs_read_once() -> Iterator[None]:
+    """Lets commands and tests of one process read the specs of this repository once; others are read each time."""
+    families, masters = _once(load.load_families), _once(sheet.load_masters)
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (load, outputs, check):
+            patch.setattr(module, "load_families", families)
+        patch.setattr(sheet, "load_masters", masters)
+        yield
+
+
+def _once(read: Callable[..., Any]) -> Callable[..., Any]:
+    known: dict[Any, Any] = {}
+
+    def once(paths: Sequence[Path] = ()) -> Any:
+        key = (Path.cwd(), tuple(paths))
+        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
+            return read(paths)
+        if key not in known:
+            known[key] = read(paths)
+        found, report = known[key]
+        return found, deepcopy(report)
+
+    return once
 
 
 @pytest.fixture(scope="session")
 def library() -> Library:
     """Everything that ``specs/`` describes."""
-    devices, report = load_library([ROOT / "specs"])
+    devices, report = load.load_library([ROOT / "specs"])
     assert not report, "\n".join(problem.format() for problem in report.problems)
     return Library(devices)
 
@@ -30,6 +87,43 @@ def library() -> Library:
 @pytest.fixture(scope="session")
 def devices(library: Library) -> Mapping[str, Device]:
     return {device.name: device for device in library.devices}
+
+
+@pytest.fixture(scope="session")
+def amm5(devices: Mapping[str, Device]) -> Device:
+    return devices["amm5"]
+
+
+@pytest.fixture(scope="session")
+def pages(library: Library) -> dict[str, str]:
+    """The documentation of the library, by path."""
+    return generate_docs(library)
+
+
+@pytest.fixture(scope="session")
+def hostile(library: Library) -> Library:
+    """Every running text of every device replaced by one that holds the marks of all output languages."""
+    text = "a -- b --> c ]]> d | e <script>alert(1)</script> &amp; \"f\" 'g' `h` [i](j) ${k} *l* é − <!-- m -"
+    return Library(tuple(spoilt(device, text) for device in library.devices))
+
+
+@pytest.fixture(scope="session")
+def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
+    """Fills a folder once for all workers of a run: the first that asks does the work, the others wait for it."""
+    own = tmp_path_factory.getbasetemp()
+    shared = own.parent if hasattr(pytestconfig, "workerinput") else own
+
+    def made(name: str, fill: Callable[[Path], object]) -> Path:
+        folder = shared / "once" / name
+        folder.mkdir(parents=True, exist_ok=True)
+        with (folder / ".lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (folder / ".done").exists():
+                fill(folder)
+                (folder / ".done").touch()
+        return folder
+
+    return made
 
 
 @pytest.fixture(scope="session")
@@ -41,8 +135,8 @@ def vectors() -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="session")
 def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Library, str], tuple[Path, ModuleType]]:
-    """Writes the Python package of a library to a folder of its own and imports it; gives the folder and the package."""
-    from codewheel.targets.python import generate
+    """Writes the Python package of a library to a folder of its own and imports it; gives folder and package."""
+    from codewheel.targets.python.files import generate
 
     def made(library: Library, package: str) -> tuple[Path, ModuleType]:
         folder = tmp_path_factory.mktemp("generated")
@@ -64,6 +158,8 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
 
 
 @pytest.fixture(scope="session")
-def generated_python(library: Library, import_generated: Callable[[Library, str], tuple[Path, ModuleType]]) -> tuple[Path, ModuleType]:
+def generated_python(
+    library: Library, import_generated: Callable[[Library, str], tuple[Path, ModuleType]]
+) -> tuple[Path, ModuleType]:
     """The folder of the generated package, and the package."""
     return import_generated(library, "lika_encoders")

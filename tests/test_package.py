@@ -7,6 +7,7 @@ import subprocess
 import sys
 import venv
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,16 +17,25 @@ ROOT = Path(__file__).parents[1]
 
 def run(*command: str | Path, cwd: Path, **environment: str) -> str:
     done = subprocess.run(
-        [str(item) for item in command], cwd=cwd, capture_output=True, text=True, check=False, env={**os.environ, **environment}, timeout=300
+        [str(item) for item in command],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+        timeout=300,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
 @pytest.fixture(scope="session")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A wheel built from a copy, so that the checkout stays as it is."""
-    folder = tmp_path_factory.mktemp("wheel")
+def wheel(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
+    return next(made_once("wheel", built).glob("codewheel-*.whl"))
+
+
+def built(folder: Path) -> None:
+    """A wheel from a copy, so that the checkout stays as it is."""
     source = folder / "source"
     tracked = run("git", "ls-files", "--cached", "--others", "--exclude-standard", "-z", cwd=ROOT).split("\0")
     for name in filter(None, tracked):
@@ -34,12 +44,15 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_bytes((ROOT / name).read_bytes())
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", folder, source, cwd=folder)
-    return next(folder.glob("codewheel-*.whl"))
 
 
 def test_the_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
-    for folder, inside in (("generator", "codewheel"), ("templates", "codewheel/templates"), ("specs", "codewheel/specs")):
+    for folder, inside in (
+        ("generator", "codewheel"),
+        ("templates", "codewheel/templates"),
+        ("specs", "codewheel/specs"),
+    ):
         for path in (ROOT / folder).rglob("*"):
             if path.is_file() and "__pycache__" not in path.parts and ".egg-info" not in str(path):
                 assert f"{inside}/{path.relative_to(ROOT / folder).as_posix()}" in names
@@ -49,9 +62,10 @@ def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path
     """With nothing but the wheel and its dependencies, and in a folder whose name has a space."""
     place = tmp_path / "an empty folder"
     place.mkdir()
-    venv.create(place / "venv", with_pip=True)
-    python = place / "venv" / "bin" / "python"
-    run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", wheel, cwd=place)
+    venv.create(place / "venv")
+    python = str(place / "venv" / "bin" / "python")
+    pip = [sys.executable, "-m", "pip", "--python", python, "--disable-pip-version-check"]
+    run(*pip, "install", "--quiet", wheel, cwd=place)
     out = run(place / "venv" / "bin" / "codewheel", "generate", cwd=place, PYTHONHASHSEED="1")
     assert "written    generated/biss/idbiss4C69.xml" in out
     out = run(place / "venv" / "bin" / "codewheel", "list", cwd=Path("/"))
@@ -61,27 +75,54 @@ def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path
             assert path.read_bytes() == (ROOT / "generated" / path.relative_to(place / "generated")).read_bytes(), path
 
 
+@pytest.mark.slow
 def test_generated_is_what_the_specs_yield() -> None:
-    done = subprocess.run([sys.executable, "-m", "codewheel", "generate", "--check"], cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-m", "codewheel", "generate", "--check"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stdout + done.stderr + "\nrun: make generate"
 
 
+@pytest.mark.slow
 def test_a_clone_that_converts_line_ends_leaves_them(tmp_path: Path) -> None:
     """As git for Windows does by default; generate --check compares bytes."""
     run("git", "clone", "--quiet", "--shared", "--config", "core.autocrlf=true", ROOT, tmp_path / "clone", cwd=tmp_path)
-    kept = [path for folder in ("generated", "specs", "templates") for path in (tmp_path / "clone" / folder).rglob("*") if path.is_file()]
-    assert len(kept) > 100 and [path for path in kept if b"\r\n" in path.read_bytes()] == []
+    kept = [
+        path
+        for folder in ("generated", "specs", "templates")
+        for path in (tmp_path / "clone" / folder).rglob("*")
+        if path.is_file()
+    ]
+    assert len(kept) > 100
+    assert [path for path in kept if b"\r\n" in path.read_bytes()] == []
 
 
+@pytest.mark.slow
 def test_other_folder_and_hash_seed_same_bytes(tmp_path: Path) -> None:
     for seed in ("0", "12345"):
-        run(sys.executable, "-m", "codewheel", "generate", "-o", tmp_path / seed, cwd=tmp_path, PYTHONHASHSEED=seed, LC_ALL="C", TZ=f"UTC+{len(seed)}")
+        run(
+            sys.executable,
+            "-m",
+            "codewheel",
+            "generate",
+            "-o",
+            tmp_path / seed,
+            cwd=tmp_path,
+            PYTHONHASHSEED=seed,
+            LC_ALL="C",
+            TZ=f"UTC+{len(seed)}",
+        )
     files = [path.relative_to(tmp_path / "0") for path in (tmp_path / "0").rglob("*") if path.is_file()]
     assert files
     for name in files:
         assert (tmp_path / "0" / name).read_bytes() == (tmp_path / "12345" / name).read_bytes(), name
 
 
+@pytest.mark.slow
 def test_the_tool_is_strictly_typed() -> None:
     out = run(sys.executable, "-m", "mypy", "--strict", "generator", cwd=ROOT)
     assert "Success" in out

@@ -16,12 +16,14 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_its_python(generated_python: tuple[Path, ModuleType]) -> None:
     block = re.search(r"```python\n(.*?)```", README, re.DOTALL)
     assert block is not None
     test = doctest.DocTestParser().get_doctest(block[1], {}, "README", "README.md", 0)
     sys.modules["lika_encoders"] = generated_python[1]
-    assert test.examples and doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
+    assert test.examples
+    assert doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
 
 
 def _commands() -> list[tuple[str, list[str]]]:
@@ -36,9 +38,12 @@ def _commands() -> list[tuple[str, list[str]]]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("command", "shown"), _commands(), ids=lambda value: value if isinstance(value, str) else "")
 def test_its_commands(command: str, shown: list[str]) -> None:
-    done = subprocess.run([sys.executable, "-m", "codewheel", *shlex.split(command)[1:]], capture_output=True, text=True, cwd=ROOT)
+    done = subprocess.run(
+        [sys.executable, "-m", "codewheel", *shlex.split(command)[1:]], capture_output=True, text=True, cwd=ROOT
+    )
     fails = "not usable" in "".join(shown)
     assert (done.returncode, done.stderr) == (3 if fails else 0, "")
     # Three dots stand for lines left out, and nothing else is.
@@ -48,7 +53,8 @@ def test_its_commands(command: str, shown: list[str]) -> None:
 
 def test_it_has_commands() -> None:
     shown = [lines for _, lines in _commands() if lines]
-    assert len(_commands()) >= 4 and len(shown) >= 2
+    assert len(_commands()) >= 4
+    assert len(shown) >= 2
     assert "no fault" in shown[0][-1]
 
 

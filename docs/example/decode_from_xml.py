@@ -1,6 +1,11 @@
-"""Decode a frame with nothing but a device's XML: decode_from_xml.py generated/biss/lika-amm5.xml AMM5A21/65KSC1 single_cycle_data 0xF4243D3"""
+"""Decode a frame with nothing but a device's XML.
+
+decode_from_xml.py generated/biss/lika-amm5.xml AMM5A21/65KSC1 single_cycle_data 0xF4243D3
+"""
+
 import re
 import sys
+
 from lxml import etree
 
 if len(sys.argv) != 5:
@@ -11,16 +16,40 @@ root = etree.parse(path, etree.XMLParser(resolve_entities=False, no_network=True
 order_code = root.xpath("//d:order_code[@code=$code]", namespaces=ns, code=code)[0]
 parameters = {entry.get("name"): int(entry.text, 0) for entry in order_code.iterfind("d:parameters/d:entry", ns)}
 
+
 def number(expression):  # a sum of numbers and parameters, such as 48 - singleturn_bits
     terms = re.findall(r"([+-]?) ?([a-z0-9_]+)", expression)
     return sum((-1 if sign == "-" else 1) * int(parameters.get(term, term)) for sign, term in terms)
 
+
 layout = root.xpath("//d:layouts/d:layout[@name=$name]", namespaces=ns, name=name)[0]
-first_is_low = layout.get("byte_order") == "low_byte_first"
-bits = int.from_bytes(bytes.fromhex(frame), "little" if first_is_low else "big") if layout.get("carried_as") == "bytes" else int(frame, 0)
+if layout.get("alternatives"):
+    sys.exit(f"where the fields stand is for you to decide: {layout.get('alternatives')}")
+order = "little" if layout.get("byte_order") == "low_byte_first" else "big"
+in_bytes = layout.get("carried_as") == "bytes"
+bits = int.from_bytes(bytes.fromhex(frame), order) if in_bytes else int(frame, 0)
+speaks = {}
 for field in layout.iterfind("d:fields/d:field", ns):
     value = bits >> number(field.get("low")) & (1 << number(field.get("width"))) - 1
-    state = ["active" if value == (field.get("active") == "high") else "not active"] if field.get("active") else []
-    print(field.get("name"), value, *state)
+    said = ""
+    if field.get("active"):  # a flag
+        said = "active" if value == (field.get("active") == "high") else "not active"
+    elif value != int(field.get("unused", value)):
+        said = "not as in the manual"
+    if said not in ("", "not active"):
+        speaks[field.get("name")] = field
+    print(f"{field.get('name')} {value} {said}".rstrip())
 if layout.get("gray_of") and parameters.get(layout.get("gray_when"), 1):
     print("note:", layout.get("gray_of"), "is in Gray code; its bits are shown as they are sent")
+
+# The worst that speaks decides. A flag that sums up others is silent while one of these is active.
+worth = {item.get("makes_position") for item in speaks.values() if not {*item.get("sums_up", "").split()} & {*speaks}}
+tells = layout.xpath("d:fields/d:field[@kind='flag' and not(@makes_position='usable')]", namespaces=ns)
+verdict = next(
+    (word for word in ("not_usable", "usable_with_warning") if word in worth), "usable" if tells else "not_told"
+)
+position = {*root.xpath("//d:measurement/@of", namespaces=ns)}
+joins = root.xpath("//d:layout[@interface=$kind]/d:join/d:join", namespaces=ns, kind=layout.get("interface"))
+position |= {part for join in joins if join.get("name") in position for part in join.get("fields").split()}
+if layout.get("from") == "encoder" and position & {*layout.xpath("d:fields/d:field/@name", namespaces=ns)}:
+    print("verdict:", verdict)

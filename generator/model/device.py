@@ -6,13 +6,34 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
+from typing import TypeVar
 
-from ..expressions import Expression
+from .examples import Example
+from .expressions import Expression
 from .facts import (
-    Alarm, CableLength, Characteristic, Connector, Document, Erratum, Input, Led, LostFigure, Manual, Manufacturer, MemoryAccess, Network, Port,
-    Sources, Supply, Table, Timeout, Timing,
+    Alarm,
+    Characteristic,
+    Connector,
+    Document,
+    Erratum,
+    Input,
+    Led,
+    LostFigure,
+    Manual,
+    Manufacturer,
+    Sources,
+    Supply,
+    Table,
+    Timing,
 )
-from .layout import Crc, DataId, Field, Layout, Value
+from .interfaces import Interface
+from .interfaces.biss import Biss
+from .kinds import CrcValue, Value
+from .layout import Crc, Field, Layout
+from .measurement import Measurement
+from .steps import Procedure
+
+_Kind = TypeVar("_Kind", bound=Interface)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +51,7 @@ class Parameter:
     max: int | None = None
     interface: str = ""
     hexadecimal: bool = False
+    alternative: str = ""
 
     @property
     def register(self) -> str:
@@ -39,6 +61,26 @@ class Parameter:
     @property
     def field(self) -> str:
         return self.read_from.partition(".")[2]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One answer of an alternative, and the parameters that it sets."""
+
+    name: str
+    meaning: str
+    sets: Mapping[str, int]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """What the manual leaves open, so that the user has to decide; order codes have the first answer until he does."""
+
+    name: str
+    meaning: str
+    answers: tuple[Answer, ...]
+    source: Sources
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +117,8 @@ class SpelledValue:
 class Spelling:
     """Another way in which a label may be written, ``where`` it is so.
 
-    The parts of ``values`` have the texts listed there alone. ``then`` is a regular expression for what follows and means nothing here.
+    The parts of ``values`` have the texts listed there alone. ``then`` is a regular expression for what follows and
+    means nothing here.
     """
 
     pattern: str
@@ -107,55 +150,6 @@ class FieldGroup:
     bits: int
     note: str
     source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class ControlField:
-    """A field of the BiSS control frame, of which the manual gives no whole layout."""
-
-    name: str
-    printed_name: str
-    bits: int
-    values: tuple[Value, ...]
-    crc: str
-    meaning: str
-    source: Sources
-    names: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-
-
-@dataclass(frozen=True, slots=True)
-class Interface:
-    """One interface; what its kind does not have stays empty."""
-
-    kind: str
-    layouts: tuple[Layout, ...]
-    timings: tuple[Timing, ...]
-    note: str
-    source: Sources
-    clock_min_hz: int | None = None
-    clock_max_hz: int | None = None
-    clock_source: Sources = ()
-    signals: str = ""
-    alignment: str = ""
-    alignment_source: Sources = ()
-    output_code: str = ""
-    output_code_source: Sources = ()
-    cable_lengths: tuple[CableLength, ...] = ()
-    profile: str = ""
-    network: Network | None = None
-    timeout: Timeout | None = None
-    control_data: tuple[ControlField, ...] = ()
-    control_data_note: str = ""
-    description_file: str = ""
-    bank_select: str = ""
-    measurement: Measurement | None = None
-    port: Port | None = None
-    data_ids: tuple[DataId, ...] = ()
-    memory_access: tuple[MemoryAccess, ...] = ()
-
-    @property
-    def title(self) -> str:
-        return {"ssi": "SSI", "biss": "BiSS C-mode", "rs485": "RS-485"}[self.kind]
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,120 +214,12 @@ class Register:
         """The named values of a register that is one choice."""
         return self.layout.fields[0].values if len(self.layout.fields) == 1 else ()
 
+    def bytes_of(self, value: int) -> bytes:
+        """A value as bytes in ascending order of address."""
+        return value.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
+
     def default_bytes(self) -> bytes | None:
-        """The default as bytes in ascending order of address."""
-        if self.default is None:
-            return None
-        return self.default.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One step of a procedure.
-
-    ``do`` is ``write`` (``register``, and ``value``, or the argument ``value_name`` when ``value`` is None; with ``field`` only that field is
-    set and the others stay as read), ``read`` (``register``), ``poll`` (``register`` until ``field`` is ``value``), ``wait``
-    (``microseconds``), or ``send`` (``data_id``, ``times``, ``microseconds`` from one to the next; ``request`` is the frame).
-    """
-
-    do: str
-    register: str = ""
-    field: str = ""
-    value_name: str = ""
-    value: int | None = None
-    microseconds: int = 0
-    data_id: str = ""
-    request: bytes = b""
-    times: int = 1
-    meaning: str = ""
-    source: Sources = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Argument:
-    """A value that the caller of a procedure gives, written to the register ``of``; ``meant_as`` names the register's meaning, if it has several."""
-
-    name: str
-    of: str
-    meaning: str
-    meant_as: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Procedure:
-    name: str
-    title: str
-    interface: str
-    arguments: tuple[Argument, ...]
-    precondition: str
-    steps: tuple[Step, ...]
-    result: str
-    note: str
-    source: Sources
-
-    @property
-    def argument(self) -> str:
-        return self.arguments[0].name if self.arguments else ""
-
-    @property
-    def argument_of(self) -> str:
-        return self.arguments[0].of if self.arguments else ""
-
-    @property
-    def argument_meaning(self) -> str:
-        return self.arguments[0].meaning if self.arguments else ""
-
-
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """What ``of`` counts: ``steps_per_turn`` and ``turns`` for an angle, ``step_um`` and ``steps`` for a length.
-
-    ``highest`` is the highest number sent, where an offset can move the positions above the steps in all.
-    """
-
-    of: str
-    steps_per_turn: Expression | None
-    turns: Expression | None
-    step_um: Expression | None
-    steps: Expression | None
-    highest: Expression | None
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Write:
-    address: int
-    value: int
-
-
-@dataclass(frozen=True, slots=True)
-class Example:
-    """A worked example; which members are set follows from ``kind`` (frame, register, crc, procedure)."""
-
-    name: str
-    kind: str
-    order_code: str
-    layout: str
-    register: str
-    procedure: str
-    crc: str
-    sender: str
-    bytes: bytes
-    bits: str
-    check: int | None
-    arguments: Mapping[str, int]
-    values: Mapping[str, int | str | bool]
-    writes: tuple[Write, ...]
-    refused: str
-    erratum: str
-    note: str
-    source: Sources
-    counts: int | None = None
-    micrometres: int | None = None
-
-    @property
-    def argument(self) -> int | None:
-        return next(iter(self.arguments.values()), None)
+        return None if self.default is None else self.bytes_of(self.default)
 
 
 @dataclass(frozen=True, slots=True)
@@ -344,6 +230,19 @@ class Variant:
     parts: Mapping[str, str]
     interface: str
     parameters: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class TimesRead:
+    """How many facts of a spec a second reader found alike, otherwise for a reason that is told, or not read.
+
+    ``derived`` ones follow from others.
+    """
+
+    twice: int
+    explained: int
+    once: int
+    derived: int
 
 
 @dataclass(frozen=True)
@@ -376,11 +275,18 @@ class Device:
     tables: tuple[Table, ...] = ()
     field_groups: tuple[FieldGroup, ...] = ()
     supply: Supply | None = None
+    alternatives: tuple[Alternative, ...] = ()
+    times_read: TimesRead | None = None
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
         """The parameters that everything else follows from: those that an order code sets or that a register holds."""
-        return tuple(item for item in self.parameters if item.equals is None)
+        return tuple(item for item in self.parameters if item.equals is None and not item.alternative)
+
+    def alternatives_of(self, layout: Layout) -> tuple[Alternative, ...]:
+        """What the user has to decide before a frame of this layout can be read or written."""
+        sets = {name for item in layout.fields for name in (*item.low.parameters, *item.width.parameters)}
+        return tuple(item for item in self.alternatives if not sets.isdisjoint(item.answers[0].sets))
 
     @cached_property
     def run_time_parameters(self) -> tuple[Parameter, ...]:
@@ -392,8 +298,12 @@ class Device:
             for layout in interface.layouts:
                 yield interface, layout
 
-    def interface(self, kind: str) -> Interface:
-        return next(item for item in self.interfaces if item.kind == kind)
+    def interface(self, name: str) -> Interface:
+        return next(item for item in self.interfaces if item.name == name)
+
+    def over(self, kind: type[_Kind]) -> _Kind | None:
+        """Its interface of this kind, if it has one."""
+        return next((item for item in self.interfaces if isinstance(item, kind)), None)
 
     def layout(self, name: str) -> Layout:
         return next(layout for _, layout in self.layouts() if layout.name == name)
@@ -406,7 +316,12 @@ class Device:
     @cached_property
     def identity(self) -> tuple[tuple[Register, Field], ...]:
         """The register fields by which a device of this family is known: those whose value the spec states."""
-        return tuple((register, item) for register in self.registers for item in register.layout.fields if item.equals is not None)
+        return tuple(
+            (register, item)
+            for register in self.registers
+            for item in register.layout.fields
+            if item.equals is not None
+        )
 
     def measurement_of(self, interface: str) -> Measurement | None:
         """What the position counts over this interface."""
@@ -424,17 +339,35 @@ class Device:
         return next((value.supply for value in values if value.supply is not None), None)
 
     def position_names(self, interface: str) -> frozenset[str]:
-        """The fields and joins that are the position or a part of it: what is measured, else those named ``position``."""
+        """The fields and joins that are the position or a part of it.
+
+        They are those of what is measured, else those named ``position``.
+        """
         measurement = self.measurement_of(interface)
         of = measurement.of if measurement is not None else "position"
         joins = (join for layout in self.interface(interface).layouts for join in layout.joins)
         return frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
 
+    def tells_position(self, interface: str, layout: Layout) -> bool:
+        """Whether frames of this layout carry the position, or a part of it, to the master."""
+        names = self.position_names(interface)
+        here = {item.name for item in layout.fields} | {item.name for item in layout.joins}
+        return layout.sender == "encoder" and not names.isdisjoint(here)
+
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)
 
+    def bank_selector(self, register: Register) -> str:
+        """The register that selects the bank of this one; empty if it is in none or the manual names none."""
+        interface = self.interface(register.interface)
+        return interface.bank_select if isinstance(interface, Biss) and register.bank is not None else ""
+
     def crc(self, name: str) -> Crc:
         return next(item for item in self.crcs if item.name == name)
+
+    def crc_of(self, layout: Layout) -> Crc | None:
+        """The CRC that ends a layout, if one does."""
+        return next((self.crc(item.kind.crc) for item in layout.fields if isinstance(item.kind, CrcValue)), None)
 
     def procedure(self, name: str) -> Procedure:
         return next(item for item in self.procedures if item.name == name)
@@ -447,5 +380,7 @@ class Device:
         return tuple(
             item
             for item in self.errata
-            if any(path == other or path.startswith(other + ".") or other.startswith(path + ".") for other in item.affects)
+            if any(
+                path == other or path.startswith(other + ".") or other.startswith(path + ".") for other in item.affects
+            )
         )

@@ -8,14 +8,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a fact is stated: ``document`` is empty for the manual itself, a language code for another edition, else a key of ``documents``."""
+    """Where a fact is stated: ``document`` is empty for the manual itself, a language code for another edition, else a
+    key of ``documents``."""
 
     document: str
     section: str
     page: int | None
 
     def __str__(self) -> str:
-        parts = (f"{self.document}:" if self.document else "", self.section, "" if self.page is None else f"p.{self.page}")
+        parts = (
+            f"{self.document}:" if self.document else "",
+            self.section,
+            "" if self.page is None else f"p.{self.page}",
+        )
         return " ".join(part for part in parts if part)
 
 
@@ -80,61 +85,11 @@ class Timing:
 
 
 @dataclass(frozen=True, slots=True)
-class MemoryAccess:
-    access: str
-    busy: int
-    address: str
-    data: str
-    meaning: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
 class Supply:
     """Supply voltage that an encoder needs, tolerance included."""
 
     min_mv: int
     max_mv: int
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class CableLength:
-    shorter_than_m: int
-    below_hz: int
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Port:
-    baud: int
-    data_bits: int
-    parity: str
-    stop_bits: int
-    flow_control: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Network:
-    topology: str
-    multiple_slaves: bool
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class PrintedTimeout:
-    clock_hz: int
-    timeout_ns: int
-
-
-@dataclass(frozen=True, slots=True)
-class Timeout:
-    rule: str
-    half_clock_periods: int | None
-    at_most_ns: int | None
-    typical_ns: int | None
-    printed: tuple[PrintedTimeout, ...]
     source: Sources
 
 

@@ -1,34 +1,48 @@
 """Layouts: named fields over so many bits, and the CRCs that end them.
 
-Bit 0 is the least significant bit everywhere, and a number of several bytes is one integer whose byte order the layout states.
+Bit 0 is the least significant bit everywhere, and a number of several bytes is one integer whose byte order the layout
+states.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import Enum
 from types import MappingProxyType
 
-from ..expressions import Expression
+from .expressions import Expression
 from .facts import Sources
+from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Unused, Value, Verdict
 
 
 @dataclass(frozen=True, slots=True)
 class FoldStep:
-    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``; without ``back`` the last part falls away."""
+    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``.
+
+    Without ``back`` the last part falls away.
+    """
 
     shift: int
     mask: int
     back: int
 
 
+class Form(Enum):
+    """How code computes a CRC.
+
+    FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first; XOR for x^8 + 1 over whole
+    bytes, which is their XOR; TABLE for every other.
+    """
+
+    FOLD = "fold"
+    XOR = "xor"
+    TABLE = "table"
+
+
 @dataclass(frozen=True, slots=True)
 class Crc:
-    """A CRC by its standard parameters.
-
-    ``form`` says how code should compute it: ``fold`` for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first; ``xor``
-    for x^8 + 1 over whole bytes, which is their XOR; ``table`` for every other.
-    """
+    """A CRC by its standard parameters."""
 
     name: str
     width: int
@@ -37,7 +51,7 @@ class Crc:
     refin: bool
     refout: bool
     xorout: int
-    form: str
+    form: Form
     polynomial: str
     note: str
     source: Sources
@@ -50,28 +64,10 @@ class Crc:
     def mask(self) -> int:
         return (1 << self.width) - 1
 
-
-@dataclass(frozen=True, slots=True)
-class Value:
-    """A named value of a field or register."""
-
-    name: str
-    value: int
-    printed_name: str
-    names: Mapping[str, str]
-    meaning: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Digits:
-    """A run of decimal digits inside a number: ``number // divisor % modulus``."""
-
-    name: str
-    digits: int
-    divisor: int
-    modulus: int
-    meaning: str
+    @property
+    def is_xor(self) -> bool:
+        """Whether it is the XOR of the bytes."""
+        return self.form is Form.XOR
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,16 +82,14 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field at bits ``low`` to ``low + width - 1``.
+    """A field at bits ``low`` to ``low + width - 1``; ``kind`` says how these bits become a value.
 
-    ``kind`` is one of: ``number``, ``flag`` (true when active), ``choice`` (one of ``values``), ``constant``, ``crc``, ``parity``,
-    ``digits``, ``text``. ``padding_of`` names the field for whose sake a constant zero field exists; the two together fill
-    ``container`` bits from the field's low end. ``makes_position`` says of a flag what the position in the same frame is worth
-    while the flag is active, ``sums_up`` which flags it is the sum of. ``pieces`` is empty unless the layout is carried as bytes and the container lies at a fixed place.
+    The field and its padding fill ``container`` bits from the field's low end. ``pieces`` is empty unless the layout is
+    carried as bytes and the container lies at a fixed place.
     """
 
     name: str
-    kind: str
+    kind: Kind
     low: Expression
     width: Expression
     widest: int
@@ -104,21 +98,7 @@ class Field:
     group: str = ""
     container: int = 0
     pieces: tuple[Piece, ...] = ()
-    padding_of: str = ""
-    constant: int = 0
-    active_low: bool = False
-    when_active: str = ""
-    when_inactive: str = ""
-    makes_position: str = ""
-    sums_up: tuple[str, ...] = ()
-    values: tuple[Value, ...] = ()
-    crc: str = ""
-    parity_of: str = ""
-    digits: tuple[Digits, ...] = ()
     equals: Expression | int | str | None = None
-    signed: bool = False
-    zero_means: int = 0
-    power_of_two: bool = False
     implemented: bool = True
     reserved: str = ""
     explained_by: tuple[str, ...] = ()
@@ -129,10 +109,43 @@ class Field:
     source: Sources = ()
 
     @property
+    def is_fixed(self) -> bool:
+        """Whether it lies at the same place for every order code."""
+        return self.low.is_constant and self.width.is_constant
+
+    @property
+    def mask_in_place(self) -> int:
+        """Its bits within the layout as one number, as far as it can reach; its lowest bit has to be fixed."""
+        return ((1 << self.widest) - 1) << self.low.constant
+
+    @property
     def carries_data(self) -> bool:
         """Whether a user of a decoded frame wants it: it is neither fixed nor derived from other fields."""
-        return self.kind not in ("constant", "crc", "parity")
+        return not isinstance(self.kind, (Constant, Unused, CrcValue, Parity))
 
+    def documented(self, parameters: Mapping[str, int]) -> int | str | None:
+        """What ``equals`` comes to for an order code with these parameters."""
+        return self.equals.value(parameters) if isinstance(self.equals, Expression) else self.equals
+
+    @property
+    def number(self) -> Number:
+        """How its bits count: as the number that it is, else as a plain one."""
+        return self.kind if isinstance(self.kind, Number) else Number()
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """The named values, if it is a choice."""
+        return self.kind.values if isinstance(self.kind, Choice) else ()
+
+    @property
+    def runs(self) -> tuple[Digits, ...]:
+        """The runs of decimal digits, if it is read in decimal."""
+        return self.kind.runs if isinstance(self.kind, Decimal) else ()
+
+    @property
+    def padding_of(self) -> str:
+        """The field that it pads, if it is padding."""
+        return self.kind.padding_of if isinstance(self.kind, Constant) else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,15 +181,15 @@ class PlacedField:
 class Layout:
     """Named fields over so many bits.
 
-    ``carried_as`` is ``bits`` (first bit sent is the most significant) or ``bytes``; then ``byte_order`` is ``low_byte_first`` or
-    ``high_byte_first``. ``fields`` stand in sending order for frames, and from the most significant bit down for registers. ``channel`` is the
-    BiSS data channel, where the encoder has several.
+    It is carried ``in_bytes``, by the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or else as bits, the
+    most significant first. ``fields`` stand in sending order for frames, and from the most significant bit down for
+    registers. ``channel`` is the BiSS data channel, where the encoder has several.
     """
 
     name: str
     printed_name: str
     sender: str
-    carried_as: str
+    in_bytes: bool
     byte_order: str
     bits: Expression
     widest: int
@@ -195,20 +208,71 @@ class Layout:
     def field(self, name: str) -> Field:
         return next(item for item in self.fields if item.name == name)
 
+    def names_in(self, name: str) -> tuple[str, ...]:
+        """The fields of a join, most significant first; of a field its own name."""
+        return next((item.fields for item in self.joins if item.name == name), (name,))
+
+    @property
+    def carried_as(self) -> str:
+        """The word of the spec language for how it is carried."""
+        return "bytes" if self.in_bytes else "bits"
+
     @property
     def data_fields(self) -> tuple[Field, ...]:
         return tuple(item for item in self.fields if item.carries_data)
 
     @property
     def spoiling_flags(self) -> tuple[Field, ...]:
-        """The flags during which the position of this frame is not usable; one that sums up others of the frame adds nothing to them."""
+        """The flags during which the position of this frame is not usable.
+
+        A flag that sums up others of the frame adds nothing to them.
+        """
         here = {item.name for item in self.fields}
-        spoiling = (item for item in self.fields if item.implemented and item.makes_position == "not_usable")
-        return tuple(item for item in spoiling if not item.sums_up or not here.issuperset(item.sums_up))
+        return tuple(
+            item
+            for item in self.fields
+            if item.implemented
+            and isinstance(item.kind, Flag)
+            and item.kind.makes_position is Verdict.NOT_USABLE
+            and not (item.kind.sums_up and here.issuperset(item.kind.sums_up))
+        )
+
+    @property
+    def unused(self) -> tuple[tuple[Field, int], ...]:
+        """The unused fields, the lowest first, each with its lowest bit in the number that a decoder makes of them.
+
+        In bytes that number has a byte for each one of the frame in which unused bits lie, and every bit keeps its
+        place in its byte. Where fields move with the order code, and in words, they stand side by side.
+        """
+        fields = [item for item in self.fields if isinstance(item.kind, Unused)]
+        if self.in_bytes and all(item.low.is_constant and item.width.is_constant for item in fields):
+            fields.sort(key=lambda item: item.low.constant)
+            spans = ((item.low.constant, item.low.constant + item.widest - 1) for item in fields)
+            taken = sorted({byte for low, high in spans for byte in range(low // 8, high // 8 + 1)})
+            places = [8 * taken.index(item.low.constant // 8) + item.low.constant % 8 for item in fields]
+        else:
+            # The last one sent is the lowest in a word, the first one where the low byte comes first.
+            fields = fields if self.byte_order == "low_byte_first" else fields[::-1]
+            places = [sum(item.widest for item in fields[:index]) for index in range(len(fields))]
+        return tuple(zip(fields, places, strict=True))
+
+    @property
+    def unused_width(self) -> int:
+        """How many bits the number of the unused fields has."""
+        return max((place + item.widest for item, place in self.unused), default=0)
+
+    @property
+    def status_fields(self) -> tuple[Field, ...]:
+        """The bits for error and warning: flags, and bits that stand for one and are never active, so always 1."""
+        return tuple(
+            item
+            for item in self.fields
+            if isinstance(item.kind, Flag) or (isinstance(item.kind, Unused) and item.kind.value and item.widest == 1)
+        )
 
     @property
     def crc_field(self) -> Field | None:
-        return next((item for item in self.fields if item.kind == "crc"), None)
+        return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """The layout for one order code; fields without bits are left out."""
@@ -234,17 +298,9 @@ class PlacedLayout:
         return next((item for item in self.fields if item.name == name), None)
 
     def place_of(self, name: str) -> tuple[int, int]:
-        """Low bit and width of a field, or of a join whose fields touch; width 0 where this order code has none of them."""
-        join = next((item for item in self.layout.joins if item.name == name), None)
-        parts = [item for item in map(self.field, join.fields if join is not None else (name,)) if item is not None]
+        """Low bit and width of a field, or of a join whose fields touch.
+
+        Width 0 where this order code has none of them.
+        """
+        parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]
         return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
-
-
-@dataclass(frozen=True, slots=True)
-class DataId:
-    name: str
-    id: int
-    control: int
-    purpose: str
-    meaning: str
-    source: Sources

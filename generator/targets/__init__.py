@@ -1,28 +1,33 @@
-"""Targets: functions from the library of devices to files.
+"""Targets: what makes files of the devices that the specs describe. This is all that the author of one needs to know.
 
-A target gets the whole library and gives the text of every file under its path in the output folder. It touches no disk and computes no
-bit position. Others can add one by the entry point group ``codewheel.targets``.
+A target is a ``Target``. It gets the whole library and gives the text of every file by its path; it touches no disk.
+Ours lie in the folders beside this file. A package of yours adds one by an entry point of the group
+``codewheel.targets`` that leads to its ``Target``. It is then like ours, except that it runs only when asked for.
 """
 
 from __future__ import annotations
 
-import traceback
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import MappingProxyType
 
-from ..model import Device, Manufacturer
-from ..problems import Path as Place
+from ..model import Biss, Device, Manufacturer
+from ..render import Templates
+from ..spec.problems import Path as Place
 
-if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
+_NAME = re.compile(r"[a-z][a-z0-9_-]*")
 
 
 @dataclass(frozen=True)
 class Library:
-    """Every device that the specs describe, in order of name, and where a user keeps templates of their own."""
+    """The devices to make files of.
+
+    Attributes:
+        devices: Every device that the specs describe, in order of name.
+        own_templates: The folder of the user's templates for this target, to be handed to ``Templates.render``.
+    """
 
     devices: tuple[Device, ...]
     own_templates: Path | None = None
@@ -30,16 +35,19 @@ class Library:
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
         """The devices of each manufacturer, in order of name."""
         makers = {device.manufacturer.name: device.manufacturer for device in self.devices}
-        return [(maker, tuple(item for item in self.devices if item.manufacturer.name == name)) for name, maker in sorted(makers.items())]
+        return [
+            (maker, tuple(item for item in self.devices if item.manufacturer.name == name))
+            for name, maker in sorted(makers.items())
+        ]
 
 
 def has_biss(devices: Iterable[Device]) -> bool:
     """Whether any of these devices speaks BiSS, so that what all BiSS encoders share is of use."""
-    return any(interface.kind == "biss" for device in devices for interface in device.interfaces)
+    return any(device.over(Biss) is not None for device in devices)
 
 
 class TargetError(ValueError):
-    """A device has something that a target cannot express: one line says what, and ``place`` where in its spec."""
+    """Stops a target: one line says what it cannot express, and ``place`` where that stands in a spec."""
 
     def __init__(self, message: str, place: Place = ()) -> None:
         super().__init__(message)
@@ -48,101 +56,80 @@ class TargetError(ValueError):
 
 @dataclass(frozen=True)
 class TargetProblem:
-    """What a target cannot do with a device, at a place of its spec.
+    """Something in a spec that a target cannot express; it is shown with file, line and column, as every problem is.
 
-    The message is told where ``other`` is, as in `` on line 5``.
+    Attributes:
+        device: The device whose spec is at fault.
+        rule: A stable name that begins with the target's, such as ``c-name``.
+        place: The keys that lead to the fault, with names for items of lists: ``("registers", "preset", "length")``.
+        message: What is wrong and what would be right, in one line. ``{line}`` stands for the line of ``other``.
+        other: A second place in the same spec, of which the message speaks.
     """
 
     device: Device
     rule: str
     place: Place
-    message: Callable[[str], str]
+    message: str
     other: Place = ()
 
 
-Target = Callable[[Library], Mapping[str, str]]
-#: What a target says of a library before it is asked for files; ``check`` tells it. A target need not have it.
-Problems = Callable[[Library], Iterable[TargetProblem]]
+@dataclass(frozen=True)
+class Option:
+    """A setting of a target: ``--option <target>.<name>=<value>``.
 
-#: Our targets, by name: the folder of templates that each uses.
-BUILT_IN = {"python": "python", "c": "c", "biss": "biss", "docs": "markdown"}
-
-
-def target(name: str) -> Target:
-    """The target of that name, ours or a registered one.
+    Attributes:
+        name: Small letters, digits, hyphens and underscores.
+        summary: One line for ``--help``.
+        default: The value where the user gives none.
+        values: All values that can be given. Without any, every text can; ``files`` raises ``TargetError`` for a wrong
+            one.
 
     Raises:
-        LookupError: There is no such target.
-        TargetError: It is registered and cannot be loaded.
+        ValueError: The default is none of the values.
     """
-    if name in BUILT_IN:
-        found: Target = import_module(f"{__name__}.{name}").generate
-        return found
-    registered = _registered()
-    if name not in registered:
-        raise LookupError(name)
-    return _guarded(name, registered[name])
+
+    name: str
+    summary: str
+    default: str
+    values: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.values and self.default not in self.values:
+            raise ValueError(f"the default of the option '{self.name}' is none of its values")
 
 
-def target_names() -> list[str]:
-    """The names of all targets, ours and registered ones."""
-    return [*BUILT_IN, *_registered()]
+#: The value of every option of a target, by its name.
+Options = Mapping[str, str]
+NO_OPTIONS: Options = MappingProxyType({})
 
 
-def fault_of(files: object) -> str:
-    """What keeps ``files`` from being text by path, or nothing."""
-    if not isinstance(files, Mapping):
-        return f"this is {_kind(files)}"
-    for path, text in files.items():
-        if not isinstance(path, str) or not isinstance(text, str):
-            return f"{path!r} is {_kind(text)}" if isinstance(path, str) else f"{path!r} is no path"
-        try:
-            (path + text).encode()
-        except UnicodeEncodeError as error:
-            return f"{path!r} holds U+{ord(error.object[error.start]):04X}, which is no character"
-    return ""
+@dataclass(frozen=True)
+class Target:
+    """An output.
 
+    Attributes:
+        name: What ``--target`` takes, the name of the entry point, and the folder of the output: small letters, digits,
+            hyphens and underscores. The names of ours are taken.
+        summary: One line for ``--help``.
+        files: Gives the text of each file by its path, which begins with the name and a slash. It gets every option.
+            A ``TargetError`` ends the run with its message; any other exception does so with the place where it arose.
+        problems: Gives what the target cannot express. It is asked before ``files``, and by ``check --target``, and
+            sees only devices in whose specs nothing else is wrong.
+        options: The settings.
+        templates: The templates, so that ``--templates`` and the page of templates know them.
 
-def _kind(value: object) -> str:
-    return "nothing" if value is None else type(value).__name__
+    Raises:
+        ValueError: A name cannot be one.
+    """
 
+    name: str
+    summary: str
+    files: Callable[[Library, Options], Mapping[str, str]]
+    problems: Callable[[Library], Iterable[TargetProblem]] = lambda library: ()
+    options: tuple[Option, ...] = ()
+    templates: Templates | None = None
 
-def _registered() -> dict[str, EntryPoint]:
-    from importlib.metadata import entry_points
-
-    return {entry.name: entry for entry in entry_points(group="codewheel.targets")}
-
-
-def _guarded(name: str, entry: EntryPoint) -> Target:
-    """A registered target, whose faults become errors of one line."""
-    try:
-        made = entry.load()
-    except Exception as error:
-        raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from None
-
-    def guarded(library: Library) -> Mapping[str, str]:
-        try:
-            files: Mapping[str, str] = made(library)
-        except TargetError:
-            raise
-        except Exception as error:
-            raise TargetError(f"the target '{name}' fails: {_told(error)}") from None
-        if fault := fault_of(files):
-            raise TargetError(f"the target '{name}' has to give text by path; {fault}")
-        return files
-
-    return guarded
-
-
-def _told(error: Exception) -> str:
-    """An error of another's code in one line, with the place where it came about."""
-    frames = traceback.extract_tb(error.__traceback__)
-    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}{place}"
-
-
-def problems_of(name: str, library: Library) -> Iterable[TargetProblem]:
-    """What the target of that name cannot do with these devices: what the function ``problems`` of its module says."""
-    module = import_module(f"{__name__}.{name}") if name in BUILT_IN else None
-    found: Problems | None = getattr(module, "problems", None)
-    return found(library) if found is not None else ()
+    def __post_init__(self) -> None:
+        for name in (self.name, *(option.name for option in self.options)):
+            if not _NAME.fullmatch(name):
+                raise ValueError(f"'{name}' is no name of a target or option; it needs small letters, digits, - and _")

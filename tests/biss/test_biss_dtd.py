@@ -7,11 +7,10 @@ from importlib import resources
 from pathlib import Path
 
 import pytest
-
-from codewheel.biss_dtd import DtdError, faults
-from codewheel.cli import main
+from codewheel.commands.cli import main
 from codewheel.targets import Library
-from codewheel.targets.biss import generate
+from codewheel.targets.biss.dtd import DtdError, faults
+from codewheel.targets.biss.files import generate
 
 NAME = "biss/idbiss4C69.xml"
 
@@ -36,7 +35,9 @@ def test_our_own_document_type_is_content(document: str, ours: bytes) -> None:
 
 def test_faults_come_with_file_and_line(document: str, ours: bytes) -> None:
     assert b"Label Pos CDATA #REQUIRED" in ours
-    found = check(document, ours.replace(b"Label Pos CDATA #REQUIRED", b"Label Pos CDATA #REQUIRED Language CDATA #REQUIRED"))
+    found = check(
+        document, ours.replace(b"Label Pos CDATA #REQUIRED", b"Label Pos CDATA #REQUIRED Language CDATA #REQUIRED")
+    )
     lines = [number for number, line in enumerate(document.splitlines(), 1) if "<Label" in line]
     assert [item.partition(": ")[0] for item in found] == [f"out/idbiss.xml:{line}" for line in lines]
     assert all("Language" in item for item in found)
@@ -44,7 +45,8 @@ def test_faults_come_with_file_and_line(document: str, ours: bytes) -> None:
 
 def test_another_wrapper_is_seen(document: str, ours: bytes) -> None:
     (found,) = check(document, ours.replace(b"<!ELEMENT Profile (Device+)>", b"<!ELEMENT Profile (Manufacturer+)>"))
-    assert "Profile" in found and "Manufacturer" in found
+    assert "Profile" in found
+    assert "Manufacturer" in found
 
 
 @pytest.mark.parametrize("target", ["file:///etc/passwd", "http://127.0.0.1:9/x.dtd", "other.dtd"])
@@ -85,8 +87,13 @@ def test_the_command(tmp_path: Path, ours: bytes, capsys: pytest.CaptureFixture[
     assert f"valid by {good}: {tmp_path / 'out' / NAME}" in capsys.readouterr().out
     assert main([*out, str(strict)]) == 1
     error = capsys.readouterr().err
-    line = next(number for number, text in enumerate((tmp_path / "out" / NAME).read_text(encoding="ascii").splitlines(), 1) if "<BiSS-Identifier" in text)
-    assert f"{tmp_path / 'out' / NAME}:{line}: " in error and "Traceback" not in error
+    line = next(
+        number
+        for number, text in enumerate((tmp_path / "out" / NAME).read_text(encoding="ascii").splitlines(), 1)
+        if "<BiSS-Identifier" in text
+    )
+    assert f"{tmp_path / 'out' / NAME}:{line}: " in error
+    assert "Traceback" not in error
     assert main([*out, str(tmp_path / "none.dtd")]) == 2
     assert main(["generate", "-o", str(tmp_path / "out"), "--target", "docs", "--biss-dtd", str(good)]) == 2
     (tmp_path / "large.dtd").write_bytes(b" " * 1_000_001)

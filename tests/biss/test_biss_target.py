@@ -10,19 +10,27 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from codewheel.build.load import load_library
+from codewheel.dump.plain import device_dump
+from codewheel.dump.xml import from_xml, read_xml
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.biss.files import ascii_only, ascii_text, comment, generate
+from codewheel.targets.biss.identity import device_bits
+from codewheel.targets.docs.files import generate as generate_docs
 from lxml import etree
 
-from codewheel.biss_identity import device_bits
-from codewheel.description import from_xml, read_xml
-from codewheel.load import load_library
-from codewheel.model import Device
-from codewheel.output import device_dump
-from codewheel.targets import Library
-from codewheel.targets import docs
-from codewheel.targets.biss import ascii_only, ascii_text, comment, generate
-
 NAME = "biss/idbiss4C69.xml"
-PROVEN = {"BiSS-Identifier": {"Version"}, "Profile": set(), "Device": set(), "Id": {"Range", "type"}, "Label": {"Pos"}, "SCDS": set(), "CrcPoly": set(), "Length": set()}
+PROVEN = {
+    "BiSS-Identifier": {"Version"},
+    "Profile": set(),
+    "Device": set(),
+    "Id": {"Range", "type"},
+    "Label": {"Pos"},
+    "SCDS": set(),
+    "CrcPoly": set(),
+    "Length": set(),
+}
 
 
 def dtd() -> etree.DTD:
@@ -33,7 +41,9 @@ def dtd() -> etree.DTD:
 def check_format(text: str) -> Any:
     """The root of a file that has nothing but proven elements, attributes and orders."""
     text.encode("ascii")
-    assert text.startswith('<?xml version="1.0" encoding="ISO-8859-1"?>\n<!DOCTYPE BiSS-Identifier SYSTEM "idbiss.dtd">\n')
+    assert text.startswith(
+        '<?xml version="1.0" encoding="ISO-8859-1"?>\n<!DOCTYPE BiSS-Identifier SYSTEM "idbiss.dtd">\n'
+    )
     root = read_xml(text.encode("ascii"))
     checker = dtd()
     assert checker.validate(root), checker.error_log
@@ -45,14 +55,20 @@ def check_format(text: str) -> Any:
     return root
 
 
-def test_the_files(library: Library) -> None:
-    files = generate(library)
-    assert NAME in files and "biss/lika-amm5.xml" in files and "biss/device-description.xsd" in files
+@pytest.fixture(scope="module")
+def files(library: Library) -> dict[str, str]:
+    return generate(library)
+
+
+def test_the_files(files: dict[str, str]) -> None:
+    assert NAME in files
+    assert "biss/lika-amm5.xml" in files
+    assert "biss/device-description.xsd" in files
     assert "biss/idbiss.dtd" not in files
 
 
-def test_amm5_is_known_by_its_ids(library: Library) -> None:
-    root = check_format(generate(library)[NAME])
+def test_amm5_is_known_by_its_ids(files: dict[str, str]) -> None:
+    root = check_format(files[NAME])
     maker = root.find("Profile/Device")
     assert maker is not None
     assert [(item.get("Range"), int(item.text or "", 2)) for item in maker.findall("Id")] == [("15:0", 0x4C69)]
@@ -61,25 +77,33 @@ def test_amm5_is_known_by_its_ids(library: Library) -> None:
     assert amm5.findtext("SCDS/CrcPoly") == "0x43"
     assert amm5.find(".//Length") is None
     label = amm5.find("Label")
-    assert label is not None and label.get("Pos") == "1" and (label.text or "").startswith(", ")
+    assert label is not None
+    assert label.get("Pos") == "1"
+    assert (label.text or "").startswith(", ")
 
 
-def test_each_id_names_the_identity_that_it_counts(library: Library) -> None:
-    """The comment behind every Id: 64 bits of device and manufacturer ID, or 16 bits of profile ID, where they are read, and the value in hex."""
-    root = check_format(generate(library)[NAME])
+def test_each_id_names_the_identity_that_it_counts(files: dict[str, str]) -> None:
+    """The comment behind every Id: what is read where, and the value in hex.
+    That is 64 bits of device and manufacturer ID, or 16 bits of profile ID."""
+    root = check_format(files[NAME])
     for item in root.iter("Id"):
         high, _ = map(int, item.get("Range", "").split(":"))
         behind = item.getnext()
-        assert behind is not None and behind.tag is etree.Comment
+        assert behind is not None
+        assert behind.tag is etree.Comment
         value = f"{int(item.text or '', 2):X}h"
         of_profile = item.getparent().find("Label") is None
-        start = "16-bit profile ID, registers 42h and 43h" if of_profile else "64-bit identity: manufacturer ID" if high == 15 else "64-bit identity: device ID, register"
-        assert str(behind.text).strip().startswith(start) and value in str(behind.text), behind.text
+        start = "64-bit identity: manufacturer ID" if high == 15 else "64-bit identity: device ID, register"
+        if of_profile:
+            start = "16-bit profile ID, registers 42h and 43h"
+        assert str(behind.text).strip().startswith(start), behind.text
+        assert value in str(behind.text), behind.text
 
 
-def test_each_inferred_place_says_so(library: Library, device: Device) -> None:
-    """Section 1.3 and 1.4 of what is publicly known: the wrapper, what Range counts, that inner devices refine, labels, and what Length counts."""
-    root = check_format(generate(library)[NAME])
+def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> None:
+    """Section 1.3 and 1.4 of what is publicly known:
+    the wrapper, what Range counts, that inner devices refine, labels, and what Length counts."""
+    root = check_format(files[NAME])
     maker = root.find("Profile/Device")
     assert maker is not None
 
@@ -87,11 +111,20 @@ def test_each_inferred_place_says_so(library: Library, device: Device) -> None:
         return " ".join(" ".join(str(item.text).split()) for item in element if item.tag is etree.Comment)
 
     assert "Inferred: Profile is the only parent of Device that is publicly known" in comments(root)
-    for words in ("Inferred: Range counts the bits of the 64-bit identity", "Inferred: a Device inside a Device refines it", "Inferred: Label of a Device names maker"):
+    for words in (
+        "Inferred: Range counts the bits of the 64-bit identity",
+        "Inferred: a Device inside a Device refines it",
+        "Inferred: Label of a Device names maker",
+    ):
         assert words in comments(maker)
-    one_length = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
-    first = next(check_format(generate(Library((dataclasses.replace(device, variants=one_length),)))[NAME]).iter("Length")).getparent().getparent()
-    assert "Inferred: Length counts all bits of data on the line" in comments(first) and "Inferred: the Label beside it" in comments(first)
+    one_length = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    first = (
+        next(check_format(generate(Library((dataclasses.replace(amm5, variants=one_length),)))[NAME]).iter("Length"))
+        .getparent()
+        .getparent()
+    )
+    assert "Inferred: Length counts all bits of data on the line" in comments(first)
+    assert "Inferred: the Label beside it" in comments(first)
 
 
 def known(root: Any, name: str) -> Any:
@@ -99,20 +132,23 @@ def known(root: Any, name: str) -> Any:
     return next(item for item in root.iter("Device") if name in (item.findtext("Label") or ""))
 
 
-def test_a_length_for_each_profile_id_stands_in_the_comment(library: Library) -> None:
+def test_a_length_for_each_profile_id_stands_in_the_comment(files: dict[str, str]) -> None:
     """SMA21, 6.4 p.28: 2814h, 2816h, 2817h and 2818h have 24 bits of position and zeros above it, 2819h has 25."""
-    text = generate(library)[NAME]
+    text = files[NAME]
     sma21 = known(check_format(text), "SMA21")
     assert [(item.get("Range"), int(item.text or "", 2)) for item in sma21.findall("Id")] == [("63:32", 0x534D3231)]
-    assert sma21.findall("Device") == [] and list(sma21.iter("Length")) == []
-    found = re.findall(r"profile ID ([0-9A-F]{4})h, registers 42h and 43h \(SMA21[^)]*\): ([0-9]+) bits", " ".join(text.split()))
+    assert sma21.findall("Device") == []
+    assert list(sma21.iter("Length")) == []
+    found = re.findall(
+        r"profile ID ([0-9A-F]{4})h, registers 42h and 43h \(SMA21[^)]*\): ([0-9]+) bits", " ".join(text.split())
+    )
     assert found == [("2814", "24"), ("2816", "24"), ("2817", "24"), ("2818", "24"), ("2819", "25")]
 
 
-def test_no_two_ids_on_the_way_down_contradict_each_other(library: Library, device: Device) -> None:
+def test_no_two_ids_on_the_way_down_contradict_each_other(files: dict[str, str], amm5: Device) -> None:
     """All Id from the outermost Device to an inner one can hold of one encoder: of the same bits they say the same."""
-    only = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
-    for made in (generate(library), generate(Library((dataclasses.replace(device, variants=only),)))):
+    only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    for made in (files, generate(Library((dataclasses.replace(amm5, variants=only),)))):
         for inner in check_format(made[NAME]).iter("Device"):
             held: dict[int, str] = {}
             for item in [found for part in (inner, *inner.iterancestors("Device")) for found in part.findall("Id")]:
@@ -121,66 +157,73 @@ def test_no_two_ids_on_the_way_down_contradict_each_other(library: Library, devi
                     assert held.setdefault(high - place, bit) == bit, (item.get("Range"), item.text)
 
 
-def test_the_label_of_data_has_no_comma(device: Device) -> None:
-    """In profilebiss.xml the label of a Device below another begins with a comma (", Sensor"), that of an SCDS does not ("Data")."""
-    only = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
-    root = check_format(generate(Library((dataclasses.replace(device, variants=only),)))[NAME])
+def test_the_label_of_data_has_no_comma(amm5: Device) -> None:
+    """In profilebiss.xml a Device's label below another begins with a comma (", Sensor"), an SCDS's not ("Data")."""
+    only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    root = check_format(generate(Library((dataclasses.replace(amm5, variants=only),)))[NAME])
     assert [(item.get("Pos"), item.text) for item in root.iterfind(".//SCDS/Label")] == [("1", "position")]
     assert [(item.text or "")[:2] for item in root.iterfind("Profile/Device/Device/Label")] == [", "]
 
 
-def test_no_length_where_the_identity_does_not_tell_it(library: Library) -> None:
+def test_no_length_where_the_identity_does_not_tell_it(files: dict[str, str]) -> None:
     """AM36's length follows registers 56h and 57h; ASC85 prints one profile ID, which fits 25 bits only."""
-    text = generate(library)[NAME]
+    text = files[NAME]
     root = check_format(text)
     for name in ("AM36", "ASC85", "AMM5A"):
         assert known(root, name).findtext("SCDS/CrcPoly") == "0x43"
         assert list(known(root, name).iter("Length")) == []
     plain = " ".join(text.split())
-    assert "it follows what register 56h (singleturn_bits_used.bits) and register 57h (multiturn_bits_used.bits) hold at the moment" in plain
+    assert (
+        "it follows what register 56h (singleturn_bits_used.bits) and register 57h (multiturn_bits_used.bits) "
+        "hold at the moment"
+    ) in plain
     assert "multiturn 16 + singleturn 20 = 36 bits; with status bits 38; with CRC 44" in plain
     assert "position 25 + zero 1 = 26 bits; with status bits 28; with CRC 34" in plain
     assert "281Ah, whatever the length; its low byte, 26, is the data length of ASC8525/SC1, ASC8525/SC2 only" in plain
     assert "profile ID, registers 42h and 43h: 0000h, which is no profile" in plain
 
 
-def test_the_comment_tells_what_the_format_cannot(library: Library) -> None:
-    text = " ".join(generate(library)[NAME].split())
+def test_the_comment_tells_what_the_format_cannot(files: dict[str, str]) -> None:
+    text = " ".join(files[NAME].split())
     assert "one device ID stands for 6 data lengths" in text
     for code, length in (("AMM5A17/1SC1", 17), ("AMM5A21/65KSC1", 37), ("AMM5B23/65KSC1", 39)):
         assert re.search(rf"{code}[^:]*: [a-z0-9 +]*= {length} bits", text), code
-    assert "not validated against idbiss.dtd" in text and "Inferred" in text
+    assert "not validated against idbiss.dtd" in text
+    assert "Inferred" in text
 
 
-def test_one_length_is_stated_below_the_identity(device: Device) -> None:
-    only = tuple(item for item in device.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
-    root = check_format(generate(Library((dataclasses.replace(device, variants=only),)))[NAME])
+def test_one_length_is_stated_below_the_identity(amm5: Device) -> None:
+    only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    root = check_format(generate(Library((dataclasses.replace(amm5, variants=only),)))[NAME])
     assert [item.text for item in root.iter("Length")] == ["23"]
 
 
-def test_a_device_without_a_device_id_is_named_as_left_out(device: Device) -> None:
-    bare = dataclasses.replace(device, registers=tuple(item for item in device.registers if item.name != "device_id"))
+def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device) -> None:
+    bare = dataclasses.replace(amm5, registers=tuple(item for item in amm5.registers if item.name != "device_id"))
     text = generate(Library((bare,)))[NAME]
     check_format(text)
-    assert device_bits(bare) == () and "Not listed" in text
+    assert device_bits(bare) == ()
+    assert "Not listed" in text
 
 
-def test_a_manufacturer_without_an_id_has_no_file(device: Device) -> None:
-    nameless = dataclasses.replace(device, manufacturer=dataclasses.replace(device.manufacturer, biss_id=None))
+def test_a_manufacturer_without_an_id_has_no_file(amm5: Device) -> None:
+    nameless = dataclasses.replace(amm5, manufacturer=dataclasses.replace(amm5.manufacturer, biss_id=None))
     assert set(generate(Library((nameless,)))) == {"biss/lika-amm5.xml", "biss/device-description.xsd"}
 
 
 def test_another_maker(tmp_path: Path) -> None:
     """A small spec of another maker goes the same way; nothing is made for one device."""
     shutil.copy(Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml", tmp_path)
-    (tmp_path / "manufacturer.yaml").write_text('codewheel: 1\nmanufacturer: acme\ntitle: Acme\nbiss_id: 0x4163\nsource: "1"\n', encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text(
+        'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nbiss_id: 0x4163\nsource: "1"\n', encoding="utf-8"
+    )
     devices, report = load_library([tmp_path])
     assert not report.problems
     files = generate(Library(devices))
     assert set(files) == {"biss/idbiss4163.xml", "biss/acme-minimal.xml", "biss/device-description.xsd"}
     assert "Not listed" in files["biss/idbiss4163.xml"]
     assert from_xml(files["biss/acme-minimal.xml"].encode()) == device_dump(devices[0])
-    assert "docs/minimal.md" in docs.generate(Library(devices))
+    assert "docs/minimal.md" in generate_docs(Library(devices))
 
 
 def test_hostile_text_stays_text(hostile: Library) -> None:
@@ -188,22 +231,37 @@ def test_hostile_text_stays_text(hostile: Library) -> None:
     root = check_format(text)
     assert {str(element.tag) for element in root.iter(etree.Element)} <= set(PROVEN)
     for found in re.findall(r"<!--(.*?)-->", text, re.DOTALL):
-        assert "--" not in found and not found.endswith("-")
+        assert "--" not in found
+        assert not found.endswith("-")
 
 
-@pytest.mark.parametrize("text", ["a\x00b\x1b[31mc", "-\x00-\x01->", "-\u00ad-", "\uff0d\uff0d>", "\ufe63\ufe63>", "\u2014\u2014>", "x\x85y\u2028z", "-" * 400, "\ud800", "--!>", "<!--"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a\x00b\x1b[31mc",
+        "-\x00-\x01->",
+        "-\u00ad-",
+        "\uff0d\uff0d>",
+        "\ufe63\ufe63>",
+        "\u2014\u2014>",
+        "x\x85y\u2028z",
+        "-" * 400,
+        "\ud800",
+        "--!>",
+        "<!--",
+    ],
+)
 def test_no_character_leaves_a_comment_or_an_element(text: str) -> None:
-    """Control characters, characters that become hyphens in ASCII, and long runs of hyphens, in both shapes of a comment and in an element."""
+    """Control characters, characters that become hyphens in ASCII, and long runs of hyphens,
+    in both shapes of a comment and in an element."""
     for made in (str(comment(text, "  ")), str(comment(f"{text}\n{text} {'word ' * 60}{text}", "  "))):
         root = read_xml(f"<a>{made}<b>{ascii_text(text)}</b></a>".encode("ascii"))
-        assert [item.tag for item in root] == [etree.Comment, "b"] and len(root[1]) == 0
-        assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f]", made) and "--" not in made.strip()[4:-3]
+        assert [item.tag for item in root] == [etree.Comment, "b"]
+        assert len(root[1]) == 0
+        assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f]", made)
+        assert "--" not in made.strip()[4:-3]
 
 
 def test_comments_are_ascii() -> None:
     assert ascii_only("±5 % − 20 µs → 3 × 1 Ω é") == "+/-5 % - 20 us to 3 x 1 Ohm e"
     assert str(comment("a----b-", "")) == "<!-- a- - - -b-  -->"
-
-
-def test_two_runs_are_the_same(devices: tuple[Device, ...]) -> None:
-    assert generate(Library(devices)) == generate(Library(load_library([Path(__file__).parents[2] / "specs"])[0]))

@@ -10,17 +10,17 @@ from typing import Any
 
 import jsonschema
 import pytest
-
-from codewheel.build_facts import parse_sources
-from codewheel.codec import decode_bytes
-from codewheel.decode import decoded_data
-from codewheel.findings import findings
-from codewheel.expressions import Expression, ExpressionError
-from codewheel.model import Device
-from codewheel.order_codes import find
-from codewheel.output import device_dump, variant_dump
-from codewheel.problems import Report
-from codewheel.read import read_document
+from codewheel.build.record import parse_sources
+from codewheel.commands.decode import decoded_data
+from codewheel.dump.plain import device_dump, variant_dump
+from codewheel.model import Device, FrameExample, Variant
+from codewheel.model.expressions import Expression, ExpressionError
+from codewheel.reference.codec import decode_bytes
+from codewheel.reference.findings import findings
+from codewheel.reference.order_codes import find
+from codewheel.spec.problems import Report
+from codewheel.spec.read import read_document
+from codewheel.spec.second import is_second
 
 SPECS = Path(__file__).parents[2] / "specs"
 
@@ -35,36 +35,52 @@ def faults(checker: Any, data: object) -> list[str]:
     return [f"{'.'.join(map(str, error.path))}: {error.message[:160]}" for error in checker.iter_errors(data)]
 
 
-def test_families_have_the_shape(devices: tuple[Device, ...]) -> None:
+def test_families_have_the_shape(devices: Mapping[str, Device]) -> None:
     checker = validator("show.schema.json")
-    for device in devices:
+    for device in devices.values():
         assert faults(checker, device_dump(device)) == []
 
 
-def test_order_codes_have_the_shape_and_no_expressions(devices: tuple[Device, ...]) -> None:
+@pytest.mark.slow
+def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Device]) -> None:
+    """The schema takes long: it is asked for the last order code of each interface."""
     checker = validator("show.schema.json")
-    for device, variant in ((device, variant) for device in devices for variant in device.variants):
-        dump = variant_dump(device, find(device, variant.code))
-        assert faults(checker, dump) == []
-        places = [item[key] for layout in [*dump["layouts"], *dump["registers"]] for item in layout["fields"] for key in ("high", "low", "width")]
-        assert all(isinstance(place, int) for place in places)
-        assert dump["parameters"] == dict(variant.parameters)
-        assert set(dump["interfaces"]) == {variant.interface}
+    for device in devices.values():
+        last = {item.interface: item for item in device.variants}
+        for variant in device.variants:
+            dump = variant_dump(device, find(device, variant.code))
+            _check_order_code(dump, variant)
+            if variant == last[variant.interface]:
+                assert faults(checker, dump) == []
 
 
-def test_the_schema_refuses_another_shape(device: Device) -> None:
+def _check_order_code(dump: Any, variant: Variant) -> None:
+    places = [
+        item[key]
+        for layout in [*dump["layouts"], *dump["registers"]]
+        for item in layout["fields"]
+        for key in ("high", "low", "width")
+    ]
+    assert all(isinstance(place, int) for place in places)
+    assert dump["parameters"] == dict(variant.parameters)
+    assert set(dump["interfaces"]) == {variant.interface}
+
+
+def test_the_schema_refuses_another_shape(amm5: Device) -> None:
     checker = validator("show.schema.json")
-    assert faults(checker, device_dump(device) | {"more": 1})
-    assert faults(checker, {key: value for key, value in device_dump(device).items() if key != "crcs"})
+    assert not checker.is_valid(device_dump(amm5) | {"more": 1})
+    assert not checker.is_valid({key: value for key, value in device_dump(amm5).items() if key != "crcs"})
 
 
-def test_decode_has_the_shape(device: Device) -> None:
+def test_decode_has_the_shape(amm5: Device) -> None:
     checker = validator("decode.schema.json")
-    for example in device.examples:
-        if example.kind == "frame" and example.bytes:
-            variant = find(device, example.order_code).variant
-            decoded = decode_bytes(device, variant, example.sender, example.bytes)
-            assert faults(checker, decoded_data(variant, example.sender, decoded, findings(device, variant, decoded))) == []
+    for example in amm5.examples:
+        if isinstance(example, FrameExample) and example.bytes:
+            variant = find(amm5, example.order_code).variant
+            decoded = decode_bytes(amm5, variant, example.sender, example.bytes)
+            assert (
+                faults(checker, decoded_data(variant, example.sender, decoded, findings(amm5, variant, decoded))) == []
+            )
 
 
 def items(value: Any) -> Iterator[dict[str, Any]]:
@@ -72,15 +88,17 @@ def items(value: Any) -> Iterator[dict[str, Any]]:
         if isinstance(value.get("name"), str):
             yield value
         for key, inner in value.items():
-            if not (key == "values" and isinstance(inner, dict)):  # the values of an example, whose keys are names of fields
+            if not (
+                key == "values" and isinstance(inner, dict)
+            ):  # the values of an example, whose keys are names of fields
                 yield from items(inner)
     elif isinstance(value, list):
         for inner in value:
             yield from items(inner)
 
 
-def test_every_named_item_has_a_source(devices: tuple[Device, ...]) -> None:
-    for device in devices:
+def test_every_named_item_has_a_source(devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
         dump = device_dump(device)
         del dump["manufacturer"]
         without = [item["name"] for item in items(dump) if not item.get("source")]
@@ -90,7 +108,8 @@ def test_every_named_item_has_a_source(devices: tuple[Device, ...]) -> None:
 def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(value, Mapping):
         for name, inner in value.items():
-            yield from leaves(inner, name)
+            if name != TOLD_TO_CHECK:
+                yield from leaves(inner, name)
     elif isinstance(value, list):
         for inner in value:
             yield from leaves(inner, key)
@@ -102,6 +121,10 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 WRITTEN = {"codewheel", "use", "at", "top_bit", "values_of", "text", "active"}
 
 
+#: What an erratum says of the second reading, which check alone reads.
+TOLD_TO_CHECK = "readings"
+
+
 def is_expression(text: str) -> bool:
     try:
         return bool(Expression.parse(text).terms)
@@ -109,11 +132,19 @@ def is_expression(text: str) -> bool:
         return False
 
 
-@pytest.mark.parametrize("path", sorted(path for path in SPECS.glob("*/*.yaml") if path.stem != "manufacturer" and path.parent.name != "masters"), ids=lambda path: path.stem)
-def test_every_fact_of_the_spec_is_there(path: Path, devices: tuple[Device, ...]) -> None:
+@pytest.mark.parametrize(
+    "path",
+    sorted(
+        path
+        for path in SPECS.glob("*/*.yaml")
+        if path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
+    ),
+    ids=lambda path: path.stem,
+)
+def test_every_fact_of_the_spec_is_there(path: Path, devices: Mapping[str, Device]) -> None:
     document = read_document(path, Report())
     assert document is not None
-    dump = device_dump(next(device for device in devices if device.name == document.data["device"]))
+    dump = device_dump(devices[document.data["device"]])
     held = [value for _, value in leaves(dump)]
     texts = {value for value in held if isinstance(value, str)}
     words = {word for text in texts for word in text.split()}
@@ -125,14 +156,16 @@ def test_every_fact_of_the_spec_is_there(path: Path, devices: tuple[Device, ...]
         if key in WRITTEN or isinstance(value, bool) or (isinstance(value, str) and is_expression(value)):
             continue
         if key == "source" or key.endswith("_source"):
-            missing += [str(item) for item in parse_sources(value) if (item.document, item.section, item.page) not in cited]
+            missing += [
+                str(item) for item in parse_sources(value) if (item.document, item.section, item.page) not in cited
+            ]
         elif isinstance(value, int):
             scaled = {value, value * 1000}
             missing += [] if scaled & numbers or str(value) in texts else [f"{key}: {value}"]
         elif isinstance(value, str):
             plain = value.strip()
-            found = plain in texts or plain in names or plain in words or plain.upper() in texts or key in ("manufacturer",)
-            missing += [] if found else [f"{key}: {plain}"]
+            found = plain in texts or plain in names or plain in words or plain.upper() in texts
+            missing += [] if found or key == "manufacturer" else [f"{key}: {plain}"]
     assert missing == []
 
 
@@ -157,8 +190,8 @@ def keys(value: Any) -> Iterator[str]:
             yield from keys(inner)
 
 
-def test_an_order_code_as_worked_out_by_hand(device: Device) -> None:
-    dump = variant_dump(device, find(device, "AMM5A21/65KSC1-LABEL"))
+def test_an_order_code_as_worked_out_by_hand(amm5: Device) -> None:
+    dump = variant_dump(amm5, find(amm5, "AMM5A21/65KSC1-LABEL"))
     assert (dump["order_code"], dump["interface"], dump["label"]["tail"]) == ("AMM5A21/65KSC1", "biss", "-LABEL")
     (layout,) = dump["layouts"]
     assert layout["bits"] == 45
@@ -169,8 +202,8 @@ def test_an_order_code_as_worked_out_by_hand(device: Device) -> None:
     assert preset["source"] == {"document": "", "section": "6.4", "page": 35}
 
 
-def test_what_belongs_to_another_interface_is_left_out(device: Device) -> None:
-    dump = variant_dump(device, find(device, "AMM5A23/1JP1"))
+def test_what_belongs_to_another_interface_is_left_out(amm5: Device) -> None:
+    dump = variant_dump(amm5, find(amm5, "AMM5A23/1JP1"))
     assert dump["registers"] == []
     assert {item["name"] for item in dump["crcs"]} == {"rs485_8"}
     assert "scd_length" not in {item["name"] for item in dump["errata"]}

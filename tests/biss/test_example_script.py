@@ -1,4 +1,4 @@
-"""docs/example/decode_from_xml.py: some twenty lines, an XML parser, and the description of a device are enough to decode its frames."""
+"""docs/example/decode_from_xml.py: fifty lines, an XML parser and a device's description decode its frames."""
 
 from __future__ import annotations
 
@@ -6,9 +6,18 @@ import ast
 import re
 import subprocess
 import sys
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
+from random import Random
+from runpy import run_path
 
 import pytest
+from codewheel.model import Choice, Device, Flag, Number, PlacedField, PlacedLayout
+from codewheel.reference import codec
+from codewheel.reference.findings import findings
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "docs" / "example" / "decode_from_xml.py"
@@ -16,17 +25,23 @@ SCRIPT = ROOT / "docs" / "example" / "decode_from_xml.py"
 
 def output(device: str, code: str, layout: str, frame: str) -> list[str]:
     xml = ROOT / "generated" / "biss" / f"lika-{device}.xml"
-    done = subprocess.run([sys.executable, str(SCRIPT), str(xml), code, layout, frame], capture_output=True, text=True, check=True)
-    return done.stdout.splitlines()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as out:
+        patch.setattr(sys, "argv", [str(SCRIPT), str(xml), code, layout, frame])
+        run_path(str(SCRIPT))
+    return out.getvalue().splitlines()
 
 
 def run(device: str, code: str, layout: str, frame: str) -> dict[str, int]:
-    return {line.split()[0]: int(line.split()[1]) for line in output(device, code, layout, frame) if not line.startswith("note:")}
+    return {
+        line.split()[0]: int(line.split()[1])
+        for line in output(device, code, layout, frame)
+        if not line.startswith(("note:", "verdict:"))
+    }
 
 
 def test_it_is_short_and_needs_nothing_but_lxml() -> None:
     text = SCRIPT.read_text(encoding="utf-8")
-    assert len([line for line in text.splitlines() if line.strip()]) <= 23
+    assert len([line for line in text.splitlines() if line.strip()]) <= 46
     names = [item.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for item in node.names]
     modules = [node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
     assert (names, modules) == (["re", "sys"], ["lxml"])
@@ -36,16 +51,52 @@ def test_it_is_short_and_needs_nothing_but_lxml() -> None:
     ("device", "code", "layout", "frame", "expected"),
     [
         # TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
-        ("amm5", "AMM5A23/65KJP1", "singleturn_reply", "02 20 C7 D1 6A 5E", {"data_id": 0, "singleturn": 7_000_519, "status_other_error": 1, "crc": 0x5E}),
+        (
+            "amm5",
+            "AMM5A23/65KJP1",
+            "singleturn_reply",
+            "02 20 C7 D1 6A 5E",
+            {"data_id": 0, "singleturn": 7_000_519, "status_other_error": 1, "crc": 0x5E},
+        ),
         # 16 bits of multiturn, 21 of singleturn, two status bits, CRC: 3, 1,000,003, none active.
-        ("amm5", "AMM5A21/65KSC1", "single_cycle_data", f"0b{3:016b}{1_000_003:021b}11{0:06b}", {"multiturn": 3, "singleturn": 1_000_003, "error": 1, "warning": 1, "crc": 0}),
-        ("amm5", "AMM5A17/1SC1", "single_cycle_data", f"0b{70_000:017b}10{5:06b}", {"singleturn": 70_000, "error": 1, "warning": 0, "crc": 5}),
+        (
+            "amm5",
+            "AMM5A21/65KSC1",
+            "single_cycle_data",
+            f"0b{3:016b}{1_000_003:021b}11{0:06b}",
+            {"multiturn": 3, "singleturn": 1_000_003, "error": 1, "warning": 1, "crc": 0},
+        ),
+        (
+            "amm5",
+            "AMM5A17/1SC1",
+            "single_cycle_data",
+            f"0b{70_000:017b}10{5:06b}",
+            {"singleturn": 70_000, "error": 1, "warning": 0, "crc": 5},
+        ),
         # 6.2: four zeros above 20 bits at 50 um.
-        ("sma21", "SMA21-SC4-0050", "single_cycle_data", f"0b0000{524_289:020b}01{63:06b}", {"padding": 0, "position": 524_289, "error": 0, "warning": 1, "crc": 63}),
+        (
+            "sma21",
+            "SMA21-SC4-0050",
+            "single_cycle_data",
+            f"0b0000{524_289:020b}01{63:06b}",
+            {"padding": 0, "position": 524_289, "error": 0, "warning": 1, "crc": 63},
+        ),
         # 20 and 16 bits as delivered, both status bits always 1.
-        ("am36", "AM3616/4096-I7", "single_cycle_data", f"0b{9:016b}{1_048_575:020b}11{1:06b}", {"multiturn": 9, "singleturn": 1_048_575, "error": 1, "warning": 1, "crc": 1}),
+        (
+            "am36",
+            "AM3616/4096-I7",
+            "single_cycle_data",
+            f"0b{9:016b}{1_048_575:020b}11{1:06b}",
+            {"multiturn": 9, "singleturn": 1_048_575, "error": 1, "warning": 1, "crc": 1},
+        ),
         # 25 bits and a zero.
-        ("asc85", "ASC8525/SC2", "single_cycle_data", f"0b{33_554_431:025b}011{2:06b}", {"position": 33_554_431, "zero": 0, "error": 1, "warning": 1, "crc": 2}),
+        (
+            "asc85",
+            "ASC8525/SC2",
+            "single_cycle_data",
+            f"0b{33_554_431:025b}011{2:06b}",
+            {"position": 33_554_431, "zero": 0, "error": 1, "warning": 1, "crc": 2},
+        ),
     ],
 )
 def test_frames_of_every_family(device: str, code: str, layout: str, frame: str, expected: dict[str, int]) -> None:
@@ -57,14 +108,86 @@ def test_frames_of_every_family(device: str, code: str, layout: str, frame: str,
     ("device", "code", "layout", "frame", "lines"),
     [
         # nE and nW are 0 when active (6.2); 1 is no error.
-        ("amm5", "AMM5A21/65KSC1", "single_cycle_data", f"0b{0:037b}10{0:06b}", ["error 1 not active", "warning 0 active"]),
+        (
+            "amm5",
+            "AMM5A21/65KSC1",
+            "single_cycle_data",
+            f"0b{0:037b}10{0:06b}",
+            ["error 1 not active", "warning 0 active"],
+        ),
         # A flag that is 1 when active, and two bits that never say anything.
-        ("amm5", "AMM5A23/65KJP1", "singleturn_reply", "02 20 C7 D1 6A 5E", ["status_st_error 0 not active", "status_other_error 1 active"]),
+        (
+            "amm5",
+            "AMM5A23/65KJP1",
+            "singleturn_reply",
+            "02 20 C7 D1 6A 5E",
+            ["status_st_error 0 not active", "status_other_error 1 active"],
+        ),
         ("am36", "AM3616/4096-I7", "single_cycle_data", f"0b{0:036b}11{0:06b}", ["error 1", "warning 1"]),
+        (
+            "am36",
+            "AM3616/4096-I7",
+            "single_cycle_data",
+            f"0b{0:036b}01{0:06b}",
+            ["error 0 not as in the manual", "warning 1"],
+        ),
     ],
 )
 def test_flags_say_whether_they_are_active(device: str, code: str, layout: str, frame: str, lines: list[str]) -> None:
     assert set(lines) <= set(output(device, code, layout, frame))
+
+
+def test_it_looks_at_what_the_position_is_worth(devices: Mapping[str, Device]) -> None:
+    """The verdict is that of the reference codec, whatever flags are active and whatever unused bits differ."""
+    source = Random(11)
+    seen = Counter[str]()
+    for device in devices.values():
+        for kind, layout in device.layouts():
+            if layout.sender != "encoder" or device.alternatives_of(layout):
+                continue
+            variant = next(item for item in device.variants if item.interface == kind.name)
+            placed = layout.place(variant.parameters)
+            for likely in (0, 0, 0.2, 0.2, 0.5):
+                values = sent(placed, source, likely)
+                number = codec.encode(device, placed, values)
+                made = codec.number_to_bytes(layout, number, placed.bits).hex() if layout.in_bytes else f"{number:#x}"
+                expected = findings(device, variant, codec.decode(device, placed, number)).verdict
+                words = [line for line in output(device.name, variant.code, layout.name, made) if "verdict" in line]
+                assert words == ([f"verdict: {expected.value}"] if expected is not None else [])
+                seen[words[0] if words else ""] += 1
+    assert len(seen) == 5
+
+
+def sent(placed: PlacedLayout, source: Random, likely: float) -> dict[str, int | str | bool]:
+    """Values of a frame in which each flag is active, and each unused bit another, as likely as said."""
+    values: dict[str, int | str | bool] = {}
+    for item in placed.fields:
+        match item.field.kind:
+            case Flag():
+                values[item.name] = source.random() < likely
+            case Number():
+                values[item.name] = item.field.number.zero_means
+            case Choice(values=choices):
+                known = [
+                    one for one in choices if item.name != placed.layout.selector or one.value in placed.layout.selects
+                ]
+                values[item.name] = known[0].name
+    if placed.layout.unused:
+        turned = [item.mask << place for item, place in placed_unused(placed) if source.random() < likely]
+        values["unused"] = sum(turned)
+    return values
+
+
+def placed_unused(placed: PlacedLayout) -> Iterator[tuple[PlacedField, int]]:
+    for field, place in placed.layout.unused:
+        found = placed.field(field.name)
+        if found is not None:
+            yield found, place
+
+
+def test_it_does_not_decide_for_its_user() -> None:
+    with pytest.raises(SystemExit, match="where the fields stand is for you to decide: eeprom_address"):
+        output("amm5", "AMM5A23/65KJP1", "eeprom_read_reply", "EA0A5ABA")
 
 
 @pytest.mark.parametrize(("code", "is_gray"), [("AM3619/4096-GG", True), ("AM3619/4096-BG", False)])
@@ -76,14 +199,18 @@ def test_gray_code_is_said(code: str, is_gray: bool) -> None:
 
 def test_the_page_shows_what_it_prints() -> None:
     page = (ROOT / "docs" / "biss-xml.md").read_text(encoding="utf-8")
-    shown = re.search(r"\$ python docs/example/decode_from_xml\.py \S*lika-(\S+)\.xml (\S+) (\S+) (\S+)\n(.*?)```", page, re.DOTALL)
+    shown = re.search(
+        r"\$ python docs/example/decode_from_xml\.py \S*lika-(\S+)\.xml (\S+) (\S+) (\S+)\n(.*?)```", page, re.DOTALL
+    )
     assert shown is not None
     assert output(*shown.groups()[:4]) == shown[5].splitlines()
 
 
 def test_the_line_in_its_docstring_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    found = re.search(r"decode_from_xml\.py (.*)", ast.get_docstring(ast.parse(SCRIPT.read_text(encoding="utf-8"))) or "")
+    found = re.search(
+        r"decode_from_xml\.py (.*)", ast.get_docstring(ast.parse(SCRIPT.read_text(encoding="utf-8"))) or ""
+    )
     assert found is not None
     done = subprocess.run([sys.executable, str(SCRIPT), *found[1].split()], capture_output=True, text=True, check=True)
     assert "singleturn 1000003" in done.stdout

@@ -1,42 +1,64 @@
 """A C program that calls everything in a header of the C target, told by lines on standard input.
 
-Each line begins with an order code, after which ``;REGISTER=HEX`` may tell what a register holds at run time. It answers each line with one line,
-beginning with the number of the result:
+Each line begins with an order code, after which ``;REGISTER=HEX`` may tell what a register holds at run time, and
+``;ALTERNATIVE=HEX`` which answer is taken of what the manual leaves open, 00 the first.
+It answers each line with one line, beginning with the number of the result:
 
     CODE decode LAYOUT HEX            the members, in the struct's order; texts as hex
     CODE encode LAYOUT VALUE...       the word or the bytes as hex
     CODE crc NAME HEX                 the CRC
     CODE select SENDER HEX            the frame and its length
     CODE steps PROCEDURE [HEX...]      kind,address,mask,value,times,microseconds of each step
-    CODE expected REGISTER HEX        whether the register reads as always
+    CODE expected LAYOUT HEX          whether it holds what the manual states
+    CODE tells LAYOUT HEX             the verdict and the mask of reports, - where the frame has none
+    CODE text of HEX                  the members of the text of a report, each in quotes
     CODE measure FUNCTION NUMBER...   what a function of positions gives
     CODE candidates HEX...            the order codes that read so, by the members of the identity
     CODE take                         nothing but the results of taking the registers over
     LABEL find                        the text of the order code and the parts that are not listed
 
-Registers are layouts called ``reg_NAME``. The struct is filled with a pattern before each call, so that a fault that changes it shows.
+Registers are layouts called ``reg_NAME``. The struct is filled with a pattern before each call,
+so that a fault that changes it shows.
 """
 
 from __future__ import annotations
 
-import re
 import subprocess
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.load import load_library
-from codewheel.model import Device
+from codewheel.build.load import load_library
+from codewheel.model import Device, Text
 from codewheel.targets import Library
-from codewheel.targets.c import generate
-from codewheel.targets.c_device import DeviceView
-from codewheel.targets.c_views import CodecView, Function, IdentityView
+from codewheel.targets.c.codec import StructCodec
+from codewheel.targets.c.crcs import CrcCode
+from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.files import generate
+from codewheel.targets.c.identity import IdentityCode
+from codewheel.targets.c.reserved import c_name
+from codewheel.targets.c.types import unsigned
 
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
 SPECS = Path(__file__).resolve().parents[1] / "specs"
+_HERE = Path(__file__).resolve().parent
+#: Specs that use what no family of the library does, by the name of their device.
+MADE_UP = {
+    "bits22": SPECS / "bits22.yaml",
+    "reserved": _HERE / "specs" / "reserved.yaml",
+    "shapes": _HERE / "specs" / "shapes.yaml",
+    "tv62": _HERE.parents[1] / "docs" / "example",
+    "words": _HERE / "specs" / "words.yaml",
+}
+
+GCC = ["gcc", "-std=c99"]
+#: What a program may not do is watched while it runs.
+SANITIZED = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
 
 #: Runs lines through the program and gives one answer for each.
 Run = Callable[[Iterable[str]], list[str]]
+#: The fixture that fills a folder once for all workers.
+MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 
 #: The families of the library, by which tests are named.
 FAMILIES = ("am36", "amm5", "asc85", "sma21")
@@ -57,7 +79,9 @@ def write(folder: Path, devices: tuple[Device, ...]) -> Path:
     return folder / "c" / "include"
 
 
-def compile_c(command: list[str], code: str, folder: Path, include: Path, stem: str = "program", link: bool = True) -> Path:
+def compile_c(
+    command: list[str], code: str, folder: Path, include: Path, stem: str = "program", link: bool = True
+) -> Path:
     """Compiles a text with all warnings as errors, and links it."""
     text, program = folder / f"{stem}.c", folder / stem
     text.write_text(code, encoding="utf-8")
@@ -65,6 +89,15 @@ def compile_c(command: list[str], code: str, folder: Path, include: Path, stem: 
     done = subprocess.run([*command, *WARNINGS, f"-I{include}", str(text), *options], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:4000]
     return program
+
+
+def program_over(device: Device, made_once: MadeOnce, name: str, *options: str) -> Run:
+    """The program over the header of a device, undefined behaviour watched; ``name`` is that of its folder."""
+
+    def compiled(folder: Path) -> None:
+        compile_c([*GCC, "-O1", *SANITIZED, *options], source(device), folder, write(folder, (device,)))
+
+    return runner(made_once(name, compiled) / "program")
 
 
 def runner(program: Path) -> Run:
@@ -76,8 +109,6 @@ def runner(program: Path) -> Run:
 
     return run
 
-_MEMBER = re.compile(r"(\w+) (\w+)(?:\[(\d+)\])?;")
-
 
 @dataclass(frozen=True)
 class Member:
@@ -86,70 +117,89 @@ class Member:
     characters: int
 
 
-def codecs(view: DeviceView) -> list[CodecView]:
+def codecs(view: DeviceView) -> list[StructCodec]:
     found = [codec for interface in view.interfaces for codec in interface.codecs]
     return found + [register.codec for register in view.registers if register.codec is not None]
 
 
-def members(codec: CodecView) -> list[Member]:
-    matches = (_MEMBER.fullmatch(line.code) for line in codec.members)
-    return [Member(match[1], match[2], int(match[3] or 0)) for match in matches if match is not None]
+def members(codec: StructCodec) -> list[Member]:
+    found = []
+    for field in (part.field for part in codec.plan.parts):
+        if isinstance(field.kind, Text):
+            found.append(Member("char", c_name(field.name), field.widest // 8))
+            continue
+        found.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
+        found += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
+    found += [Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.wholes]
+    found += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
+    return found or [Member("uint8_t", "no_data", 0)]
 
 
-def short(view: DeviceView, codec: CodecView) -> str:
+def answers(codec: StructCodec) -> str:
+    """The answers that the functions of a frame take, handed over after the variant."""
+    return "".join(f"{item.type}_taken, " for item in codec.asked)
+
+
+def short(view: DeviceView, codec: StructCodec) -> str:
     return codec.name.removeprefix(view.prefix + "_")
 
 
 def source(device: Device) -> str:
     view = DeviceView(device)
     maker, prefix = device.manufacturer.name, view.prefix
-    text = _HEAD.replace("@maker@", maker).replace("@MAKER@", maker.upper()).replace("@device@", device.name).replace("@prefix@", prefix)
+    text = (
+        _HEAD.replace("@maker@", maker)
+        .replace("@MAKER@", maker.upper())
+        .replace("@device@", device.name)
+        .replace("@prefix@", prefix)
+    )
     branches = []
     for codec in codecs(view):
         name = short(view, codec)
         text += _decode(view, codec, name) + _encode(view, codec, name)
         branches += [_branch("decode", name), _branch("encode", name)]
     for crc in view.crcs:
-        call = f"{crc.name}(number(text))" if crc.style == "fold" else f"{crc.name}(number(text), 4U * (uint32_t)strlen(text))" if crc.style == "bits" else ""
-        body = f'printf("0 %llu\\n", (unsigned long long){call});' if call else f'uint8_t b[64]; const size_t n = bytes_of(text, b); printf("0 %llu\\n", (unsigned long long){crc.name}(b, n));'
-        text += f"static void crc_{crc.crc.name}(const {prefix}_variant *variant, char *text)\n{{\n    (void)variant;\n    {body}\n}}\n"
+        text += _crc(view, crc)
         branches.append(_branch("crc", crc.crc.name))
     for interface in view.interfaces:
-        for selector in interface.selectors:
-            kind = selector.function.rsplit("_", 2)[-2]
+        for teller in interface.tellers:
+            kind = {"encoder": "reply", "master": "request"}[teller.dispatch.sender]
             text += f"""static void select_{kind}(const {prefix}_variant *variant, char *text)
 {{
     uint8_t b[64];
     const size_t n = bytes_of(text, b);
-    {interface.frame_type} frame = ({interface.frame_type})0;
-    const {maker}_result result = {selector.function}(b, n, &frame);
+    {interface.prefix}_frame frame = ({interface.prefix}_frame)0;
+    const {maker}_result result = {teller.by_bytes}(b, n, &frame);
     (void)variant;
-    printf("%d %d %u\\n", (int)result, (int)frame, (unsigned)(result == {maker.upper()}_OK ? {interface.frame_type}_length(frame) : 0U));
+    printf("%d %d %u\\n", (int)result, (int)frame,
+           (unsigned)(result == {maker.upper()}_OK ? {interface.prefix}_frame_length(frame) : 0U));
 }}
 """
             branches.append(_branch("select", kind))
     for procedure in view.procedures:
-        name = procedure.name.removeprefix(prefix + "_").removesuffix("_steps")
-        if procedure.parameters:
-            given = ", ".join(f"({type_})number(arguments[{index}])" for index, (type_, _) in enumerate(procedure.parameters))
+        name = procedure.run.procedure.name
+        if procedure.arguments:
+            given = ", ".join(
+                f"({item.type})number(arguments[{index}])" for index, item in enumerate(procedure.arguments)
+            )
             fetch = f"""    {maker}_step steps[{procedure.count_macro}];
-    const char *arguments[{len(procedure.parameters)}];
+    const char *arguments[{len(procedure.arguments)}];
     size_t count = 0U;
     size_t index;
     {maker}_result result;
-    for (index = 0U; index < {len(procedure.parameters)}U; index++) {{
+    for (index = 0U; index < {len(procedure.arguments)}U; index++) {{
         arguments[index] = strtok(index == 0U ? text : NULL, " ");
     }}
-    result = {procedure.name}(variant, {given}, steps, {procedure.count_macro} - 1U, &count);
+    result = {procedure.steps}(variant, {given}, steps, {procedure.count_macro} - 1U, &count);
     if (result != {maker.upper()}_FAULT_LENGTH || count != 0U) {{
         abort();
     }}
-    result = {procedure.name}(variant, {given}, steps, {procedure.count_macro}, &count);
+    result = {procedure.steps}(variant, {given}, steps, {procedure.count_macro}, &count);
     print_steps(result, steps, count);
 """
         else:
             fetch = f"""    size_t count;
-    const {maker}_step *const steps = {procedure.name}(&count);
+    const {maker}_step *const steps = {procedure.steps}(&count);
     (void)variant;
     (void)text;
     print_steps({maker.upper()}_OK, steps, count);
@@ -161,27 +211,94 @@ def source(device: Device) -> str:
         text += _call(view, function, name)
         branches.append(_branch("measure", name))
     for codec in codecs(view):
-        if codec.expected_checks:
+        if codec.tells_difference:
             text += _expected(view, codec, short(view, codec))
             branches.append(_branch("expected", short(view, codec)))
+        if codec.reports is not None:
+            text += _tells(view, codec, short(view, codec))
+            branches.append(_branch("tells", short(view, codec)))
+    if view.reports.all:
+        text += _text(view)
+        branches.append(_branch("text", "of"))
     for identity in view.identities:
         text += _candidates(view, identity)
         branches.append(_branch("candidates", "of"))
-    takes = "".join(_TAKE.replace("@register@", item.name.removeprefix(f"{prefix}_take_")).replace("@call@", item.name) for item in view.takers)
-    return text + _MAIN.replace("@prefix@", prefix).replace("@branches@", "".join(branches)).replace("@takes@", takes)
+    takes = "".join(
+        _TAKE.replace("@register@", item.name.removeprefix(f"{prefix}_take_")).replace("@call@", item.name)
+        for item in view.takers
+    )
+    for item in view.alternatives:
+        text = text.replace(_MARK, f"static {item.type} {item.type}_taken;\n{_MARK}")
+        takes += _ANSWER.replace("@alternative@", item.item.name).replace("@type@", item.type)
+    text = text.replace(_MARK, "")
+    resets = "".join(f"        {item.type}_taken = ({item.type})0;\n" for item in view.alternatives)
+    return text + _MAIN.replace("@prefix@", prefix).replace("@branches@", "".join(branches)).replace(
+        "@takes@", takes
+    ).replace("@resets@", resets)
 
 
-def functions(view: DeviceView) -> list[Function]:
+@dataclass(frozen=True)
+class Numeric:
+    """A function of a variant and of numbers, whose types these are."""
+
+    name: str
+    type: str
+    arguments: tuple[str, ...] = ()
+
+
+#: The functions of positions, by the end of their names: type, and type of each argument.
+_OF_POSITIONS = {
+    "steps_per_turn": ("uint64_t",),
+    "modulus": ("uint64_t",),
+    "position_difference": ("int64_t", "uint64_t", "uint64_t"),
+    "turns": ("double", "uint64_t"),
+    "degrees": ("double", "uint64_t"),
+    "micrometres": ("int64_t", "int64_t"),
+    "millimetres": ("double", "int64_t"),
+}
+
+
+def functions(view: DeviceView) -> list[Numeric]:
     """The small functions of a variant: parameters that follow, what positions mean, limits."""
-    limits = [limits for register in view.registers for limits in (register.limits, *(item.limits for item in register.meanings))]
-    return [*view.derived, *view.meanings, *(item for limit in limits for item in limit.functions)]
+    limits = [limits for register in view.registers for limits in register.limits]
+    plain = [*view.variants.derived, *(item for limit in limits for item in limit.functions)]
+    of_positions = [
+        Numeric(f"{position.prefix}_{name}", *_types(_OF_POSITIONS[name]))
+        for position in view.positions
+        for name in position.names
+    ]
+    return [*(Numeric(item.name, item.type) for item in plain), *of_positions]
 
 
-def _call(view: DeviceView, function: Function, name: str) -> str:
-    types = [argument.split()[0] for argument in function.arguments.split(", ") if argument]
-    given = "".join(f", ({type_})strto{'ll' if type_ == 'int64_t' else 'ull'}(item[{index}], NULL, 10)" for index, type_ in enumerate(types))
-    reads = "".join(f'    item[{index}] = strtok({"text" if index == 0 else "NULL"}, " ");\n' for index in range(len(types)))
-    show, cast = {"double": ("%.17g", "double"), "int64_t": ("%lld", "long long")}.get(function.type, ("%llu", "unsigned long long"))
+def _crc(view: DeviceView, crc: CrcCode) -> str:
+    if crc.in_bytes:
+        fetch, given = "uint8_t b[64]; const size_t n = bytes_of(text, b); ", "b, n"
+    else:
+        fetch, given = "", "number(text)" if crc.is_fold else "number(text), 4U * (uint32_t)strlen(text)"
+    return f"""static void crc_{crc.crc.name}(const {view.prefix}_variant *variant, char *text)
+{{
+    (void)variant;
+    {fetch}printf("0 %llu\\n", (unsigned long long){crc.name}({given}));
+}}
+"""
+
+
+def _types(listed: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+    return listed[0], listed[1:]
+
+
+def _call(view: DeviceView, function: Numeric, name: str) -> str:
+    types = function.arguments
+    given = "".join(
+        f", ({type_})strto{'ll' if type_ == 'int64_t' else 'ull'}(item[{index}], NULL, 10)"
+        for index, type_ in enumerate(types)
+    )
+    reads = "".join(
+        f'    item[{index}] = strtok({"text" if index == 0 else "NULL"}, " ");\n' for index in range(len(types))
+    )
+    show, cast = {"double": ("%.17g", "double"), "int64_t": ("%lld", "long long")}.get(
+        function.type, ("%llu", "unsigned long long")
+    )
     declare = f"    char *item[{len(types)}];\n" if types else ""
     return f"""static void measure_{name}(const {view.prefix}_variant *variant, char *text)
 {{
@@ -191,31 +308,62 @@ def _call(view: DeviceView, function: Function, name: str) -> str:
 """
 
 
-def _expected(view: DeviceView, codec: CodecView, name: str) -> str:
-    return f"""static void expected_{name}(const {view.prefix}_variant *variant, char *text)
+def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: str) -> str:
+    """A function that decodes, says the result, and where that is no fault what ``then`` prints of ``out``."""
+    given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
+    return f"""static void {verb}_{name}(const {view.prefix}_variant *variant, char *text)
 {{
-    uint8_t b[64];
+    {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.name} out;
-    const {view.maker.name}_result result = {codec.name}_decode(variant, b, bytes_of(text, b), &out);
-    printf("%d %d\\n", (int)result, (int)(result == {view.maker.name.upper()}_OK && {codec.name}_is_expected(variant, &out)));
+    const {view.maker.name}_result result = {codec.name}_decode(variant, {given}, &out);
+    printf("%d", (int)result);
+    if (result == {view.maker.name.upper()}_OK) {{
+        {then}
+    }}
+    printf("\\n");
 }}
 """
 
 
-def _candidates(view: DeviceView, identity: IdentityView) -> str:
-    reads = "".join(
-        f'    bytes_of(strtok({"text" if index == 0 else "NULL"}, " "), b);\n    memcpy(read.{member.code.split(" ")[1].partition("[")[0]}, b, sizeof read.{member.code.split(" ")[1].partition("[")[0]});\n'
-        for index, member in enumerate(identity.members)
-    )
+def _expected(view: DeviceView, codec: StructCodec, name: str) -> str:
+    then = f'printf(" %d", (int){codec.name}_is_expected(variant, &out));'
+    return _decoded(view, codec, "expected", name, then)
+
+
+def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
+    assert codec.reports is not None
+    verdict, reports = codec.reports.verdict, codec.reports.reports
+    then = f'printf(" %d", (int){verdict}(&out));' if verdict else 'printf(" -");'
+    then += f' printf(" %llX", (unsigned long long){reports}(&out));' if reports else ' printf(" -");'
+    return _decoded(view, codec, "tells", name, then)
+
+
+def _text(view: DeviceView) -> str:
+    return f"""static void text_of(const {view.prefix}_variant *variant, char *text)
+{{
+    const {view.maker.name}_report_text *const found = {view.reports.text}(({view.reports.mask})number(text));
+    (void)variant;
+    printf("\\"%s\\" \\"%s\\" \\"%s\\" \\"%s\\" \\"%s\\"\\n", found->name, found->printed_name, found->meaning,
+           found->remedy, found->source);
+}}
+"""
+
+
+def _candidates(view: DeviceView, identity: IdentityCode) -> str:
+    reads, given = "", "text"
+    for item in identity.compared:
+        name = c_name(item.register.name)
+        reads += f'    bytes_of(strtok({given}, " "), b);\n    memcpy(read.{name}, b, sizeof read.{name});\n'
+        given = "NULL"
     return f"""static void candidates_of(const {view.prefix}_variant *variant, char *text)
 {{
     uint8_t b[64];
-    {identity.type} read;
+    {identity.prefix}_identity read;
     size_t next = 0U;
     const {view.prefix}_order_code *code;
     (void)variant;
 {reads}    printf("0");
-    while ((code = {identity.next}(&read, &next)) != NULL) {{
+    while ((code = {identity.prefix}_next_candidate(&read, &next)) != NULL) {{
         printf(" %s", code->text);
     }}
     printf("\\n");
@@ -224,20 +372,23 @@ def _candidates(view: DeviceView, identity: IdentityView) -> str:
 
 
 def _branch(verb: str, name: str) -> str:
-    return f'        if (strcmp(verb, "{verb}") == 0 && strcmp(name, "{name}") == 0) {{\n            {verb}_{name}(&variant, rest);\n            continue;\n        }}\n'
+    return f"""        if (strcmp(verb, "{verb}") == 0 && strcmp(name, "{name}") == 0) {{
+            {verb}_{name}(&variant, rest);
+            continue;
+        }}
+"""
 
 
-def _decode(view: DeviceView, codec: CodecView, name: str) -> str:
-    prints = "".join(
-        "".join(f'    printf("{" " if index == 0 else ""}%02X", (unsigned)(unsigned char)out.{member.name}[{index}]);\n' for index in range(member.characters))
-        if member.characters
-        else f'    printf(" {"%lld" if member.type.startswith("int") else "%llu"}", ({"" if member.type.startswith("int") else "unsigned "}long long)out.{member.name});\n'
-        for member in members(codec)
+def _decode(view: DeviceView, codec: StructCodec, name: str) -> str:
+    prints = "".join(map(_print, members(codec)))
+    call = (
+        f"{codec.name}_decode(variant, {answers(codec)}number(text), &out)"
+        if not codec.plan.in_bytes
+        else f"{codec.name}_decode(variant, {answers(codec)}b, bytes_of(text, b), &out)"
     )
-    call = f"{codec.name}_decode(variant, number(text), &out)" if codec.carried_as == "bits" else f"{codec.name}_decode(variant, b, bytes_of(text, b), &out)"
     return f"""static void decode_{name}(const {view.prefix}_variant *variant, char *text)
 {{
-    {"" if codec.carried_as == "bits" else "uint8_t b[64];"}
+    {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.name} out;
     {codec.name} before;
     {view.maker.name}_result result;
@@ -254,34 +405,63 @@ def _decode(view: DeviceView, codec: CodecView, name: str) -> str:
 """
 
 
-def _encode(view: DeviceView, codec: CodecView, name: str) -> str:
+def _print(member: Member) -> str:
+    """C that prints a member of ``out``, a text as its bytes."""
+    if member.characters:
+        return "".join(
+            f'    printf("{" " if index == 0 else ""}%02X", (unsigned)(unsigned char)out.{member.name}[{index}]);\n'
+            for index in range(member.characters)
+        )
+    form, type_ = ("%lld", "long long") if member.type.startswith("int") else ("%llu", "unsigned long long")
+    return f'    printf(" {form}", ({type_})out.{member.name});\n'
+
+
+def _read(member: Member) -> str:
+    """C that reads a member of ``in`` from ``item``."""
+    if member.characters:
+        return f"    bytes_of(item, c);\n    memcpy(in.{member.name}, c, sizeof in.{member.name});\n"
+    if member.type == "bool":
+        return f"    in.{member.name} = *item == '1';\n"
+    convert = "strtoll" if member.type.startswith("int") else "strtoull"
+    return f"    in.{member.name} = ({member.type}){convert}(item, NULL, 10);\n"
+
+
+def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
+    maker = view.maker.name
     reads = ""
     for member in members(codec):
-        reads += "    item = strtok(NULL, \" \");\n" if reads else "    item = strtok(text, \" \");\n"
-        if member.characters:
-            reads += f"    bytes_of(item, c);\n    memcpy(in.{member.name}, c, sizeof in.{member.name});\n"
-        elif member.type == "bool":
-            reads += f"    in.{member.name} = *item == '1';\n"
-        else:
-            reads += f"    in.{member.name} = ({member.type}){'strtoll' if member.type.startswith('int') else 'strtoull'}(item, NULL, 10);\n"
-    if codec.carried_as == "bits":
-        call = f"uint64_t word = 0U;\n    const {view.maker.name}_result result = {codec.name}_encode(variant, &in, &word);\n"
-        show = '    printf("%d %llX\\n", (int)result, (unsigned long long)word);\n'
+        reads += f'    item = strtok({"NULL" if reads else "text"}, " ");\n{_read(member)}'
+    if not codec.plan.in_bytes:
+        call = f"""uint64_t word = 0U;
+    const {maker}_result result = {codec.name}_encode(variant, {answers(codec)}&in, &word);
+    printf("%d %llX\\n", (int)result, (unsigned long long)word);
+"""
     else:
         call = f"""uint8_t b[{codec.length_macro}];
     size_t index;
-    {view.maker.name}_result result;
+    {maker}_result result;
     memset(b, 0, sizeof b);
-    if ({codec.name}_encode(variant, &in, b, {codec.length_macro} + 1U) != {view.maker.name.upper()}_FAULT_LENGTH) {{
+    result = {codec.name}_encode(variant, {answers(codec)}&in, b, {codec.length_macro} + 1U);
+    if (result != {maker.upper()}_FAULT_LENGTH) {{
         abort();
     }}
-    result = {codec.name}_encode(variant, &in, b, sizeof b);
+    result = {codec.name}_encode(variant, {answers(codec)}&in, b, sizeof b);
+    printf("%d ", (int)result);
+    for (index = 0U; index < sizeof b; index++) {{
+        printf("%02X", b[index]);
+    }}
+    printf("\\n");
 """
-        show = '    printf("%d ", (int)result);\n    for (index = 0U; index < sizeof b; index++) {\n        printf("%02X", b[index]);\n    }\n    printf("\\n");\n'
     setters = "".join(
-        f"    {{\n        const {codec.name} same = in;\n        if ({setter.name}(variant, in.{setter.member}, &in) == {view.maker.name.upper()}_OK && result == {view.maker.name.upper()}_OK"
-        f" && memcmp(&same, &in, sizeof in) != 0) {{\n            abort();\n        }}\n    }}\n"
-        for setter in codec.setters
+        f"""    {{
+        const {codec.name} same = in;
+        if ({codec.name}_set_{name}(variant, in.{c_name(name)}, &in) == {maker.upper()}_OK
+            && result == {maker.upper()}_OK && memcmp(&same, &in, sizeof in) != 0) {{
+            abort();
+        }}
+    }}
+"""
+        for name in codec.set_names
     )
     return f"""static void encode_{name}(const {view.prefix}_variant *variant, char *text)
 {{
@@ -290,17 +470,21 @@ def _encode(view: DeviceView, codec: CodecView, name: str) -> str:
     {codec.name} in;
     memset(&in, 0, sizeof in);
 {reads}    {{
-    {call}{show}{setters}    }}
+    {call}{setters}    }}
 }}
 """
 
 
-_HEAD = r"""
+_MARK = "/* answers */\n"
+_HEAD = (
+    r"""
 #include "@maker@/@device@.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
+"""
+    + _MARK
+    + r"""
 static uint64_t number(const char *text)
 {
     return strtoull(text, NULL, 16);
@@ -322,12 +506,19 @@ static void print_steps(@maker@_result result, const @maker@_step *steps, size_t
     size_t index;
     printf("%d", (int)result);
     for (index = 0U; index < count; index++) {
-        printf(" %d,%u,%u,%u,%u,%lu", (int)steps[index].kind, steps[index].address, steps[index].mask, steps[index].value,
-               steps[index].times, (unsigned long)steps[index].microseconds);
+        printf(" %d,%u,%u,%u,%u,%lu", (int)steps[index].kind, steps[index].address, steps[index].mask,
+               steps[index].value, steps[index].times, (unsigned long)steps[index].microseconds);
     }
     printf("\n");
 }
 
+"""
+)
+
+_ANSWER = r"""            if (strncmp(state, "@alternative@=", sizeof "@alternative@=" - 1U) == 0) {
+                @type@_taken = (@type@)held[0];
+                taken = 0;
+            }
 """
 
 _TAKE = r"""            if (strncmp(state, "@register@=", sizeof "@register@=" - 1U) == 0) {
@@ -367,7 +558,7 @@ int main(void)
             abort();
         }
         variant = code->variant;
-        for (; state != NULL && *state != '\0'; state += strcspn(state, ";"), state += strspn(state, ";")) {
+@resets@        for (; state != NULL && *state != '\0'; state += strcspn(state, ";"), state += strspn(state, ";")) {
             uint8_t held[64];
             const char *const value = state + strcspn(state, "=") + 1;
             const size_t held_length = bytes_of(value, held);

@@ -1,17 +1,25 @@
-"""What the tests of the C target share: headers written once, and a program over each of them that answers line by line."""
+"""What the tests of the C target share: headers written once, and over each a program that answers line by line."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
+import ctypes
+from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, SPECS, Run, compile_c, devices_of, runner, source, write
+from c_harness import (
+    FAMILIES,
+    MADE_UP,
+    SPECS,
+    MadeOnce,
+    Run,
+    devices_of,
+    program_over,
+    write,
+)
 from codewheel.model import Device
-
-#: The families of the library, and specs that use what none of them does.
-MADE_UP = ("bits22", "tv62", "words")
+from transport_harness import Machine, compile_machine
 
 
 @pytest.fixture(scope="session")
@@ -26,23 +34,39 @@ def include(c_devices: tuple[Device, ...], tmp_path_factory: pytest.TempPathFact
 
 @pytest.fixture(scope="session")
 def every_device(c_devices: tuple[Device, ...]) -> Mapping[str, Device]:
-    here = Path(__file__).resolve().parent
-    made_up = (SPECS / "bits22.yaml", here.parents[1] / "docs" / "example", here / "specs" / "words.yaml")
-    return {device.name: device for device in (*c_devices, *(device for path in made_up for device in devices_of(path)))}
+    made_up = (device for path in MADE_UP.values() for device in devices_of(path))
+    return {device.name: device for device in (*c_devices, *made_up)}
+
+
+class Programs(dict[str, Run]):
+    """The program over the header of each device, compiled when it is asked for, with undefined behaviour watched."""
+
+    def __init__(self, devices: Mapping[str, Device], made_once: MadeOnce) -> None:
+        super().__init__()
+        self._devices, self._made_once = devices, made_once
+
+    def __missing__(self, name: str) -> Run:
+        self[name] = program_over(self._devices[name], self._made_once, f"program_{name}")
+        return self[name]
 
 
 @pytest.fixture(scope="session")
-def programs(every_device: Mapping[str, Device], tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Run]:
-    """The program over the header of each device, undefined behaviour watched."""
-    command = ["gcc", "-std=c99", "-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
-    folders = {name: tmp_path_factory.mktemp(name) for name in every_device}
+def programs(every_device: Mapping[str, Device], made_once: MadeOnce) -> Mapping[str, Run]:
+    return Programs(every_device, made_once)
 
-    def made(name: str) -> Run:
-        device = every_device[name]
-        return runner(compile_c(command, source(device), folders[name], write(folders[name], (device,))))
 
-    with ThreadPoolExecutor() as pool:
-        return dict(zip(every_device, pool.map(made, every_device)))
+@pytest.fixture(scope="session")
+def machines(every_device: Mapping[str, Device], made_once: MadeOnce) -> Callable[[str], Machine]:
+    """The functions of a family that take a transport, by its name; ``words`` is that of ``tests/specs``."""
+    (words,) = devices_of(SPECS / "words.yaml")
+
+    @cache
+    def made(name: str) -> Machine:
+        device = words if name == "words" else every_device[name]
+        folder = made_once(f"machine_{name}", lambda place: compile_machine(device, place))
+        return Machine(device, ctypes.CDLL(str(folder / "transport.so")))
+
+    return made
 
 
 @pytest.fixture(scope="session")
@@ -76,12 +100,16 @@ def run_words(programs: Mapping[str, Run]) -> Run:
 
 
 @pytest.fixture(params=[*FAMILIES, *MADE_UP])
-def machine(request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]) -> tuple[Device, Run]:
+def machine(
+    request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]
+) -> tuple[Device, Run]:
     """Each device with its program."""
     return every_device[request.param], programs[request.param]
 
 
 @pytest.fixture(params=FAMILIES)
-def family(request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]) -> tuple[Device, Run]:
+def family(
+    request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]
+) -> tuple[Device, Run]:
     """Each family of the library with its program."""
     return every_device[request.param], programs[request.param]

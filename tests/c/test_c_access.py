@@ -1,28 +1,22 @@
-"""Every register of every family by its name, byte by byte, with every call failing; and what no frame or label of a family brings about."""
+"""Every register of every family by its name, byte by byte, with every call failing;
+and what no frame or label of a family brings about."""
 
 from __future__ import annotations
 
 import random
 import subprocess
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, Run, compile_c, devices_of
-from codewheel import codec
-from codewheel.crc import compute_bytes
-from codewheel.model import Device, Register, Variant
-from codewheel.targets.c_device import DeviceView
+from c_harness import FAMILIES, Run, compile_c
+from codewheel.model import Device, Register, Rs485, Variant
+from codewheel.reference import codec
+from codewheel.reference.crc import compute_bytes
+from codewheel.targets.c.device import DeviceView
 from test_c_codec import FAULTS, Table, check, sound_numbers
 from test_c_families import identity_bytes
-from transport_harness import OK, RANGE, READ, TRANSPORT, UNTOUCHED, WRITE, Encoder, Machine, machine
-
-
-@pytest.fixture(scope="module")
-def machines(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Machine]:
-    found = {device.name: device for device in devices_of()}
-    return cache(lambda name: machine(found[name], tmp_path_factory.mktemp(name)))
+from transport_harness import OK, RANGE, READ, TRANSPORT, UNTOUCHED, WRITE, Encoder, Machine
 
 
 def variant_of(device: Device, register: Register) -> Variant:
@@ -51,7 +45,13 @@ def test_every_register_is_read_and_its_faults_are_told(family: str, machines: C
             encoder.memory[register.address : register.address + register.length] = data
             answer = made.read(register.name, variant.code, encoder)
             problems = codec.decode(made.device, placed, codec.number_from_bytes(register.layout, data)).problems
-            assert (answer.result, answer.failure) == (FAULTS[problems[0].kind] if problems else OK, UNTOUCHED), (register.name, data)
+            assert (answer.result, answer.failure) == (
+                FAULTS[problems[0].fault.value] if problems else OK,
+                UNTOUCHED,
+            ), (
+                register.name,
+                data,
+            )
             assert answer.record == [f"r {register.address:02X} {register.length}"]
         failed = made.read(register.name, variant.code, Encoder(fail_at=0, error=5))
         assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, READ, READ, register.address, 5), b"")
@@ -69,35 +69,41 @@ def test_every_register_is_written_within_its_limits(family: str, machines: Call
             answer = made.write(register.name, variant.code, data, encoder)
             results.add(answer.result)
             written = [line for line in encoder.record if line.startswith("w ")]
-            assert written == ([f"w {register.address:02X} {data.hex(' ').upper()}"] if answer.result == OK else []), (register.name, data)
+            assert written == ([f"w {register.address:02X} {data.hex(' ').upper()}"] if answer.result == OK else []), (
+                register.name,
+                data,
+            )
             if answer.result == OK:
                 failed = made.write(register.name, variant.code, data, Encoder(fail_at=0, error=-5))
                 assert (failed.result, failed.failure) == (TRANSPORT, (0, WRITE, WRITE, register.address, -5))
-        assert OK in results and results <= {OK, RANGE, -1}
+        assert OK in results
+        assert results <= {OK, RANGE, -1}
 
 
 def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> None:
-    """A sound frame of each layout with each of the 16 data IDs, its parity and its CRC made good: only its own data IDs are taken."""
+    """A sound frame of each layout with each of the 16 data IDs, parity and CRC made good: only its own are taken."""
     device, run = family
     table = Table(device)
     pairs = []
     for interface, layout in device.layouts():
         if not layout.selector:
             continue
-        variant = next(item for item in device.variants if item.interface == interface.kind)
+        variant = next(item for item in device.variants if item.interface == interface.name)
         placed = layout.place(variant.parameters)
-        sound = codec.number_to_bytes(layout, next(sound_numbers(device, placed, random.Random(layout.name))), placed.bits)
+        sound = codec.number_to_bytes(
+            layout, next(sound_numbers(device, placed, random.Random(layout.name))), placed.bits
+        )
         for data_id in range(16):
             control = 0x02 | data_id << 3 | (data_id.bit_count() & 1) << 7
             frame = bytes([control]) + sound[1:]
-            crc = layout.crc_field
+            crc = device.crc_of(layout)
             if crc is not None:
-                frame = frame[:-1] + bytes([compute_bytes(device.crc(crc.crc), frame[:-1])])
+                frame = frame[:-1] + bytes([compute_bytes(crc, frame[:-1])])
             expected = table.expected(layout.name, placed, codec.number_from_bytes(layout, frame))
             assert expected.split(" ")[0] == ("0" if data_id in layout.selects else "4")
             pairs.append((f"{variant.code} decode {layout.name} {frame.hex()}", expected))
     check(run, pairs)
-    assert {expected[0] for _, expected in pairs} == ({"0", "4"} if any(item.kind == "rs485" for item in device.interfaces) else set())
+    assert {expected[0] for _, expected in pairs} == ({"0", "4"} if device.over(Rs485) is not None else set())
 
 
 def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]) -> None:
@@ -105,11 +111,23 @@ def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]
     pairs = []
     for interface in device.interfaces:
         frames = [layout for layout in interface.layouts if layout.selector]
-        variant = next(item for item in device.variants if item.interface == interface.kind)
+        variant = next(item for item in device.variants if item.interface == interface.name)
         for kind, sender in (("request", "master"), ("reply", "encoder")) if frames else ():
             for byte in range(256):
-                index = next((at for at, layout in enumerate(frames) if layout.sender == sender and byte >> 3 & 15 in layout.selects), None)
-                pairs.append((f"{variant.code} select {kind} {byte:02X}", "4 0 0" if index is None else f"0 {index} {frames[index].widest // 8}"))
+                index = next(
+                    (
+                        at
+                        for at, layout in enumerate(frames)
+                        if layout.sender == sender and byte >> 3 & 15 in layout.selects
+                    ),
+                    None,
+                )
+                pairs.append(
+                    (
+                        f"{variant.code} select {kind} {byte:02X}",
+                        "4 0 0" if index is None else f"0 {index} {frames[index].widest // 8}",
+                    )
+                )
             pairs.append((f"{variant.code} select {kind}", "1 0 0"))
     check(run, pairs)
 
@@ -117,7 +135,7 @@ def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]
 def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
     device, run = family
     (identity,) = DeviceView(device).identities
-    registers = [device.register(member.code.split(" ")[1].partition("[")[0]) for member in identity.members]
+    registers = [item.register for item in identity.compared]
     variant = variant_of(device, registers[0])
     read = [identity_bytes(register, variant) for register in registers]
     pairs = []
@@ -126,10 +144,15 @@ def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
         for field in register.layout.fields:
             for bit in range(field.widest) if field.name in expected else ():
                 number = codec.number_from_bytes(register.layout, read[index]) ^ 1 << field.low.constant + bit
-                wrong = [*read[:index], codec.number_to_bytes(register.layout, number, 8 * register.length), *read[index + 1 :]]
+                wrong = [
+                    *read[:index],
+                    codec.number_to_bytes(register.layout, number, 8 * register.length),
+                    *read[index + 1 :],
+                ]
                 pairs.append((f"{variant.code} candidates of {' '.join(item.hex() for item in wrong)}", variant.code))
     answers = run(line for line, _ in pairs)
-    assert pairs and [line for (line, code), answer in zip(pairs, answers) if code in answer.split()[1:]] == []
+    assert pairs
+    assert [line for (line, code), answer in zip(pairs, answers, strict=True) if code in answer.split()[1:]] == []
 
 
 # -- what is refused before anything is sent
@@ -138,12 +161,19 @@ def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
 @pytest.mark.parametrize(
     ("family", "code", "procedure", "argument"),
     [
-        # One more than 16 + 20 bits (AM36), 65,536 turns of 21 bits (AMM5), 0FFFFFh at 50 um and 1FFFFFFh at 1 um (SMA21).
-        ("am36", "AM3616/4096-I7", "set_preset", 1 << 36), ("am36", "AM3616/4096-I7", "store_preset", 1 << 36), ("amm5", "AMM5A21/65KSC1", "store_preset", 1 << 37),
-        ("sma21", "SMA21-SC1-0050", "set_preset", 0x100000), ("sma21", "SMA21-SC1-0001", "set_preset", 0x2000000), ("sma21", "SMA21-SC1-0050", "set_offset", 0xF00001),
+        # One more than 16 + 20 bits (AM36), 65,536 turns of 21 bits (AMM5),
+        # 0FFFFFh at 50 um and 1FFFFFFh at 1 um (SMA21).
+        ("am36", "AM3616/4096-I7", "set_preset", 1 << 36),
+        ("am36", "AM3616/4096-I7", "store_preset", 1 << 36),
+        ("amm5", "AMM5A21/65KSC1", "store_preset", 1 << 37),
+        ("sma21", "SMA21-SC1-0050", "set_preset", 0x100000),
+        ("sma21", "SMA21-SC1-0001", "set_preset", 0x2000000),
+        ("sma21", "SMA21-SC1-0050", "set_offset", 0xF00001),
     ],
-)  # fmt: skip
-def test_a_position_that_does_not_fit_is_not_set(family: str, code: str, procedure: str, argument: int, machines: Callable[[str], Machine]) -> None:
+)
+def test_a_position_that_does_not_fit_is_not_set(
+    family: str, code: str, procedure: str, argument: int, machines: Callable[[str], Machine]
+) -> None:
     answer = machines(family).run(procedure, code, (argument,))
     assert (answer.result, answer.failure, answer.record) == (RANGE, UNTOUCHED, [])
 
@@ -170,17 +200,27 @@ def test_the_code_of_a_measuring_system_is_taken_over(machines: Callable[[str], 
         answer = made.state("SMA21-SC1-0050", encoder)
         assert (answer.result, answer.record) == (OK, ["r 49 1"])
         codes.append(answer.data)
-    gray, offset = ([one ^ other for one, other in zip(codes[0], code)].count(1) for code in codes[1:])
-    assert (gray, offset) == (1, 1) and sum(codes[0]) == sum(codes[1]) + 1 and sum(codes[2]) == sum(codes[0]) + 1
+    gray, offset = ([one ^ other for one, other in zip(codes[0], code, strict=True)].count(1) for code in codes[1:])
+    assert (gray, offset) == (1, 1)
+    assert sum(codes[0]) == sum(codes[1]) + 1
+    assert sum(codes[2]) == sum(codes[0]) + 1
     failed = made.state("SMA21-SC1-0050", Encoder(fail_at=0, error=3))
-    assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, READ, READ, 0x49, 3), made.state("SMA21-SC1-0050", Encoder(fail_at=0, error=4)).data)
+    assert (failed.result, failed.failure, failed.data) == (
+        TRANSPORT,
+        (0, READ, READ, 0x49, 3),
+        made.state("SMA21-SC1-0050", Encoder(fail_at=0, error=4)).data,
+    )
 
 
 def test_the_identity_of_a_thru_bore_encoder_is_read(machines: Callable[[str], Machine]) -> None:
     """ASC85 6.4: profile ID, device ID and manufacturer ID."""
     made = machines("asc85")
     answer = made.identity(Encoder())
-    assert (answer.result, answer.record, answer.data) == (OK, ["r 42 2", "r 78 6", "r 7E 2"], bytes([0x42, 0x43, *range(0x78, 0x80)]))
+    assert (answer.result, answer.record, answer.data) == (
+        OK,
+        ["r 42 2", "r 78 6", "r 7E 2"],
+        bytes([0x42, 0x43, *range(0x78, 0x80)]),
+    )
     for index, address in enumerate((0x42, 0x78, 0x7E)):
         failed = made.identity(Encoder(fail_at=index, error=-7))
         assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (index, READ, READ, address, -7), b"")
@@ -190,50 +230,112 @@ def test_the_identity_of_a_thru_bore_encoder_is_read(machines: Callable[[str], M
 
 #: What the shared helpers give, by arithmetic on paper.
 HELPERS: Mapping[str, int] = {
-    "lika_difference(3U, 9U, 0U)": 0, "lika_difference(1U, 9U, 10U)": 2, "lika_difference(9U, 1U, 10U)": -2, "lika_difference(5U, 0U, 10U)": -5,
-    "lika_from_gray(6U, 64U, 3U)": 6, "lika_from_gray(6U, 0U, 3U)": 4, "lika_to_gray(4U, 64U, 3U)": 4, "lika_to_gray(4U, 0U, 3U)": 6,
-    "lika_mask(64U) == UINT64_MAX": 1, "lika_mask(0U)": 0, "lika_field(0xF0U, 64U, 4U)": 0, "lika_field(0xF0U, 4U, 2U)": 3,
-    "lika_above(0xF0U, 64U)": 0, "lika_above(0xF0U, 4U)": 15, "lika_above(UINT64_MAX, 32U) == 0xFFFFFFFFU": 1,
-    'lika_label_match("K7", "@#")': 2, 'lika_label_match("k7", "%%")': 2, 'lika_label_match("77", "@#")': 0, 'lika_label_match("-7", "@#")': 0,
-    'lika_label_match("K 7 -x", "@#")': 4, 'lika_label_match("K7", "@ #")': 2, 'lika_label_match(" K7 ", "K7")': 4, 'lika_label_match("K 7x", "K7")': 0,
-    'lika_label_match("-7", "%#")': 0, 'lika_label_match("7/S1-", "#")': 0, 'lika_label_match("7/S", "#")': 0,
-    "lika_fits_signed(7, 4U)": 1, "lika_fits_signed(8, 4U)": 0, "lika_fits_signed(-8, 4U)": 1, "lika_fits_signed(-9, 4U)": 0,
-    "lika_capital('z') == 'Z'": 1, "lika_capital('{') == '{'": 1, "lika_capital('`') == '`'": 1, "lika_is_letter_or_digit('_')": 0, "lika_is_letter_or_digit('@')": 0,
-    "lika_step_send(0xDAU, 10U, 40U).times": 10, "lika_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80, "lika_step_wait(5U).microseconds": 5,
-}  # fmt: skip
+    "lika_difference(3U, 9U, 0U)": 0,
+    "lika_difference(1U, 9U, 10U)": 2,
+    "lika_difference(9U, 1U, 10U)": -2,
+    "lika_difference(5U, 0U, 10U)": -5,
+    "lika_from_gray(6U, 64U, 3U)": 6,
+    "lika_from_gray(6U, 0U, 3U)": 4,
+    "lika_to_gray(4U, 64U, 3U)": 4,
+    "lika_to_gray(4U, 0U, 3U)": 6,
+    "lika_mask(64U) == UINT64_MAX": 1,
+    "lika_mask(0U)": 0,
+    "lika_field(0xF0U, 64U, 4U)": 0,
+    "lika_field(0xF0U, 4U, 2U)": 3,
+    "lika_above(0xF0U, 64U)": 0,
+    "lika_above(0xF0U, 4U)": 15,
+    "lika_above(UINT64_MAX, 32U) == 0xFFFFFFFFU": 1,
+    'lika_label_match("K7", "@#")': 2,
+    'lika_label_match("k7", "%%")': 2,
+    'lika_label_match("77", "@#")': 0,
+    'lika_label_match("-7", "@#")': 0,
+    'lika_label_match("K 7 -x", "@#")': 4,
+    'lika_label_match("K7", "@ #")': 2,
+    'lika_label_match(" K7 ", "K7")': 4,
+    'lika_label_match("K 7x", "K7")': 0,
+    'lika_label_match("-7", "%#")': 0,
+    'lika_label_match("7/S1-", "#")': 0,
+    'lika_label_match("7/S", "#")': 0,
+    "lika_fits_signed(7, 4U)": 1,
+    "lika_fits_signed(8, 4U)": 0,
+    "lika_fits_signed(-8, 4U)": 1,
+    "lika_fits_signed(-9, 4U)": 0,
+    "lika_capital('z') == 'Z'": 1,
+    "lika_capital('{') == '{'": 1,
+    "lika_capital('`') == '`'": 1,
+    "lika_is_letter_or_digit('_')": 0,
+    "lika_is_letter_or_digit('@')": 0,
+    "lika_step_send(0xDAU, 10U, 40U).times": 10,
+    "lika_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
+    "lika_step_wait(5U).microseconds": 5,
+}
 
 
-#: The cable lengths of the manuals (5.3 each), in metres, and the clock in hertz that must not be reached; none from 400 m on.
-CABLES = {0: 400_000, 49: 400_000, 50: 300_000, 99: 300_000, 100: 200_000, 199: 200_000, 200: 100_000, 399: 100_000, 400: 0}
+#: The cable lengths of the manuals (5.3 each), in metres, and the clock in hertz that must not be
+#: reached; none from 400 m on.
+CABLES = {
+    0: 400_000,
+    49: 400_000,
+    50: 300_000,
+    99: 300_000,
+    100: 200_000,
+    199: 200_000,
+    200: 100_000,
+    399: 100_000,
+    400: 0,
+}
 
-#: What functions of the families and of the control frames give: by the manuals, by BiSS C's protocol description, or by arithmetic.
+#: What functions of the families and of the control frames give:
+#: by the manuals, by BiSS C's protocol description, or by arithmetic.
 FUNCTIONS: Mapping[str, int] = {
     # AMM5 6.5: 30 us at 50 kHz, 7.5 us at 200 kHz; 1.5 clocks, rounded up to a whole nanosecond.
-    "lika_amm5_biss_timeout_ns(50000U)": 30_000, "lika_amm5_biss_timeout_ns(200000U)": 7_500, "lika_amm5_biss_timeout_ns(0U)": 0, "lika_amm5_biss_timeout_ns(7000000U)": 215,
+    "lika_amm5_biss_timeout_ns(50000U)": 30_000,
+    "lika_amm5_biss_timeout_ns(200000U)": 7_500,
+    "lika_amm5_biss_timeout_ns(0U)": 0,
+    "lika_amm5_biss_timeout_ns(7000000U)": 215,
     # AMM5 6.4: in 56 bits the revolutions end at bit 48 and the position within one at bit 32; 16 and 21 bits here.
-    "lika_amm5_reg_preset_multiturn_shift(&amm5)": 33, "lika_amm5_reg_preset_singleturn_shift(&amm5)": 12,
-    "lika_amm5_reg_preset_multiturn_mask(&amm5) == UINT64_C(0x1FFFE00000000)": 1, "lika_amm5_reg_preset_singleturn_mask(&amm5) == UINT64_C(0x1FFFFF000)": 1,
+    "lika_amm5_reg_preset_multiturn_shift(&amm5)": 33,
+    "lika_amm5_reg_preset_singleturn_shift(&amm5)": 12,
+    "lika_amm5_reg_preset_multiturn_mask(&amm5) == UINT64_C(0x1FFFE00000000)": 1,
+    "lika_amm5_reg_preset_singleturn_mask(&amm5) == UINT64_C(0x1FFFFF000)": 1,
     # What is no frame has no length.
-    "lika_amm5_rs485_frame_length((lika_amm5_rs485_frame)99)": 0, "lika_sma21_rs485_frame_length((lika_sma21_rs485_frame)99)": 0,
-    # AM36 6.5: 4Bh to 4Dh have 24 bits; at least one revolution. Without functions in the transport whoever came to them would say UNSUPPORTED.
-    "lika_am36_reg_information_per_revolution_encode(&am36, &steps, bytes, 3U)": RANGE, "lika_am36_write_number_of_revolutions(&none, &am36, &turns, NULL)": RANGE,
-    "lika_am36_write_preset(&none, &am36, &beyond, NULL)": RANGE, "lika_amm5_write_preset(&none, &amm5, &disagreeing, NULL)": RANGE,
+    "lika_amm5_rs485_frame_length((lika_amm5_rs485_frame)99)": 0,
+    "lika_sma21_rs485_frame_length((lika_sma21_rs485_frame)99)": 0,
+    # AM36 6.5: 4Bh to 4Dh have 24 bits; at least one revolution.
+    # Without functions in the transport whoever came to them would say UNSUPPORTED.
+    "lika_am36_reg_information_per_revolution_encode(&am36, &steps, bytes, 3U)": RANGE,
+    "lika_am36_write_number_of_revolutions(&none, &am36, &turns, NULL)": RANGE,
+    "lika_am36_write_preset(&none, &am36, &beyond, NULL)": RANGE,
+    "lika_amm5_write_preset(&none, &amm5, &disagreeing, NULL)": RANGE,
     # Bit 5 of 49h, the code, is 0 or 1 (AM36 6.5, SMA21 6.4).
     "(coded.output_code = (lika_am36_output_code)2, lika_am36_write_configuration(&none, &am36, &coded, NULL))": RANGE,
-    "(measured.output_code = (lika_sma21_output_code)2, lika_sma21_write_configuration(&none, &sma21, &measured, NULL))": RANGE,
+    (
+        "(measured.output_code = (lika_sma21_output_code)2, lika_sma21_write_configuration(&none, &sma21, &measured, "
+        "NULL))"
+    ): RANGE,
     "lika_run_step(&none, &reading, NULL)": RANGE,
     # x^4 = x + 1, x^35 = x^5 = x^2 + x, all inverted; of more than 32 bits the last 32 count.
-    "lika_biss_crc(0U, 32U)": 15, "lika_biss_crc(1U, 32U)": 12, "lika_biss_crc(0x80000000U, 32U)": 9, "lika_biss_crc(0x80000000U, 99U)": 9,
+    "lika_biss_crc(0U, 32U)": 15,
+    "lika_biss_crc(1U, 32U)": 12,
+    "lika_biss_crc(0x80000000U, 32U)": 9,
+    "lika_biss_crc(0x80000000U, 99U)": 9,
     # A request to read register 0 of slave 0, and each of the 14 bits after S that have to be 0.
-    "lika_biss_request_decode(0x800D4000U, &request)": OK, "lika_biss_request_decode(0x800D4001U, &request)": 3, "lika_biss_request_decode(0x800D6000U, &request)": 3,
+    "lika_biss_request_decode(0x800D4000U, &request)": OK,
+    "lika_biss_request_decode(0x800D4001U, &request)": 3,
+    "lika_biss_request_decode(0x800D6000U, &request)": 3,
     # CDS that never changes; S that is not answered yet.
-    "lika_biss_answer_decode(&request, 0xFFFFFFFFU, bytes, bytes)": 4, "lika_biss_answer_decode(&request, 0x80008000U, bytes, bytes)": 5,
+    "lika_biss_answer_decode(&request, 0xFFFFFFFFU, bytes, bytes)": 4,
+    "lika_biss_answer_decode(&request, 0x80008000U, bytes, bytes)": 5,
     # Nobody wants a byte or has stored one; phases that there are not.
     "(lika_biss_slave_give(&slave, 0x55U), lika_biss_slave_stored(&slave), slave.given || slave.sending != 0U)": 0,
-    "(slave.phase = (lika_biss_phase)9, lika_biss_slave_next(&slave, false, true))": 1, "(slave.phase = (lika_biss_phase)9, lika_biss_slave_next(&slave, false, false))": 0,
-    "(master.phase = (lika_biss_phase)9, lika_biss_master_next(&master, true))": 0, "master.phase": 0,
-    **{f"lika_{family}_ssi_clock_limit_hz({metres}U)": hertz for family in FAMILIES for metres, hertz in CABLES.items()},
-}  # fmt: skip
+    "(slave.phase = (lika_biss_phase)9, lika_biss_slave_next(&slave, false, true))": 1,
+    "(slave.phase = (lika_biss_phase)9, lika_biss_slave_next(&slave, false, false))": 0,
+    "(master.phase = (lika_biss_phase)9, lika_biss_master_next(&master, true))": 0,
+    "master.phase": 0,
+    **{
+        f"lika_{family}_ssi_clock_limit_hz({metres}U)": hertz for family in FAMILIES for metres, hertz in CABLES.items()
+    },
+}
 
 PROGRAM = """#include "lika/am36.h"
 #include "lika/amm5.h"
@@ -267,9 +369,15 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("calls", [HELPERS, FUNCTIONS], ids=["helpers", "functions"])
 def test_functions_at_their_ends(calls: Mapping[str, int], include: Path, tmp_path: Path) -> None:
     body = "".join(f'    printf("%lld\\n", (long long)({call}));\n' for call in calls)
-    program = compile_c(["gcc", "-std=c99", "-Wno-unused", "-fsanitize=undefined", "-fno-sanitize-recover=all"], PROGRAM.replace("@body@", body), tmp_path, include)
+    program = compile_c(
+        ["gcc", "-std=c99", "-Wno-unused", "-fsanitize=undefined", "-fno-sanitize-recover=all"],
+        PROGRAM.replace("@body@", body),
+        tmp_path,
+        include,
+    )
     printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
-    assert dict(zip(calls, map(int, printed))) == calls
+    assert dict(zip(calls, map(int, printed), strict=True)) == calls

@@ -1,4 +1,4 @@
-"""The control frames of BiSS C in C: published words, and masters and slaves in C and Python against each other, bit by bit."""
+"""BiSS C's control frames in C: published words; masters and slaves in C and Python against each other, bitwise."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 from biss_line import Line, Memory, PythonMaster, PythonSlave, ssi_only
-from c_harness import compile_c
+from c_harness import GCC, SANITIZED, MadeOnce, compile_c
 from codewheel.model import Device
 from codewheel.targets import Library, TargetError
-from codewheel.targets.c import generate
+from codewheel.targets.c.files import generate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -114,7 +114,8 @@ int main(void)
                 const lika_result result = lika_biss_request_encode(&request, &word);
                 printf("%d %lu\n", (int)result, (unsigned long)word);
             } else {
-                const lika_biss_outcome outcome = lika_biss_answer_decode(&request, (uint32_t)number(), &counted, &value);
+                const lika_biss_outcome outcome =
+                    lika_biss_answer_decode(&request, (uint32_t)number(), &counted, &value);
                 printf("%d %u %u\n", (int)outcome, counted, value);
             }
         } else if (verb == 'D') {
@@ -140,12 +141,15 @@ Ask = Callable[..., list[int]]
 
 
 @pytest.fixture(scope="session")
-def ask(include: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ask]:
+def ask(include: Path, made_once: MadeOnce) -> Iterator[Ask]:
     """Asks the program, in which undefined behaviour is watched."""
-    command = ["gcc", "-std=c99", "-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
-    program = compile_c(command, PROGRAM, tmp_path_factory.mktemp("biss"), include)
-    with subprocess.Popen([str(program)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as process:
-        assert process.stdin is not None and process.stdout is not None
+    command = [*GCC, "-O1", *SANITIZED]
+    program = made_once("biss", lambda folder: compile_c(command, PROGRAM, folder, include)) / "program"
+    with subprocess.Popen(
+        [str(program)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
         into, out = process.stdin, process.stdout
 
         def asked(*items: object) -> list[int]:
@@ -193,7 +197,9 @@ class CMaster:
 
 
 class CSlave:
-    def __init__(self, ask: Ask, number: int, readable: Sequence[int] = range(128), writable: Sequence[int] = range(128)) -> None:
+    def __init__(
+        self, ask: Ask, number: int, readable: Sequence[int] = range(128), writable: Sequence[int] = range(128)
+    ) -> None:
         self.ask, self.number, self.wants, self.address, self.value = ask, number, "NOTHING", 0, 0
         self.slave_id: int | None = None
         for address in range(128):
@@ -218,12 +224,17 @@ PAIRS = [("c", "c"), ("c", "python"), ("python", "c")]
 
 @pytest.fixture(scope="session")
 def build(ask: Ask, biss: Any) -> Build:
-    """A line with a master and a chain of slaves in these languages; every register of a slave holds its own address."""
+    """A line with a master and slaves in these languages; every register of a slave holds its own address."""
 
-    def built(languages: tuple[str, str] = ("c", "c"), chain: int = 1, delay: int = 0, **allowed: Sequence[int]) -> Line:
+    def built(
+        languages: tuple[str, str] = ("c", "c"), chain: int = 1, delay: int = 0, **allowed: Sequence[int]
+    ) -> Line:
         ask("i")
         master: Any = CMaster(ask) if languages[0] == "c" else PythonMaster(biss)
-        slaves = [CSlave(ask, number, **allowed) if languages[1] == "c" else PythonSlave(biss, **allowed) for number in range(chain)]
+        slaves = [
+            CSlave(ask, number, **allowed) if languages[1] == "c" else PythonSlave(biss, **allowed)
+            for number in range(chain)
+        ]
         return Line(master, slaves, [Memory({address: address for address in range(128)}, delay) for _ in range(chain)])
 
     return built
@@ -233,7 +244,7 @@ def bits_of(text: str) -> list[int]:
     return [int(bit) for bit in text.replace(" ", "")]
 
 
-# ------------------------------------------------------------------------------------------------------------------- words
+# ---------------------------------------------------------------------------------------------------------------- words
 
 
 def test_the_published_words(ask: Ask, vectors: list[dict[str, Any]]) -> None:
@@ -246,14 +257,18 @@ def test_the_published_words(ask: Ask, vectors: list[dict[str, Any]]) -> None:
     # The one that is printed wrong, the same with its CRC put right, and what it has to be.
     assert ask("D", 0x8C13C194) == [RESULTS.index("CRC"), 0x5A, 0x5A, 1, 0x5A]
     assert ask("D", 0x8C17C194) == [RESULTS.index("CONSTANT"), 0x5A, 0x5A, 1, 0x5A]
-    assert ask("D", 0x8C16C194) == [0, 0, 0x60, 1, 6] and ask("e", 0, 0x60, 1, 6) == [0, 0x8C16C194]
+    assert ask("D", 0x8C16C194) == [0, 0, 0x60, 1, 6]
+    assert ask("e", 0, 0x60, 1, 6) == [0, 0x8C16C194]
 
 
 def test_words_and_bytes_on_paper(ask: Ask) -> None:
     # The arithmetic stands beside the same words in the tests of the Python module.
-    assert ask("e", 0, 0, 0, 0) == [0, 0x800D4000] and ask("e", 5, 0x7F, 1, 0xFF) == [0, 0xDFFEFFEC]
+    assert ask("e", 0, 0, 0, 0) == [0, 0x800D4000]
+    assert ask("e", 5, 0x7F, 1, 0xFF) == [0, 0xDFFEFFEC]
     assert [ask("b", value)[0] for value in (0x00, 0x01, 0x40, 0x80, 0xFF)] == [0x00F, 0x01C, 0x408, 0x801, 0xFFB]
-    assert ask("B", 0x408) == [0, 0x40] and ask("B", 0x409) == [RESULTS.index("CRC"), 0xA5] and ask("B", 0x1408) == [RESULTS.index("LENGTH"), 0xA5]
+    assert ask("B", 0x408) == [0, 0x40]
+    assert ask("B", 0x409) == [RESULTS.index("CRC"), 0xA5]
+    assert ask("B", 0x1408) == [RESULTS.index("LENGTH"), 0xA5]
 
 
 def test_what_is_no_request(ask: Ask) -> None:
@@ -282,7 +297,11 @@ READ_40 = 0b1000000000000000_10_1_01000000_1000_0
 
 
 @settings(deadline=None)
-@given(cds=st.integers(0, (1 << 32) - 1) | st.integers(0, 31).map(lambda bit: READ_40 ^ 1 << bit), slave_id=st.integers(0, 7), value=st.none() | st.integers(0, 255))
+@given(
+    cds=st.integers(0, (1 << 32) - 1) | st.integers(0, 31).map(lambda bit: READ_40 ^ 1 << bit),
+    slave_id=st.integers(0, 7),
+    value=st.none() | st.integers(0, 255),
+)
 def test_any_answer_as_in_python(ask: Ask, biss: Any, cds: int, slave_id: int, value: int | None) -> None:
     found = biss.Answer.decode(biss.Request(slave_id, 0x44, value), cds)
     expected = [OUTCOMES.index(found.outcome.name), found.slaves, 0xA5 if found.value is None else found.value]
@@ -296,22 +315,27 @@ def test_answers_on_paper(ask: Ask) -> None:
     assert ask("A", 0, 0x44, 1, 0x40, READ_40 ^ 3 << 14) == [OUTCOMES.index("DONE"), 1, 0xA5]
 
 
-# ---------------------------------------------------------------------------------------------------------------- bit by bit
+# ----------------------------------------------------------------------------------------------------------- bit by bit
 
 
 def test_a_read_written_out(build: Build) -> None:
     line = build()
     line.master.read(0x40, 1, 0, 0)
-    assert line.run() == "DONE" and line.master.data == b"\x40" and line.master.slaves == 1
+    assert line.run() == "DONE"
+    assert line.master.data == b"\x40"
+    assert line.master.slaves == 1
     # CTS, address 40h: x^14 + x^10 = 1001 + 0111 = 1110, inverted 0001.
-    assert line.cdm[:46] == bits_of("00000000000000 1  1 000 1000000 0001 1 0 1  000000000000 0") and not any(line.cdm[46:])
-    assert line.cds[:47] == bits_of("00000000000000 0  1000000000000000 1 0 1 01000000 1000 0") and not any(line.cds[47:])
+    assert line.cdm[:46] == bits_of("00000000000000 1  1 000 1000000 0001 1 0 1  000000000000 0")
+    assert not any(line.cdm[46:])
+    assert line.cds[:47] == bits_of("00000000000000 0  1000000000000000 1 0 1 01000000 1000 0")
+    assert not any(line.cds[47:])
 
 
 def test_a_sequence_of_writes_written_out(build: Build) -> None:
     line = build()
     line.master.write(0x60, b"\x06\x80", 0, 0)
-    assert line.run() == "DONE" and line.memories[0].writes == [(0x60, 0x06), (0x61, 0x80)]
+    assert line.run() == "DONE"
+    assert line.memories[0].writes == [(0x60, 0x06), (0x61, 0x80)]
     assert line.cdm[:60] == bits_of("00000000000000 1  1 000 1100000 1011 0 1 1  00000110 0101 0 1  10000000 0001 0")
     assert line.cds[15:61] == bits_of("1000000000000000 0 1 1  00000110 0101 0 1  10000000 0001 0")
 
@@ -358,7 +382,11 @@ def test_one_flipped_bit_as_in_python(build: Build, languages: tuple[str, str]) 
     for write in (False, True):
         for of_cds in (False, True):
             for frame in range(0, 62, 1 if languages == ("c", "c") else 5):
-                assert story(languages, write, frame, of_cds) == story(("python", "python"), write, frame, of_cds), (write, of_cds, frame)
+                assert story(languages, write, frame, of_cds) == story(("python", "python"), write, frame, of_cds), (
+                    write,
+                    of_cds,
+                    frame,
+                )
 
 
 @pytest.mark.parametrize("chain", [1, 2, 8, 9, 11])
@@ -366,29 +394,40 @@ def test_id_lock(build: Build, chain: int) -> None:
     line = build(chain=chain)
     for slave_id in range(8):
         line.master.write(0x20, bytes([slave_id]), slave_id, 0)
-        assert line.run() == ("DONE" if slave_id < chain else "NO_ANSWER") and line.master.slaves == min(chain, 9)
+        assert line.run() == ("DONE" if slave_id < chain else "NO_ANSWER")
+        assert line.master.slaves == min(chain, 9)
     assert [slave.slave_id for slave in reversed(line.slaves)] == [*range(min(chain, 8)), *[None] * (chain - 8)]
-    assert [memory.writes for memory in reversed(line.memories)] == [[(0x20, number)] if number < 8 else [] for number in range(chain)]
+    assert [memory.writes for memory in reversed(line.memories)] == [
+        [(0x20, number)] if number < 8 else [] for number in range(chain)
+    ]
 
 
 def test_all_registers_at_once(build: Build) -> None:
     for start in (0x00, 0x40):
         line = build()
         line.master.read(start, 64, 0, 0)
-        assert line.run() == "DONE" and line.master.data == bytes(range(start, start + 64))
+        assert line.run() == "DONE"
+        assert line.master.data == bytes(range(start, start + 64))
         line.master.write(start, bytes(64), 0, 0)
-        assert line.run() == "DONE" and line.memories[0].writes == [(start + index, 0) for index in range(64)]
+        assert line.run() == "DONE"
+        assert line.memories[0].writes == [(start + index, 0) for index in range(64)]
 
 
-@pytest.mark.parametrize(("address", "count"), [(0, 0), (0, 65), (0x3F, 2), (0x40, 65), (0x7F, 2), (0x20, 33), (128, 1), (255, 1), (0, 2**32 + 1), (0, 2**63)])
-def test_sequences_past_the_end_are_refused_before_anything_is_sent(ask: Ask, build: Build, address: int, count: int) -> None:
+@pytest.mark.parametrize(
+    ("address", "count"),
+    [(0, 0), (0, 65), (0x3F, 2), (0x40, 65), (0x7F, 2), (0x20, 33), (128, 1), (255, 1), (0, 2**32 + 1), (0, 2**63)],
+)
+def test_sequences_past_the_end_are_refused_before_anything_is_sent(
+    ask: Ask, build: Build, address: int, count: int
+) -> None:
     line = build()
     assert ask("r", 0, address, count, 0) == [RESULTS.index("RANGE")] == ask("r", 8, 0, 1, 0)
     if count <= 65:
         assert ask("w", 0, address, 0, count, *[0] * count) == [RESULTS.index("RANGE")]
     for _ in range(40):
         line.frame()
-    assert line.master.outcome == "IDLE" and not any(line.cdm)
+    assert line.master.outcome == "IDLE"
+    assert not any(line.cdm)
 
 
 def test_given_up_at_every_bit(build: Build) -> None:
@@ -401,11 +440,12 @@ def test_given_up_at_every_bit(build: Build) -> None:
         line.master.abort()
         assert line.master.outcome == ("DONE" if over else "ABORTED")
         line.master.read(0x44, 1, 0, 0)
-        assert line.run() == "DONE" and line.master.data == b"\x44"
+        assert line.run() == "DONE"
+        assert line.master.data == b"\x44"
 
 
 def test_what_a_slave_allows(ask: Ask, build: Build) -> None:
-    """Eleven registers to read; the last of them and one more only to write; four in the middle neither. Every address is tried."""
+    """Eleven registers to read; the last and one more to write; four in the middle neither. Every address is tried."""
     line = build(readable=(), writable=())
     assert ask("l", 0, 0x43, 11, 1, 0) == ask("l", 0, 0x4D, 2, 0, 1) == ask("l", 0, 0x45, 4, 0, 0) == [0]
     read, written = [], []
@@ -414,12 +454,15 @@ def test_what_a_slave_allows(ask: Ask, build: Build) -> None:
         read += [address] if line.run() == "DONE" else []
         line.master.write(address, b"\x00", 0, 0)
         written += [address] if line.run() == "DONE" else []
-    assert read == [0x43, 0x44, 0x49, 0x4A, 0x4B, 0x4C] and written == [0x4D, 0x4E]
+    assert read == [0x43, 0x44, 0x49, 0x4A, 0x4B, 0x4C]
+    assert written == [0x4D, 0x4E]
 
 
 def test_what_a_slave_cannot_allow(ask: Ask) -> None:
     ask("i")
-    assert ask("l", 0, 0x7F, 2, 1, 1) == ask("l", 0, 128, 0, 1, 1) == ask("l", 0, 0, 129, 1, 1) == [RESULTS.index("RANGE")]
+    assert (
+        ask("l", 0, 0x7F, 2, 1, 1) == ask("l", 0, 128, 0, 1, 1) == ask("l", 0, 0, 129, 1, 1) == [RESULTS.index("RANGE")]
+    )
     assert ask("l", 0, 0, 128, 1, 1) == ask("l", 0, 0x7F, 1, 0, 0) == [0]
 
 
@@ -436,13 +479,18 @@ def test_whatever_is_written_is_read_again(build: Build, data: st.DataObject) ->
         assert line.run() == "DONE"
         held |= {address + index: byte for index, byte in enumerate(content)}
         line.master.read(address, len(content), 0, 5)
-        assert line.run() == "DONE" and line.master.data == content and line.memories[0].registers == held
+        assert line.run() == "DONE"
+        assert line.master.data == content
+        assert line.memories[0].registers == held
 
 
-# -------------------------------------------------------------------------------------------------------------------- header
+# --------------------------------------------------------------------------------------------------------------- header
 
 
-@pytest.mark.parametrize("command", ["gcc -std=c99", "gcc -std=c17", "g++ -x c++ -std=c++11", "clang -std=c99", "clang -x c++ -std=c++17"])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command", ["gcc -std=c99", "gcc -std=c17", "g++ -x c++ -std=c++11", "clang -std=c99", "clang -x c++ -std=c++17"]
+)
 def test_no_warning(command: str, include: Path, tmp_path: Path) -> None:
     if shutil.which(command.split()[0]) is None:
         pytest.skip(f"{command.split()[0]} is not installed")
@@ -453,7 +501,8 @@ def test_no_warning(command: str, include: Path, tmp_path: Path) -> None:
 def test_only_where_a_family_speaks_biss(amm5: Device, tmp_path: Path) -> None:
     assert "c/include/lika/biss.h" in generate(Library((amm5,)))
     files = generate(Library((ssi_only(tmp_path),)))
-    assert "c/include/test/encoder.h" in files and not any(path.endswith("/biss.h") for path in files)
+    assert "c/include/test/encoder.h" in files
+    assert not any(path.endswith("/biss.h") for path in files)
 
 
 @pytest.mark.parametrize("name", ["biss", "encoder"])

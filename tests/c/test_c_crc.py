@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from c_harness import Run, compile_c, devices_of, runner, source, write
-from codewheel import codec
-from codewheel.crc import compute_bits
+from c_harness import MadeOnce, Run, devices_of, program_over
 from codewheel.model import Device
+from codewheel.reference import codec
+from codewheel.reference.crc import compute_bits, compute_bytes
 from codewheel.targets import Library
-from codewheel.targets.c import generate
+from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.files import generate
+from codewheel.targets.python.files import generate as python_files
 from test_c_codec import Table, check, on_the_wire, round_trips
 
 #: Check values of the catalogue, over the digits 1 to 9, of the CRCs over bytes.
@@ -35,10 +38,8 @@ def crcs() -> Device:
 
 
 @pytest.fixture(scope="module", params=FORMS)
-def run_form(request: pytest.FixtureRequest, crcs: Device, tmp_path_factory: pytest.TempPathFactory) -> Run:
-    folder = tmp_path_factory.mktemp("form")
-    command = ["gcc", "-std=c99", "-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all", *FORMS[request.param]]
-    return runner(compile_c(command, source(crcs), folder, write(folder, (crcs,))))
+def run_form(request: pytest.FixtureRequest, crcs: Device, made_once: MadeOnce) -> Run:
+    return program_over(crcs, made_once, f"crcs {request.param}", *FORMS[request.param])
 
 
 def test_check_values_of_the_catalogue(run_form: Run) -> None:
@@ -47,7 +48,9 @@ def test_check_values_of_the_catalogue(run_form: Run) -> None:
 
 def test_words_are_encoded_and_decoded(crcs: Device, run_form: Run) -> None:
     pairs = round_trips(Table(crcs))
-    assert {line.split()[2] for line, _ in pairs if " decode word_" in line} == {layout.name for layout in crcs.interface("biss").layouts}
+    assert {line.split()[2] for line, _ in pairs if " decode word_" in line} == {
+        layout.name for layout in crcs.interface("biss").layouts
+    }
     check(run_form, pairs)
 
 
@@ -70,8 +73,11 @@ def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
     random_ = random.Random(name)
     pairs = []
     for digits in range(1, 17):
-        for number in (0, (1 << 4 * digits) - 1, *(random_.getrandbits(4 * digits) for _ in range(4))):
-            pairs.append((f"CASC crc {name} {number:0{digits}X}", f"0 {compute_bits(crcs.crc(name), number, 4 * digits)}"))
+        bits = 4 * digits
+        pairs += [
+            (f"CASC crc {name} {number:0{digits}X}", f"0 {compute_bits(crcs.crc(name), number, bits)}")
+            for number in (0, (1 << bits) - 1, *(random_.getrandbits(bits) for _ in range(4)))
+        ]
     check(run_form, pairs)
 
 
@@ -80,3 +86,24 @@ def test_what_a_table_brings(crcs: Device) -> None:
     text = generate(Library((crcs,)))["c/include/test/crcs.h"]
     assert text.count("#ifndef TEST_CRC_BITWISE\n/* The table of CRC ") == 15
     assert text.count("#ifdef TEST_CRC_TABLE\n/* The table of CRC ") == 2
+
+
+def test_crcs_without_a_frame_are_carried_as_in_python(
+    every_device: Mapping[str, Device], programs: Mapping[str, Run]
+) -> None:
+    """Reflected input means something for bytes only, and whole bytes suggest bytes; all others are over bits."""
+    device = every_device["shapes"]
+    module = next(text for name, text in python_files(Library((device,))).items() if name.endswith("/shapes.py"))
+    carried = {
+        crc.crc.name: crc.function.carrier.value for crc in DeviceView(device).crcs if crc.crc.name.startswith("unused")
+    }
+    assert carried == {"unused_5": "bits", "unused_8": "bytes", "unused_reflected_4": "bytes"}
+    for name, style in carried.items():
+        arguments = {"bits": "number: int, bits: int", "bytes": "data: bytes"}[style]
+        assert f"def crc_{name}({arguments}) -> int:" in module
+    data = b"123456789"
+    found = {name: compute_bytes(device.crc(name), data) for name in ("unused_8", "unused_reflected_4")}
+    pairs = [(f"WBSC crc {name} {data.hex()}", f"0 {value}") for name, value in found.items()]
+    check(
+        programs["shapes"], [*pairs, ("WBSC crc unused_5 ABC", f"0 {compute_bits(device.crc('unused_5'), 0xABC, 12)}")]
+    )

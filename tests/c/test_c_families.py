@@ -1,4 +1,4 @@
-"""Every family of the library in C against the model: worked examples, procedures, order codes, positions, identification, run-time state."""
+"""Every family in C against the model: worked examples, procedures, order codes, positions, identity, held values."""
 
 from __future__ import annotations
 
@@ -8,15 +8,36 @@ from typing import Literal
 
 import pytest
 from c_harness import Run, functions
-from codewheel import codec
-from codewheel.examples import decode_example, example_variant
-from codewheel.expressions import Expression
-from codewheel.model import Device, Example, Field, Measurement, Procedure, Register, Variant, Write
-from codewheel.order_codes import UnknownOrderCode, find
-from codewheel.procedures import register_writes
-from codewheel.run_time import RegisterError, with_registers
-from codewheel.targets.c_device import DeviceView
-from codewheel.targets.c_order_codes import written_out
+from codewheel.build.examples import decode_example, example_variant
+from codewheel.model import (
+    CrcExample,
+    Device,
+    Example,
+    Field,
+    FrameExample,
+    MeasureExample,
+    Measurement,
+    ModifyStep,
+    PollStep,
+    Procedure,
+    ProcedureExample,
+    ReadStep,
+    Register,
+    RegisterExample,
+    SendStep,
+    Variant,
+    WaitStep,
+    Write,
+    WriteStep,
+    assert_never,
+)
+from codewheel.model.expressions import Expression
+from codewheel.reference import codec
+from codewheel.reference.order_codes import UnknownOrderCode, find
+from codewheel.reference.procedures import register_writes
+from codewheel.reference.run_time import RegisterError, with_registers
+from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.order_codes import written_out
 from test_c_codec import FAULTS, Table, check, register_bytes, run_time_variants
 
 Family = tuple[Device, Run]
@@ -34,20 +55,29 @@ def test_every_worked_example(family: Family) -> None:
 
 
 def example_lines(table: Table, example: Example) -> Iterable[tuple[str, str]]:
-    device, data = table.device, example.bytes.hex().upper()
+    device = table.device
     variant = example_variant(device, example)
-    if example.kind == "crc":
-        yield f"{variant.code} crc {example.crc} {data}", f"0 {example.check}"
-    elif example.kind == "measure":
-        yield f"{variant.code} measure {measuring(device, variant)}micrometres {example.counts}", f"0 {example.micrometres}"
-    elif example.kind == "procedure":
-        procedure = device.procedure(example.procedure)
-        given = [example.arguments[item.name] for item in procedure.arguments]
-        yield f"{variant.code} steps {procedure.name} {' '.join(f'{value:X}' for value in given)}", steps_text(device, procedure, variant, example.arguments)
-    elif example.kind == "register":
-        yield from register_lines(table, variant, device.register(example.register), example.bytes)
-    else:
-        yield frame_line(table, variant, example)
+    match example:
+        case CrcExample():
+            yield f"{variant.code} crc {example.crc} {example.bytes.hex().upper()}", f"0 {example.check}"
+        case MeasureExample():
+            yield (
+                f"{variant.code} measure {measuring(device, variant)}micrometres {example.counts}",
+                f"0 {example.micrometres}",
+            )
+        case ProcedureExample():
+            procedure = device.procedure(example.procedure)
+            given = [example.arguments[item.name] for item in procedure.arguments]
+            yield (
+                f"{variant.code} steps {procedure.name} {' '.join(f'{value:X}' for value in given)}",
+                steps_text(device, procedure, variant, example.arguments),
+            )
+        case RegisterExample():
+            yield from register_lines(table, variant, device.register(example.register), example.bytes)
+        case FrameExample():
+            yield frame_line(table, variant, example)
+        case _:
+            assert_never(example)
 
 
 def register_lines(table: Table, variant: Variant, register: Register, data: bytes) -> Iterable[tuple[str, str]]:
@@ -55,7 +85,8 @@ def register_lines(table: Table, variant: Variant, register: Register, data: byt
     if name not in table.members:
         # One byte that says all: no struct. What the model decodes is what the byte is.
         decoded = codec.decode(table.device, register.layout.place(variant.parameters), data[0])
-        assert not decoded.problems and decoded.fields[0].raw == data[0]
+        assert not decoded.problems
+        assert decoded.fields[0].raw == data[0]
         yield f"{variant.code} find", f"{variant.code} 0"
         return
     placed = register.layout.place(variant.parameters)
@@ -65,7 +96,7 @@ def register_lines(table: Table, variant: Variant, register: Register, data: byt
         yield f"{variant.code} encode {name} {row}", f"0 {data.hex().upper()}"
 
 
-def frame_line(table: Table, variant: Variant, example: Example) -> tuple[str, str]:
+def frame_line(table: Table, variant: Variant, example: FrameExample) -> tuple[str, str]:
     decoded = decode_example(table.device, example, variant)
     name = decoded.layout.name if decoded.layout is not None else ""
     wire = f"{int(example.bits, 2):X}" if example.bits else example.bytes.hex().upper()
@@ -76,12 +107,16 @@ def frame_line(table: Table, variant: Variant, example: Example) -> tuple[str, s
 
 
 def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
-    """F0 00 00h is the highest offset at 50 µm (6.4 p.32); the position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
+    """F0 00 00h is the highest offset at 50 µm (6.4 p.32).
+    The position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
     device, run = family
     if device.name != "sma21":
         return
     frame = "F0007BE4"
-    given = [f"SMA21-SC1-0050{state} decode single_cycle_data {frame}" for state in ("", ";configuration=20", ";configuration=22")]
+    given = [
+        f"SMA21-SC1-0050{state} decode single_cycle_data {frame}"
+        for state in ("", ";configuration=20", ";configuration=22")
+    ]
     assert run(given)[:2] == [str(FAULTS["constant"])] * 2
     assert run(given)[2] == f"0 {0xF0007B} 0 0"
 
@@ -106,7 +141,12 @@ def test_procedures_take_the_steps_of_the_model(family: Family) -> None:
             if variant.interface == procedure.interface:
                 for given in arguments(device, procedure, variant):
                     numbers = " ".join(f"{given[item.name]:X}" for item in procedure.arguments)
-                    pairs.append((f"{variant.code} steps {procedure.name} {numbers}".rstrip(), steps_text(device, procedure, variant, given)))
+                    pairs.append(
+                        (
+                            f"{variant.code} steps {procedure.name} {numbers}".rstrip(),
+                            steps_text(device, procedure, variant, given),
+                        )
+                    )
     check(run, pairs)
     answers = {expected.split(" ")[0] for _, expected in pairs}
     assert answers == ({"0", "4"} if any(item.arguments for item in device.procedures) else {"0"})
@@ -117,11 +157,17 @@ def arguments(device: Device, procedure: Procedure, variant: Variant) -> Iterabl
     possible = {}
     for item in procedure.arguments:
         register = device.register(item.of)
-        low, high = (bound.value(variant.parameters) if bound is not None else None for bound in device.limits(register, item.meant_as))
-        power = register.layout.fields[0].power_of_two
+        low, high = (
+            bound.value(variant.parameters) if bound is not None else None
+            for bound in device.limits(register, item.meant_as)
+        )
+        power = register.layout.fields[0].number.power_of_two
         high = high if high is not None else (1 << 8 * register.length) - 1
         inside = [low or 1, high] if power else [low or 0, (low or 0) + 1, high, high // 3]
-        possible[item.name] = [value for value in inside if value <= high], [value for value in ((low or 0) - 1, high + 1, 3 if power else -1) if 0 <= value < 1 << 64]
+        possible[item.name] = (
+            [value for value in inside if value <= high],
+            [value for value in ((low or 0) - 1, high + 1, 3 if power else -1) if 0 <= value < 1 << 64],
+        )
     yield {name: inside[0] for name, (inside, _) in possible.items()}
     for name, (inside, outside) in possible.items():
         sizes = 8 * device.register(next(item.of for item in procedure.arguments if item.name == name)).length
@@ -137,21 +183,33 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
         return str(FAULTS["range"])
     rows = []
     for step in procedure.steps:
-        if step.do == "wait":
-            rows.append((2, 0, 0, 0, 0, step.microseconds))
-        elif step.do == "send":
-            rows.append((3, 0, 255, step.request[0], step.times, step.microseconds))
-        else:
-            register = device.register(step.register)
-            mask = register_mask(register, step.field)
-            number = writes_number(writes, register) if step.do == "write" else register_value(register, step.field, step.value or 0)
-            for index in range(register.length):
-                bits, value = (data.to_bytes(register.length, order(register))[index] for data in (mask, number))
-                if step.do == "read":
-                    rows.append((4, register.address + index, 255, 0, 1, 0))
-                elif bits:
-                    rows.append(({"write": 1, "poll": 5}[step.do], register.address + index, bits, value & bits, 1, 0))
+        match step:
+            case WaitStep():
+                rows.append((2, 0, 0, 0, 0, step.microseconds))
+            case SendStep():
+                rows.append((3, 0, 255, step.request[0], step.times, step.microseconds))
+            case ReadStep():
+                register = device.register(step.register)
+                rows += [(4, register.address + index, 255, 0, 1, 0) for index in range(register.length)]
+            case PollStep():
+                register = device.register(step.register)
+                value = step.value << register.layout.field(step.field).low.constant
+                rows += byte_rows(5, register, register_mask(register, step.field), value)
+            case WriteStep() | ModifyStep():
+                register = device.register(step.register)
+                mask = register_mask(register, step.field if isinstance(step, ModifyStep) else "")
+                rows += byte_rows(1, register, mask, writes_number(writes, register))
+            case _:
+                assert_never(step)
     return " ".join(["0", *(",".join(map(str, row)) for row in rows)])
+
+
+def byte_rows(kind: int, register: Register, mask: int, number: int) -> Iterable[tuple[int, ...]]:
+    """The bytes of a register that a step touches."""
+    data = zip(register.bytes_of(mask), register.bytes_of(number), strict=True)
+    for address, (bits, value) in enumerate(data, register.address):
+        if bits:
+            yield kind, address, bits, value & bits, 1, 0
 
 
 def order(register: Register) -> Literal["little", "big"]:
@@ -163,10 +221,6 @@ def register_mask(register: Register, name: str) -> int:
         return (1 << 8 * register.length) - 1
     field = register.layout.field(name)
     return ((1 << field.widest) - 1) << field.low.constant
-
-
-def register_value(register: Register, name: str, value: int) -> int:
-    return value << register.layout.field(name).low.constant if name else value
 
 
 def writes_number(writes: list[Write], register: Register) -> int:
@@ -182,12 +236,26 @@ def labels(device: Device, random_: random.Random) -> Iterable[str]:
     """Every order code, right and wrong in one place, with what may follow it and what may not."""
     for variant in device.variants:
         code = variant.code
-        yield from (code, code.lower(), f"{code}-", f"{code}-X1/S123", f"{code}/S12b", f"{code}/S", f"{code}/S1-2", f"{code}/T1", f"{code}0", code[:-1])
+        yield from (
+            code,
+            code.lower(),
+            f"{code}-",
+            f"{code}-X1/S123",
+            f"{code}/S12b",
+            f"{code}/S",
+            f"{code}/S1-2",
+            f"{code}/T1",
+            f"{code}0",
+            code[:-1],
+        )
         for index in range(len(code)):
             yield code[:index] + random_.choice("0123456789ABCX/-") + code[index + 1 :]
     parts = device.order_code.parts
     for _ in range(400):
-        chosen = {part.name: random_.choice([*(value.text for value in part.values), *samples_of(part.open, random_)]) for part in parts}
+        chosen = {
+            part.name: random_.choice([*(value.text for value in part.values), *samples_of(part.open, random_)])
+            for part in parts
+        }
         text = device.order_code.pattern
         for name, value in chosen.items():
             text = text.replace("{" + name + "}", value)
@@ -196,17 +264,22 @@ def labels(device: Device, random_: random.Random) -> Iterable[str]:
         for _ in range(200):
             text = spelling.pattern
             for part in parts:
-                own = [item.text for item in spelling.values if item.part == part.name] or [*(value.text for value in part.values), *samples_of(part.open, random_)]
+                own = [item.text for item in spelling.values if item.part == part.name] or [
+                    *(value.text for value in part.values),
+                    *samples_of(part.open, random_),
+                ]
                 text = text.replace("{" + part.name + "}", random_.choice(own))
             yield text + random_.choice(["", "1", "2", "12", "-abc", "3-abc", "X"])
 
 
 def samples_of(expression: str, random_: random.Random) -> list[str]:
-    found = []
-    for pattern in written_out(expression) if expression else ():
-        for _ in range(3):
-            found.append("".join(random_.choice("0123456789") if letter == "#" else random_.choice(["", *"0123456789"]) if letter == "~" else letter for letter in pattern))
-    return found
+    """Texts that an expression describes: digits for ``#``, and for ``~`` one or none."""
+    choices = {"#": [*"0123456789"], "~": ["", *"0123456789"]}
+    return [
+        "".join(random_.choice(choices.get(letter, [letter])) for letter in pattern)
+        for pattern in (written_out(expression) if expression else ())
+        for _ in range(3)
+    ]
 
 
 def test_order_codes_are_found_as_in_the_model(family: Family) -> None:
@@ -221,20 +294,38 @@ def test_order_codes_are_found_as_in_the_model(family: Family) -> None:
             pairs.append((f"{label} find", "-"))
             continue
         listed = {name: text for name, text in match.variant.parts.items() if name not in match.unlisted}
-        stands_for = next(item for item in device.variants if all(item.parts[name] == text for name, text in listed.items()))
+        stands_for = next(
+            item for item in device.variants if all(item.parts[name] == text for name, text in listed.items())
+        )
         pairs.append((f"{label} find", f"{stands_for.code} {sum(1 << names.index(name) for name in match.unlisted)}"))
-        assert stands_for.parameters == match.variant.parameters and stands_for.interface == match.variant.interface
+        assert stands_for.parameters == match.variant.parameters
+        assert stands_for.interface == match.variant.interface
     answers = run(line for line, _ in pairs)
-    wrong = [(line, expected, answer) for (line, expected), answer in zip(pairs, answers) if answer.removesuffix(" 0" if expected == "-" else "\0") != expected]
+    wrong = [
+        (line, expected, answer)
+        for (line, expected), answer in zip(pairs, answers, strict=True)
+        if answer.removesuffix(" 0" if expected == "-" else "\0") != expected
+    ]
     assert not wrong, wrong[:5]
     assert bool(names) == any(not expected.endswith((" 0", "-")) for _, expected in pairs)
 
 
 @pytest.mark.parametrize(
     ("expression", "patterns"),
-    [("[0-9]", ("#",)), ("[0-9]{2}", ("##",)), ("[0-9]{1,5}", ("#~~~~",)), ("17", ("17",)), ("A|[A-Z]{2}|B[0-9]?", ("@@", "B~", "A")), ("[0-9]{1,2}K", ("##K", "#K")),
-     (r"\d[0-9A-Z]", ("#%",)), ("(a|b)", ()), ("[^0]", ()), ("[0-9]*", ()), (".", ())],
-)  # fmt: skip
+    [
+        ("[0-9]", ("#",)),
+        ("[0-9]{2}", ("##",)),
+        ("[0-9]{1,5}", ("#~~~~",)),
+        ("17", ("17",)),
+        ("A|[A-Z]{2}|B[0-9]?", ("@@", "B~", "A")),
+        ("[0-9]{1,2}K", ("##K", "#K")),
+        (r"\d[0-9A-Z]", ("#%",)),
+        ("(a|b)", ()),
+        ("[^0]", ()),
+        ("[0-9]*", ()),
+        (".", ()),
+    ],
+)
 def test_open_parts_are_written_out(expression: str, patterns: tuple[str, ...]) -> None:
     assert written_out(expression) == patterns
 
@@ -244,7 +335,11 @@ def test_open_parts_are_written_out(expression: str, patterns: tuple[str, ...]) 
 
 def measuring(device: Device, variant: Variant) -> str:
     """What comes before the name of a function of positions: the interface, where interfaces measure differently."""
-    formulas = {formula(item) for item in map(device.measurement_of, (interface.kind for interface in device.interfaces)) if item is not None}
+    formulas = {
+        formula(item)
+        for item in map(device.measurement_of, (interface.name for interface in device.interfaces))
+        if item is not None
+    }
     return "" if len(formulas) == 1 else f"{variant.interface}_"
 
 
@@ -260,7 +355,11 @@ def test_positions_mean_what_the_model_says(family: Family) -> None:
         measurement = device.measurement_of(variant.interface)
         assert measurement is not None
         start = f"{variant.code} measure {measuring(device, variant)}"
-        parts = {name: item.value(variant.parameters) for name, item in zip(("per_turn", "turns", "um", "steps"), formula(measurement)) if item is not None}
+        parts = {
+            name: item.value(variant.parameters)
+            for name, item in zip(("per_turn", "turns", "um", "steps"), formula(measurement), strict=True)
+            if item is not None
+        }
         modulus = parts["steps"] if "steps" in parts else parts["per_turn"] * parts["turns"]
         pairs.append((f"{start}modulus", f"0 {modulus}"))
         for position in (0, 1, modulus - 1, modulus // 2, random_.randrange(modulus)):
@@ -269,21 +368,40 @@ def test_positions_mean_what_the_model_says(family: Family) -> None:
                 pairs.append((f"{start}millimetres {-position}", f"0 {-position * parts['um'] / 1000 + 0.0:.17g}"))
             else:
                 pairs.append((f"{start}turns {position}", f"0 {position / parts['per_turn']:.17g}"))
-                pairs.append((f"{start}degrees {position}", f"0 {position % parts['per_turn'] * 360 / parts['per_turn']:.17g}"))
-            for before in (0, 1, modulus - 1, modulus // 2, (position + modulus // 2) % modulus, random_.randrange(modulus)):
+                pairs.append(
+                    (f"{start}degrees {position}", f"0 {position % parts['per_turn'] * 360 / parts['per_turn']:.17g}")
+                )
+            for before in (
+                0,
+                1,
+                modulus - 1,
+                modulus // 2,
+                (position + modulus // 2) % modulus,
+                random_.randrange(modulus),
+            ):
                 nearest = (position - before + modulus // 2) % modulus - modulus // 2
                 pairs.append((f"{start}position_difference {position} {before}", f"0 {nearest}"))
     check(run, pairs)
 
 
 def test_a_turn_has_two_to_the_n_counts(programs: Mapping[str, Run]) -> None:
-    lines = ["AMM5A17/1BG1 measure degrees 65536", "AMM5A17/1BG1 measure turns 131071", "AMM5A17/1BG1 measure position_difference 2 131070", "AMM5A17/1BG1 measure position_difference 131070 2"]
+    lines = [
+        "AMM5A17/1BG1 measure degrees 65536",
+        "AMM5A17/1BG1 measure turns 131071",
+        "AMM5A17/1BG1 measure position_difference 2 131070",
+        "AMM5A17/1BG1 measure position_difference 131070 2",
+    ]
     assert programs["amm5"](lines) == ["0 180", f"0 {131071 / 131072:.17g}", "0 4", "0 -4"]
 
 
 def test_revolutions_that_are_no_power_of_two_roll_over_where_they_end(programs: Mapping[str, Run]) -> None:
     state = "AM3616/4096-I7;number_of_revolutions=07d0;singleturn_bits_used=0d"
-    lines = [f"{state} measure biss_modulus", f"{state} measure biss_position_difference 5 {2000 * 8192 - 1}", "AM3616/4096-I7 measure ssi_modulus", "AM3616/4096-I7 measure biss_modulus"]
+    lines = [
+        f"{state} measure biss_modulus",
+        f"{state} measure biss_position_difference 5 {2000 * 8192 - 1}",
+        "AM3616/4096-I7 measure ssi_modulus",
+        "AM3616/4096-I7 measure biss_modulus",
+    ]
     assert programs["am36"](lines) == [f"0 {2000 * 8192}", "0 6", f"0 {1 << 28}", f"0 {1 << 36}"]
 
 
@@ -294,12 +412,22 @@ def test_small_functions_agree_with_their_expressions(family: Family) -> None:
     for register in device.registers:
         bounds = {f"reg_{register.name}_min": register.min, f"reg_{register.name}_max": register.max}
         for meaning in register.meanings:
-            bounds |= {f"reg_{register.name}_{meaning.name}_min": meaning.min, f"reg_{register.name}_{meaning.name}_max": meaning.max}
+            bounds |= {
+                f"reg_{register.name}_{meaning.name}_min": meaning.min,
+                f"reg_{register.name}_{meaning.name}_max": meaning.max,
+            }
         wanted |= {name: bound for name, bound in bounds.items() if bound is not None and not bound.is_constant}
     view = DeviceView(device)
     assert set(wanted) <= {item.name.removeprefix(view.prefix + "_") for item in functions(view)}
     variants = (*device.variants, *run_time_variants(device))
-    check(run, [(f"{variant.code} measure {name}", f"0 {item.value(variant.parameters)}") for variant in variants for name, item in wanted.items()])
+    check(
+        run,
+        [
+            (f"{variant.code} measure {name}", f"0 {item.value(variant.parameters)}")
+            for variant in variants
+            for name, item in wanted.items()
+        ],
+    )
 
 
 # -- identification
@@ -309,15 +437,19 @@ def test_candidates_are_the_order_codes_that_read_so(family: Family) -> None:
     device, run = family
     view = DeviceView(device)
     (identity,) = view.identities
-    registers = [device.register(member.code.split(" ")[1].partition("[")[0]) for member in identity.members]
+    registers = [item.register for item in identity.compared]
     pairs = []
     variants = [item for item in device.variants if item.interface == registers[0].interface]
     for variant in variants:
         read = [identity_bytes(register, variant) for register in registers]
-        same = [item.code for item in variants if all(identity_bytes(register, item) == data for register, data in zip(registers, read))]
+        same = [
+            item.code
+            for item in variants
+            if all(identity_bytes(register, item) == data for register, data in zip(registers, read, strict=True))
+        ]
         assert variant.code in same
         pairs.append((f"{variant.code} candidates of {' '.join(data.hex() for data in read)}", " ".join(["0", *same])))
-        for index, register in enumerate(registers):
+        for index in range(len(registers)):
             wrong = [*read[:index], bytes([read[index][0] ^ 1, *read[index][1:]]), *read[index + 1 :]]
             pairs.append((f"{variant.code} candidates of {' '.join(data.hex() for data in wrong)}", "0"))
     check(run, pairs)
@@ -346,16 +478,24 @@ def test_the_profile_id_tells_the_resolution(programs: Mapping[str, Run]) -> Non
 # -- run-time state
 
 
-def test_registers_are_taken_over_as_in_the_model(programs: Mapping[str, Run], every_device: Mapping[str, Device]) -> None:
+def test_registers_are_taken_over_as_in_the_model(
+    programs: Mapping[str, Run], every_device: Mapping[str, Device]
+) -> None:
     for name in ("am36", "sma21", "words"):
         device = every_device[name]
         random_ = random.Random(name)
         pairs = []
         held_by = {item.register for item in device.run_time_parameters}
         assert held_by
-        variant = next(item for item in device.variants if item.interface == device.register(next(iter(held_by))).interface)
+        variant = next(
+            item for item in device.variants if item.interface == device.register(next(iter(held_by))).interface
+        )
         for register in map(device.register, sorted(held_by)):
-            texts = [random_.randbytes(register.length) for _ in range(40)] + [register_bytes(device, register, random_) for _ in range(10)] + [bytes(register.length), b"\xff" * register.length]
+            texts = (
+                [random_.randbytes(register.length) for _ in range(40)]
+                + [register_bytes(device, register, random_) for _ in range(10)]
+                + [bytes(register.length), b"\xff" * register.length]
+            )
             for data in texts:
                 try:
                     with_registers(device, variant, {register.address + index: byte for index, byte in enumerate(data)})
@@ -375,27 +515,45 @@ def test_a_shorter_frame_after_a_new_resolution(programs: Mapping[str, Run]) -> 
         state = f"AM3616/4096-I7;configuration={configuration};singleturn_bits_used=0d;multiturn_bits_used=04"
         (encoded,) = run([f"{state} encode single_cycle_data 5 77 {position}"])
         word = int(encoded.split()[1], 16)
-        assert word >> 8 == sent and word >> 6 & 3 == 3
-        assert run([f"{state} decode single_cycle_data {word:X}", f"{state} decode single_cycle_data {word | 1 << 25:X}"]) == [f"0 5 77 {position}", "1"]
+        assert word >> 8 == sent
+        assert word >> 6 & 3 == 3
+        assert run(
+            [f"{state} decode single_cycle_data {word:X}", f"{state} decode single_cycle_data {word | 1 << 25:X}"]
+        ) == [f"0 5 77 {position}", "1"]
 
 
 # -- single words of the language
 
 
 def test_only_powers_of_two_are_encoded(programs: Mapping[str, Run]) -> None:
-    lines = [f"AM3616/4096-I7 encode reg_information_per_revolution {value}" for value in (0, 1, 3, 4096, 0x100000, 0x200000)]
+    lines = [
+        f"AM3616/4096-I7 encode reg_information_per_revolution {value}" for value in (0, 1, 3, 4096, 0x100000, 0x200000)
+    ]
     assert [answer.split()[0] for answer in programs["am36"](lines)] == ["4", "0", "4", "0", "0", "4"]
 
 
 def test_zero_stands_for_65536_revolutions(programs: Mapping[str, Run]) -> None:
-    lines = ["AM3616/4096-I7 decode reg_number_of_revolutions 0000", "AM3616/4096-I7 encode reg_number_of_revolutions 65536", "AM3616/4096-I7 encode reg_number_of_revolutions 0"]
+    lines = [
+        "AM3616/4096-I7 decode reg_number_of_revolutions 0000",
+        "AM3616/4096-I7 encode reg_number_of_revolutions 65536",
+        "AM3616/4096-I7 encode reg_number_of_revolutions 0",
+    ]
     assert programs["am36"](lines) == ["0 65536", "0 0000", "4 0000"]
 
 
 def test_preset_and_offset_have_limits_of_their_own(programs: Mapping[str, Run]) -> None:
     """0FFFFFh and F00000h at 50 um; 01FFFFFFh and 0 at 1 um."""
-    lines = [f"SMA21-SC1-{code} steps {name} {value:X}" for code, name, value in (
-        ("0050", "set_preset", 0xFFFFF), ("0050", "set_preset", 0x100000), ("0050", "set_offset", 0xF00000), ("0050", "set_offset", 0xF00001),
-        ("0001", "set_preset", 0x1FFFFFF), ("0001", "set_preset", 0x2000000), ("0001", "set_offset", 0), ("0001", "set_offset", 1),
-    )]  # fmt: skip
+    lines = [
+        f"SMA21-SC1-{code} steps {name} {value:X}"
+        for code, name, value in (
+            ("0050", "set_preset", 0xFFFFF),
+            ("0050", "set_preset", 0x100000),
+            ("0050", "set_offset", 0xF00000),
+            ("0050", "set_offset", 0xF00001),
+            ("0001", "set_preset", 0x1FFFFFF),
+            ("0001", "set_preset", 0x2000000),
+            ("0001", "set_offset", 0),
+            ("0001", "set_offset", 1),
+        )
+    ]
     assert [answer[0] for answer in programs["sma21"](lines)] == ["0", "4", "0", "4", "0", "4", "0", "4"]

@@ -1,4 +1,4 @@
-"""What makes the C folder a package, and its example programs: files that their readers can read, whatever a spec says, and programs that run."""
+"""The C folder as a package: files that their readers can read, whatever a spec says, and example programs that run."""
 
 from __future__ import annotations
 
@@ -14,22 +14,47 @@ import yaml
 from c_harness import WARNINGS
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.c import generate
-from codewheel.targets.c_package import bare
+from codewheel.targets.c.files import generate
+from codewheel.targets.c.package import bare
 
-HOSTILE = 'x */ " \' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/'
+HOSTILE = "x */ \" ' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/"
 
-#: What each program prints of the worked examples in the manuals: AM36 6.5, AMM5 6.4, ASC85 6.4, SMA21 4.1, 6.4, 6.6.2 and 7.3.3; the reply to the
-#: AMM5 is one that another T-format receiver printed (20 C7 D1 6A 5E: 6AD1C7h is 7,000,519).
+#: What each program prints of the worked examples in the manuals:
+#: AM36 6.5, AMM5 6.4, ASC85 6.4, SMA21 4.1, 6.4, 6.6.2 and 7.3.3;
+#: the reply to the AMM5 is one that another T-format receiver printed (20 C7 D1 6A 5E: 6AD1C7h is 7,000,519).
 PRINTED = {
-    "am36_biss": ["Preset 50h: 00 00 01 86 A0\n  position: 100000\n", "Information per revolution 4Bh: 10 00 00\n  steps: 1048576\n", "Number of revolutions 4Eh: 00 00\n  revolutions: 65536\n", "  counting_direction: 0 (0 CW, 1 CCW)\n  output_code: 1 (0 Gray, 1 Binary)\n  enable_preset: 0 (0 Enable, 1 Disable)\n"],
+    "am36_biss": [
+        "Preset 50h: 00 00 01 86 A0\n  position: 100000\n",
+        "Information per revolution 4Bh: 10 00 00\n  steps: 1048576\n",
+        "Number of revolutions 4Eh: 00 00\n  revolutions: 65536\n",
+        (
+            "  counting_direction: 0 (0 CW, 1 CCW)\n  output_code: 1 (0 Gray, 1 Binary)\n"
+            "  enable_preset: 0 (0 Enable, 1 Disable)\n"
+        ),
+    ],
     "am36_ssi": ["that is 90.000 degrees\n"],
-    "amm5_biss": ["Preset 11h: 00 30 24 F4 00 00 00\n", "  position: 1000003\n", "Serial number 44h: 0A E8 69 EE\n  serial: 183003630\n  year: 18\n  week: 30\n  number: 3630\n"],
-    "amm5_rs485": ["singleturn: 7000519\n  the encoder reports a fault: the position is not to be used\n", "Reset all errors\n  send BA\n  wait 40 us\n  send BA\n", "send BA\n  wait 2000 us\n"],
+    "amm5_biss": [
+        "Preset 11h: 00 30 24 F4 00 00 00\n",
+        "  position: 1000003\n",
+        "Serial number 44h: 0A E8 69 EE\n  serial: 183003630\n  year: 18\n  week: 30\n  number: 3630\n",
+    ],
+    "amm5_rs485": [
+        "singleturn: 7000519\n  the encoder reports a fault: the position is not to be used\n",
+        "Reset all errors\n  send BA\n  wait 40 us\n  send BA\n",
+        "send BA\n  wait 2000 us\n",
+    ],
     "amm5_ssi": ["that is 90.000 degrees\n"],
-    "asc85_biss": ["Profile ID 42h: 28 1A\n", "Serial number 44h: 0A 35 2C 0E\n  serial: 171256846\n", "  name: AS85\n"],
+    "asc85_biss": [
+        "Profile ID 42h: 28 1A\n",
+        "Serial number 44h: 0A 35 2C 0E\n  serial: 171256846\n",
+        "  name: AS85\n",
+    ],
     "asc85_ssi": ["that is 90.000 degrees\n"],
-    "sma21_biss": ["  write 50: 00\n  write 51: 01\n  write 52: 86\n  write 53: A0\n  write 48: 02\n  wait 30000 us\n", "position: 123\n", "that is 6.150 mm\n"],
+    "sma21_biss": [
+        "  write 50: 00\n  write 51: 01\n  write 52: 86\n  write 53: A0\n  write 48: 02\n  wait 30000 us\n",
+        "position: 123\n",
+        "that is 6.150 mm\n",
+    ],
     "sma21_rs485": ["position: 5517840\n", "send DA\n"],
     "sma21_ssi": ["position: 1569\n", "that is 1.569 mm\n"],
 }
@@ -44,10 +69,20 @@ def written(folder: Path, devices: tuple[Device, ...]) -> Path:
 
 
 def ran(root: Path, name: str) -> tuple[int, str]:
-    """Compiles an example with all warnings as errors, undefined behaviour watched; gives its exit status and what it prints."""
+    """Compiles an example, all warnings errors, undefined behaviour watched; gives its exit status and output."""
     program = root / name
-    command = ["gcc", "-std=c99", *WARNINGS, "-Wno-cast-qual", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{root}/include"]
-    made = subprocess.run([*command, str(root / "examples" / f"{name}.c"), "-o", str(program)], capture_output=True, text=True)
+    command = [
+        "gcc",
+        "-std=c99",
+        *WARNINGS,
+        "-Wno-cast-qual",
+        "-fsanitize=address,undefined",
+        "-fno-sanitize-recover=all",
+        f"-I{root}/include",
+    ]
+    made = subprocess.run(
+        [*command, str(root / "examples" / f"{name}.c"), "-o", str(program)], capture_output=True, text=True
+    )
     assert made.returncode == 0, made.stderr[:3000]
     done = subprocess.run([str(program)], capture_output=True, text=True, timeout=60)
     return done.returncode, done.stdout + done.stderr
@@ -62,6 +97,7 @@ def test_there_is_a_program_for_every_interface(package: Path) -> None:
     assert sorted(path.stem for path in (package / "examples").iterdir()) == sorted(PRINTED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRINTED)
 def test_a_program_prints_what_the_manual_prints(name: str, package: Path) -> None:
     status, text = ran(package, name)
@@ -70,6 +106,7 @@ def test_a_program_prints_what_the_manual_prints(name: str, package: Path) -> No
         assert part in text
 
 
+@pytest.mark.slow
 def test_a_program_looks_at_the_error_bit(package: Path) -> None:
     """A made up frame of AMM5 without an error is a quarter of a turn; with its error bit 0, no angle is made of it."""
     path = package / "examples" / "amm5_biss.c"
@@ -84,7 +121,9 @@ def test_a_program_looks_at_the_error_bit(package: Path) -> None:
         status, printed = ran(package, "amm5_biss_faulty")
     finally:
         faulty.unlink()
-    assert status == 0 and "the position is not to be used" in printed and "degrees" not in printed
+    assert status == 0
+    assert "the position is not to be used" in printed
+    assert "degrees" not in printed
 
 
 def crc_of(data: int, bits: int) -> int:
@@ -96,6 +135,7 @@ def crc_of(data: int, bits: int) -> int:
     return found ^ 0x3F
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bits22", "words", "tv62"])
 def test_programs_of_other_devices_run(name: str, every_device: Mapping[str, Device], tmp_path: Path) -> None:
     root = written(tmp_path, (every_device[name],))
@@ -109,7 +149,11 @@ def test_the_lines_fit_and_are_ascii(package: Path) -> None:
     for path in package.rglob("*"):
         if path.is_file() and path.suffix in (".c", ".txt", ".cmake", ".pc", ".yml", ".json"):
             lines = path.read_text(encoding="ascii").splitlines()
-            assert [line for line in lines if line != line.rstrip() or (path.suffix == ".c" and len(line) > 100 and "http" not in line)] == []
+            assert [
+                line
+                for line in lines
+                if line != line.rstrip() or (path.suffix == ".c" and len(line) > 100 and "http" not in line)
+            ] == []
 
 
 def poisoned(device: Device) -> Device:
@@ -120,18 +164,23 @@ def poisoned(device: Device) -> Device:
     return replace(device, title=HOSTILE, manufacturer=maker, registers=registers, procedures=procedures)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hostile", [False, True])
-def test_the_manifests_are_what_their_readers_expect(hostile: bool, c_devices: tuple[Device, ...], tmp_path: Path) -> None:
+def test_the_manifests_are_what_their_readers_expect(
+    hostile: bool, c_devices: tuple[Device, ...], tmp_path: Path
+) -> None:
     devices = tuple(map(poisoned, c_devices)) if hostile else c_devices
     root = written(tmp_path, devices)
     library = json.loads((root / "library.json").read_text())
     assert (library["name"], library["version"], library["license"]) == ("lika-encoders", "0.1.0", "0BSD")
     assert library["build"] == {"includeDir": "include", "srcFilter": "-<*>"}
-    assert all((root / "include" / name).is_file() for name in library["headers"]) and len(library["headers"]) == 4
+    assert all((root / "include" / name).is_file() for name in library["headers"])
+    assert len(library["headers"]) == 4
     assert all((root / item["base"] / name).is_file() for item in library["examples"] for name in item["files"])
     module = yaml.safe_load((root / "zephyr" / "module.yml").read_text())
     assert module == {"name": "lika-encoders", "build": {"cmake": "zephyr", "kconfig": "zephyr/Kconfig"}}
-    assert (root / module["build"]["cmake"] / "CMakeLists.txt").is_file() and (root / module["build"]["kconfig"]).is_file()
+    assert (root / module["build"]["cmake"] / "CMakeLists.txt").is_file()
+    assert (root / module["build"]["kconfig"]).is_file()
     kconfig = (root / "zephyr" / "Kconfig").read_text()
     assert re.fullmatch(r'config LIKA_ENCODERS\n\tbool "[A-Za-z0-9 .,:/+&-]+"\n\thelp\n(\t  .+\n)+', kconfig)
     assert "CONFIG_LIKA_ENCODERS" in (root / "zephyr" / "CMakeLists.txt").read_text()
@@ -139,6 +188,7 @@ def test_the_manifests_are_what_their_readers_expect(hostile: bool, c_devices: t
         assert ran(root, "amm5_biss")[0] == 0
 
 
+@pytest.mark.slow
 def test_several_manufacturers_share_a_package(every_device: Mapping[str, Device], tmp_path: Path) -> None:
     root = written(tmp_path, (every_device["amm5"], every_device["tv62"]))
     makers = sorted({every_device[name].manufacturer.name for name in ("amm5", "tv62")})
@@ -150,6 +200,9 @@ def test_without_any_device_there_is_no_package() -> None:
     assert generate(Library(())) == {}
 
 
-@pytest.mark.parametrize("text, expected", [("Lika Electronic", "Lika Electronic"), (HOSTILE, "x / HOME shell s 1 : - a e /"), ("a\nb", "a b")])
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("Lika Electronic", "Lika Electronic"), (HOSTILE, "x / HOME shell s 1 : - a e /"), ("a\nb", "a b")],
+)
 def test_nothing_in_a_bare_text_means_anything(text: str, expected: str) -> None:
     assert bare(text) == expected

@@ -1,4 +1,4 @@
-"""The headers as their reader has them: laid out as code is, with everything of the manual where its own name leads to it."""
+"""The headers as their reader has them: laid out as code is, everything of the manual under its own name."""
 
 from __future__ import annotations
 
@@ -10,49 +10,102 @@ import pytest
 from c_harness import FAMILIES, write
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.c import generate
+from codewheel.targets.c.files import generate
 
 #: How far from the manual's name its value may stand, in lines: on the same screen.
 _NEAR = 20
 
-#: Names as the manuals print them, and what their tables say: address, bit, value, limit or time. AM36 4.4, 6.5, 6.6; AMM5 5.3, 6.4, 6.5, 7.1 to 7.5;
-#: ASC85 6.4, 6.5; SMA21 6.3 to 6.5, 7.3. Where a bit has no constant of its own, it stands in the table of its frame.
+#: Names as the manuals print them, and what their tables say: address, bit, value, limit or time.
+#: AM36 4.4, 6.5, 6.6; AMM5 5.3, 6.4, 6.5, 7.1 to 7.5; ASC85 6.4, 6.5; SMA21 6.3 to 6.5, 7.3.
+#: Where a bit has no constant of its own, it stands in the table of its frame.
 PRINTED = {
     "am36": {
-        "Command": "_ADDRESS 0x48U", "Normal operational state": "= 0x00,", "Save parameters on EEPROM": "= 0x01,", "Save parameters and activate Preset": "= 0x02,",
-        "Load and save default parameters": "= 0x04", "Configuration": "_DEFAULT 0x20U", "Information per revolution": "4Bh to 4Dh, read and write", "Number of revolutions": "4Eh to 4Fh, read and write",
-        "bits used for singleturn resolution": "_DEFAULT 0x14U", "bits used for multiturn resolution": "_DEFAULT 0x10U", "Device type": "_DEFAULT 0x02U",
-        "Zero setting/Preset": "pulse: 100 us at least", "time-out after a frame": "_AT_MOST_NS 10000U", "highest clock": "BISS_CLOCK_MAX_HZ 10000000U",
+        "Command": "_ADDRESS 0x48U",
+        "Normal operational state": "= 0x00,",
+        "Save parameters on EEPROM": "= 0x01,",
+        "Save parameters and activate Preset": "= 0x02,",
+        "Load and save default parameters": "= 0x04",
+        "Configuration": "_DEFAULT 0x20U",
+        "Information per revolution": "4Bh to 4Dh, read and write",
+        "Number of revolutions": "4Eh to 4Fh, read and write",
+        "bits used for singleturn resolution": "_DEFAULT 0x14U",
+        "bits used for multiturn resolution": "_DEFAULT 0x10U",
+        "Device type": "_DEFAULT 0x02U",
+        "Zero setting/Preset": "Pulse: at least 100 us",
+        "Time-out": "_AT_MOST_NS 10000U",
+        "Clock": "BISS_CLOCK_MAX_HZ 10000000U",
     },
     "amm5": {
-        "Preset setting enable": "_ADDRESS 0x40U", "Save parameters": "= 0x01,", "Activate Preset": "= 0x02", "EEPROM": "_AT_LEAST_US 30000U", "Data ID 8": "0xC2U", "Data ID D": "0xEAU",
-        "Data ID 3": "0x1AU", "ENID": "0x23 by the manual", "PS error": "_MASK 0x20U /* in the alarm field, ALMC", "ST error": "_MASK 0x04U", "BUSY flag": "_BUSY_MASK 0x02U",
-        "Battery alarm": "_BELOW_MV 3150U", "MT error": "_BELOW_MV 3050U", "Tp": "_AT_LEAST_US 20U", "Baud rate": "2500000U", "Data bits": "8U", "Parity": "'N'", "Stop bits": "1U",
-        "MEM BUSY": "byte 1 bit 0", "Serial number": "_ADDRESS 0x44U", "Manufacturer ID": "_ADDRESS 0x7EU",
+        "Preset setting enable": "_ADDRESS 0x40U",
+        "Save parameters": "= 0x01,",
+        "Activate Preset": "= 0x02",
+        "EEPROM": "_AT_LEAST_US 30000U",
+        "Data ID 8": "0xC2U",
+        "Data ID D": "0xEAU",
+        "Data ID 3": "0x1AU",
+        "ENID": "Holds 23h",
+        "PS error": "_MASK 0x20U",
+        "ST error": "_MASK 0x04U",
+        "BUSY flag": "_BUSY_MASK 0x02U",
+        "Battery alarm": "_BELOW_MV 3150U",
+        "MT error": "_BELOW_MV 3050U",
+        "Tp": "_AT_LEAST_US 20U",
+        "Port": "2500000U",
+        "Data bits": "8U",
+        "Parity": "'N'",
+        "Stop bit": "1U",
+        "MEM BUSY": "MEM BUSY in bit 0, as the manual prints it",
+        "Serial number": "_ADDRESS 0x44U",
+        "Manufacturer ID": "_ADDRESS 0x7EU",
     },
     "asc85": {
-        "Diagnostic data": "_ADDRESS 0x5AU", "Request of new position data": "= 0x00,", "Write current configuration to EEPROM": "= 0x01,", "Trigger software reset": "= 0x03,",
-        "Error simulation: delete Error message status": "= 0x06", "Internal data bus busy": "_POLL, 0x60U, 0x04U", "Absolute data error": "_ERROR_MASK 0x40U",
-        "Synchronization error": "_ERROR_MASK 0x08U /* in Error register, 69h", "time-out after a frame at that clock": "350U", "Device ID": "_ADDRESS 0x78U", "Profile ID": "_DEFAULT 0x281AU",
+        "Diagnostic data": "_ADDRESS 0x5AU",
+        "Request of new position data": "= 0x00,",
+        "Write current configuration to EEPROM": "= 0x01,",
+        "Trigger software reset": "= 0x03,",
+        "Error simulation: delete Error message status": "= 0x06",
+        "Internal data bus busy": "_POLL, 0x60U, 0x04U",
+        "Absolute data error": "_ERROR_MASK 0x40U",
+        "Synchronization error": "_ERROR_MASK 0x08U",
+        "Time-out": "350U",
+        "Device ID": "_ADDRESS 0x78U",
+        "Profile ID": "_DEFAULT 0x281AU",
     },
     "sma21": {
-        "Comando": "_ADDRESS 0x48U", "Salva e attiva Preset / Offset": "= 0x02,", "Carica e salva tutti i parametri di default": "= 0x04", "Configurazione": "_DEFAULT 0x20U",
-        "Risoluzione assoluta": "_ADDRESS 0x4DU", "Tipo di dispositivo": "_DEFAULT 0x08U", "Risoluzione SENO-COSENO": "_ADDRESS 0x58U", "Controllo posizione": "_ADDRESS 0x59U",
-        "ENID1": "always 0x51", "Low amplitude error": "_MASK 0x20U", "Overspeed": "_MASK 0x01U", "Data ID B": "0xDAU", "Data ID F": "0x7AU", "ID Profilo": "_ADDRESS 0x42U",
+        "Comando": "_ADDRESS 0x48U",
+        "Salva e attiva Preset / Offset": "= 0x02,",
+        "Carica e salva tutti i parametri di default": "= 0x04",
+        "Configurazione": "_DEFAULT 0x20U",
+        "Risoluzione assoluta": "_ADDRESS 0x4DU",
+        "Tipo di dispositivo": "_DEFAULT 0x08U",
+        "Risoluzione SENO-COSENO": "_ADDRESS 0x58U",
+        "Controllo posizione": "_ADDRESS 0x59U",
+        "ENID1": "Always 51h",
+        "Low amplitude error": "_MASK 0x20U",
+        "Overspeed": "_MASK 0x01U",
+        "Data ID B": "0xDAU",
+        "Data ID F": "0x7AU",
+        "ID Profilo": "_ADDRESS 0x42U",
     },
-}  # fmt: skip
+}
 
 
 def near(text: str, name: str) -> list[str]:
     """Each place of a name with the lines around it."""
     lines = text.splitlines()
-    return ["\n".join(lines[max(index - _NEAR, 0) : index + _NEAR]) for index, line in enumerate(lines) if name.lower() in line.lower()]
+    return [
+        "\n".join(lines[max(index - _NEAR, 0) : index + _NEAR])
+        for index, line in enumerate(lines)
+        if name.lower() in line.lower()
+    ]
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_manuals_own_name_leads_to_the_value(family: str, include: Path) -> None:
     text = (include / "lika" / f"{family}.h").read_text(encoding="ascii")
-    missing = {name: value for name, value in PRINTED[family].items() if not any(value in place for place in near(text, name))}
+    missing = {
+        name: value for name, value in PRINTED[family].items() if not any(value in place for place in near(text, name))
+    }
     assert missing == {}
 
 
@@ -68,7 +121,9 @@ def test_bodies_are_indented(name: str, every_device: Mapping[str, Device], tmp_
 
 
 @pytest.mark.parametrize("name", [*FAMILIES, "words", "bits22", "tv62"])
-def test_nothing_is_shifted_by_nothing_octal_or_left_to_precedence(name: str, every_device: Mapping[str, Device], tmp_path: Path) -> None:
+def test_nothing_is_shifted_by_nothing_octal_or_left_to_precedence(
+    name: str, every_device: Mapping[str, Device], tmp_path: Path
+) -> None:
     for path in write(tmp_path, (every_device[name],)).rglob("*.h"):
         code = re.sub(r"/\*.*?\*/|\"[^\"]*\"", " ", path.read_text(encoding="ascii"), flags=re.DOTALL)
         assert re.findall(r"(?:<<|>>) 0U?\b.*", code) == []
@@ -77,26 +132,34 @@ def test_nothing_is_shifted_by_nothing_octal_or_left_to_precedence(name: str, ev
 
 
 def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
-    """ASC85 6.4: command 02 sets the status bit 1 and the error bit 6, command 01 the status bit 2; SMA21 6.4: bits 2 and 1 of the configuration."""
+    """ASC85 6.4: command 02 sets the status bit 1 and the error bit 6, command 01 the status bit 2.
+    SMA21 6.4: bits 2 and 1 of the configuration."""
     text = (include / "lika" / "asc85.h").read_text()
     assert re.search(r"/\* Absolute data valid: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U,", text)
     assert re.search(r"/\* Absolute data error: [^/]+\*/\n +\{ LIKA_STEP_READ, 0x69U,", text)
     assert re.search(r"/\* Internal data bus busy: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U,", text)
-    assert "/* Error register, Absolute data error: " in text
+    assert "/* Absolute data error of Error register: " in text
     text = (include / "lika" / "sma21.h").read_text()
-    assert re.search(r"/\* Configuration, Enable preset offset: enable \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text)
-    assert re.search(r"/\* Configuration, Select preset offset: preset \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U,", text)
+    assert re.search(
+        r"/\* Enable preset offset of Configuration: enable \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text
+    )
+    assert re.search(
+        r"/\* Select preset offset of Configuration: preset \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U,", text
+    )
 
 
-@pytest.mark.parametrize("names, there, absent", [
+@pytest.mark.parametrize(("names", "there", "absent"), [
     (["amm5"], ["`LIKA_CRC_TABLE`"], ["_CRC_BITWISE"]),
     (["words"], ["`TEST_CRC_TABLE`", "`TEST_CRC_BITWISE`"], ["LIKA_"]),
     (["amm5", "words"], ["`LIKA_CRC_TABLE` or `TEST_CRC_TABLE`", "`TEST_CRC_BITWISE`"], ["LIKA_CRC_BITWISE"]),
 ])  # fmt: skip
-def test_the_readme_names_the_macros_that_there_are(names: list[str], there: list[str], absent: list[str], every_device: Mapping[str, Device]) -> None:
+def test_the_readme_names_the_macros_that_there_are(
+    names: list[str], there: list[str], absent: list[str], every_device: Mapping[str, Device]
+) -> None:
     files = generate(Library(tuple(every_device[name] for name in names)))
     readme = files["c/README.md"]
-    assert [name for name in there if name not in readme] == [] and [name for name in absent if name in readme] == []
+    assert [name for name in there if name not in readme] == []
+    assert [name for name in absent if name in readme] == []
     headers = "".join(text for path, text in files.items() if path.endswith(".h"))
     assert all(macro in headers for macro in re.findall(r"`(\w+_CRC_\w+)`", readme))
 
@@ -107,8 +170,10 @@ def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[De
 
 
 def test_an_erratum_says_why_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
-    """A write to the EEPROM of AMM5 with the address where others have it reaches another one: the reason stands at its functions."""
+    """An AMM5 EEPROM write with the address where others have it reaches another one: the functions say so."""
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"#define LIKA_AMM5_{name}_LENGTH")[0].rpartition("/*")[2]
-        assert "MEM BUSY is bit 0 of the address field" in before and "Why: " in before and "a write destroys other data" in before
+        assert "MEM BUSY is bit 0 of the address field" in before
+        assert "Why: " in before
+        assert "a write destroys other data" in before

@@ -5,17 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from c_harness import Run, compile_c, devices_of, runner, source, write
+from c_harness import MadeOnce, Run, devices_of, program_over
 
 SPEC = Path(__file__).parent / "specs" / "edges.yaml"
 MAKER = SPEC.with_name("manufacturer.yaml")
 
 
 @pytest.fixture(scope="module")
-def edges(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    folder = tmp_path_factory.mktemp("edges")
-    devices = devices_of(SPEC, MAKER)
-    return runner(compile_c(["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"], source(devices[0]), folder, write(folder, devices)))
+def edges(made_once: MadeOnce) -> Run:
+    (device,) = devices_of(SPEC, MAKER)
+    return program_over(device, made_once, "edges")
 
 
 @pytest.mark.parametrize(("code", "bits"), [("EA", 0), ("EB", 7), ("EC", 63)])

@@ -1,7 +1,8 @@
-"""Registers by name and procedures through a transport: what the encoder sees, what comes back, and what is told when something fails.
+"""Registers by name and procedures through a transport: what the encoder sees, what comes back, what failure tells.
 
-Every record is written by hand from the manuals: the sections are named at each procedure. A line is ``STEP: ACCESS``; where an access is not the whole
-of its step, the step's kind stands before the colon, and its address where the access has none.
+Every record is written by hand from the manuals: the sections are named at each procedure.
+A line is ``STEP: ACCESS``; where an access is not the whole of its step, the step's kind stands before the colon,
+and its address where the access has none.
 """
 
 from __future__ import annotations
@@ -9,13 +10,27 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, devices_of
+from c_harness import FAMILIES
 from codewheel.model import Device
-from transport_harness import CONSTANT, LENGTH, OK, POLL, RANGE, READ, SEND, TIMEOUT, TRANSPORT, UNSUPPORTED, UNTOUCHED, WAIT, WRITE, Encoder, Machine, machine
+from transport_harness import (
+    CONSTANT,
+    LENGTH,
+    OK,
+    POLL,
+    RANGE,
+    READ,
+    SEND,
+    TIMEOUT,
+    TRANSPORT,
+    UNSUPPORTED,
+    UNTOUCHED,
+    WAIT,
+    WRITE,
+    Encoder,
+    Machine,
+)
 
 KINDS = {"w": WRITE, "wait": WAIT, "send": SEND, "r": READ, "write": WRITE, "poll": POLL}
 
@@ -69,7 +84,11 @@ def ten_times(request: str, first: int = 0) -> str:
 
 CASES = [
     # AMM5 6.4: the example of the manual, 1,000,003 with 21 bits; 30 ms after each command.
-    Case("amm5", "AMM5A21/65KSC1", "set_preset", """
+    Case(
+        "amm5",
+        "AMM5A21/65KSC1",
+        "set_preset",
+        """
         0: w 40 01
         1: w 11 00
         2: w 12 30
@@ -82,8 +101,14 @@ CASES = [
         9: w 77 01
         10: wait 30000
         11: w 77 02
-        12: wait 30000""", (1000003,)),
-    Case("amm5", "AMM5A21/65KSC1", "store_preset", """
+        12: wait 30000""",
+        (1000003,),
+    ),
+    Case(
+        "amm5",
+        "AMM5A21/65KSC1",
+        "store_preset",
+        """
         0: w 40 01
         1: w 11 00
         2: w 12 30
@@ -94,16 +119,23 @@ CASES = [
         7: w 17 00
         8: w 40 00
         9: w 77 01
-        10: wait 30000""", (1000003,)),
+        10: wait 30000""",
+        (1000003,),
+    ),
     Case("amm5", "AMM5A21/65KSC1", "save_parameters", "0: w 77 01\n1: wait 30000"),
     Case("amm5", "AMM5A21/65KSC1", "activate_preset", "0: w 77 02\n1: wait 30000"),
     # AMM5 7.3.1 has the control fields, 7.4.2 the times.
     Case("amm5", "AMM5A23/65KJP1", "reset_singleturn_and_multiturn", ten_times("C2") + "\n1: wait 18000"),
     Case("amm5", "AMM5A23/65KJP1", "reset_multiturn_and_errors", ten_times("62") + "\n1: wait 2000"),
     Case("amm5", "AMM5A23/65KJP1", "reset_errors", ten_times("BA") + "\n1: wait 2000"),
-    # AM36 6.5: 60h is the manual's example of the configuration, 100,000 that of the preset. Bit 2 of 49h at 0 enables the preset.
+    # AM36 6.5: 60h is the manual's example of the configuration, 100,000 that of the preset.
+    # Bit 2 of 49h at 0 enables the preset.
     Case("am36", "AM3616/4096-I7", "set_configuration", "0: w 49 60\n1: w 48 01\n2: wait 30000", (0x60,)),
-    Case("am36", "AM3616/4096-I7", "set_preset", """
+    Case(
+        "am36",
+        "AM3616/4096-I7",
+        "set_preset",
+        """
         0 write: r 49 1
         0: w 49 60
         1: w 50 00
@@ -112,8 +144,15 @@ CASES = [
         4: w 53 86
         5: w 54 A0
         6: w 48 02
-        7: wait 30000""", (100000,), ((0x49, 0x64),)),
-    Case("am36", "AM3616/4096-I7", "store_preset", """
+        7: wait 30000""",
+        (100000,),
+        ((0x49, 0x64),),
+    ),
+    Case(
+        "am36",
+        "AM3616/4096-I7",
+        "store_preset",
+        """
         0 write: r 49 1
         0: w 49 20
         1: w 50 00
@@ -122,12 +161,19 @@ CASES = [
         4: w 53 86
         5: w 54 A0
         6: w 48 01
-        7: wait 30000""", (100000,), ((0x49, 0x20),)),
+        7: wait 30000""",
+        (100000,),
+        ((0x49, 0x20),),
+    ),
     Case("am36", "AM3616/4096-I7", "save_parameters", "0: w 48 01\n1: wait 30000"),
     Case("am36", "AM3616/4096-I7", "activate_preset", "0: w 48 02\n1: wait 30000"),
     Case("am36", "AM3616/4096-I7", "restore_defaults", "0: w 48 04\n1: wait 30000"),
     # 4,096 = 001000h in 4Bh to 4Dh; 65,536 revolutions are written as 00 00; 1,000 = 3E8h.
-    Case("am36", "AM3616/4096-I7", "set_resolution", """
+    Case(
+        "am36",
+        "AM3616/4096-I7",
+        "set_resolution",
+        """
         0: w 4B 00
         1: w 4C 10
         2: w 4D 00
@@ -144,64 +190,140 @@ CASES = [
         12: w 54 E8
         13: w 48 02
         14: wait 30000
-        15: r 56 2""", (4096, 65536, 1000), ((0x49, 0x24), (0x56, 12), (0x57, 16)), reads="0C 10"),
-    Case("am36", "AM3616/4096-I7", "identify", """
+        15: r 56 2""",
+        (4096, 65536, 1000),
+        ((0x49, 0x24), (0x56, 12), (0x57, 16)),
+        reads="0C 10",
+    ),
+    Case(
+        "am36",
+        "AM3616/4096-I7",
+        "identify",
+        """
         0: r 7E 2
         2: r 78 6
         8: r 42 2
         10: r 55 1
         11: r 44 4
-        15: r 56 2""", reads="7E 7F 78 79 7A 7B 7C 7D 42 43 55 44 45 46 47 56 57"),
-    # ASC85 6.4: commands 00 to 06 in 60h, status bits 0 (position), 1 (absolute data), 2 (bus busy), 7 (configuration completed).
-    Case("asc85", "ASC8525/SC1", "request_position", """
+        15: r 56 2""",
+        reads="7E 7F 78 79 7A 7B 7C 7D 42 43 55 44 45 46 47 56 57",
+    ),
+    # ASC85 6.4: commands 00 to 06 in 60h, status bits 0 (position), 1 (absolute data), 2 (bus busy),
+    # 7 (configuration completed).
+    Case(
+        "asc85",
+        "ASC8525/SC1",
+        "request_position",
+        """
         0: w 60 00
         1 poll: r 60 1
         1 poll 60: wait 250
         1 poll: r 60 1
-        2: r 61 4""", status=(0xFE, 0x01), reads="61 62 63 64"),
-    Case("asc85", "ASC8525/SC1", "save_configuration", """
+        2: r 61 4""",
+        status=(0xFE, 0x01),
+        reads="61 62 63 64",
+    ),
+    Case(
+        "asc85",
+        "ASC8525/SC1",
+        "save_configuration",
+        """
         0: w 60 01
         1 poll: r 60 1
         1 poll 60: wait 250
         1 poll: r 60 1
-        2: r 69 1""", status=(0x04, 0xFB), reads="69"),
-    Case("asc85", "ASC8525/SC1", "read_absolute_data", """
+        2: r 69 1""",
+        status=(0x04, 0xFB),
+        reads="69",
+    ),
+    Case(
+        "asc85",
+        "ASC8525/SC1",
+        "read_absolute_data",
+        """
         0: w 60 02
         1 poll: r 60 1
         1 poll 60: wait 250
         1 poll: r 60 1
         1 poll 60: wait 250
         1 poll: r 60 1
-        2: r 69 1""", status=(0x01, 0xFD, 0x02), reads="69"),
-    Case("asc85", "ASC8525/SC1", "software_reset", """
+        2: r 69 1""",
+        status=(0x01, 0xFD, 0x02),
+        reads="69",
+    ),
+    Case(
+        "asc85",
+        "ASC8525/SC1",
+        "software_reset",
+        """
         0: w 60 03
         1 poll: r 60 1
         1 poll 60: wait 250
         1 poll: r 60 1
-        2: r 69 1""", status=(0x7F, 0x80), reads="69"),
-    Case("asc85", "ASC8525/SC1", "verify_configuration", "0: w 60 04\n1 poll: r 60 1\n2: r 69 1", status=(0x00,), reads="69"),
+        2: r 69 1""",
+        status=(0x7F, 0x80),
+        reads="69",
+    ),
+    Case(
+        "asc85",
+        "ASC8525/SC1",
+        "verify_configuration",
+        "0: w 60 04\n1 poll: r 60 1\n2: r 69 1",
+        status=(0x00,),
+        reads="69",
+    ),
     Case("asc85", "ASC8525/SC1", "simulate_error", "0: w 60 05\n1: r 60 1", status=(0x40,), reads="40"),
     Case("asc85", "ASC8525/SC1", "clear_simulated_error", "0: w 60 06\n1: r 60 1", status=(0x00,), reads="00"),
     # Reading out the position resets the messages.
-    Case("asc85", "ASC8525/SC1", "reset_errors", "0: r 69 1\n1: r 5A 1\n2: r 61 4\n6: r 69 1", reads="69 5A 61 62 63 64 69"),
-    Case("asc85", "ASC8525/SC1", "identify", "0: r 7E 2\n2: r 78 6\n8: r 42 6", reads="7E 7F 78 79 7A 7B 7C 7D 42 43 44 45 46 47"),
-    # SMA21 6.4 and 6.6: 60h and 100,000 are the manual's examples. In 49h bit 2 at 0 enables, bit 1 selects preset (0) or offset (1).
+    Case(
+        "asc85",
+        "ASC8525/SC1",
+        "reset_errors",
+        "0: r 69 1\n1: r 5A 1\n2: r 61 4\n6: r 69 1",
+        reads="69 5A 61 62 63 64 69",
+    ),
+    Case(
+        "asc85",
+        "ASC8525/SC1",
+        "identify",
+        "0: r 7E 2\n2: r 78 6\n8: r 42 6",
+        reads="7E 7F 78 79 7A 7B 7C 7D 42 43 44 45 46 47",
+    ),
+    # SMA21 6.4 and 6.6: 60h and 100,000 are the manual's examples.
+    # In 49h bit 2 at 0 enables, bit 1 selects preset (0) or offset (1).
     Case("sma21", "SMA21-SC1-0050", "set_configuration", "0: w 49 60\n1: w 48 01\n2: wait 30000", (0x60,)),
-    Case("sma21", "SMA21-SC1-0050", "set_preset", """
+    Case(
+        "sma21",
+        "SMA21-SC1-0050",
+        "set_preset",
+        """
         0: w 50 00
         1: w 51 01
         2: w 52 86
         3: w 53 A0
         4: w 48 02
-        5: wait 30000""", (100000,)),
-    Case("sma21", "SMA21-SC1-0050", "select_preset", """
+        5: wait 30000""",
+        (100000,),
+    ),
+    Case(
+        "sma21",
+        "SMA21-SC1-0050",
+        "select_preset",
+        """
         0 write: r 49 1
         0: w 49 62
         1 write: r 49 1
         1: w 49 60
         2: w 48 01
-        3: wait 30000""", (), ((0x49, 0x66),)),
-    Case("sma21", "SMA21-SC1-0050", "set_offset", """
+        3: wait 30000""",
+        (),
+        ((0x49, 0x66),),
+    ),
+    Case(
+        "sma21",
+        "SMA21-SC1-0050",
+        "set_offset",
+        """
         0 write: r 49 1
         0: w 49 20
         1 write: r 49 1
@@ -213,36 +335,33 @@ CASES = [
         6: w 52 00
         7: w 53 64
         8: w 48 02
-        9: wait 30000""", (100,), ((0x49, 0x24),)),
+        9: wait 30000""",
+        (100,),
+        ((0x49, 0x24),),
+    ),
     Case("sma21", "SMA21-SC1-0050", "save_parameters", "0: w 48 01\n1: wait 30000"),
     Case("sma21", "SMA21-SC1-0050", "restore_defaults", "0: w 48 04\n1: wait 30000"),
-    Case("sma21", "SMA21-SC1-0050", "identify", "0: r 7E 2\n2: r 78 6\n8: r 42 6", reads="7E 7F 78 79 7A 7B 7C 7D 42 43 44 45 46 47"),
+    Case(
+        "sma21",
+        "SMA21-SC1-0050",
+        "identify",
+        "0: r 7E 2\n2: r 78 6\n8: r 42 6",
+        reads="7E 7F 78 79 7A 7B 7C 7D 42 43 44 45 46 47",
+    ),
     # SMA21 7.3.1 has the control fields.
     Case("sma21", "SMA21-JP1-0005", "reset_errors", ten_times("DA")),
     Case("sma21", "SMA21-JP1-0005", "reset_position", ten_times("7A")),
-]  # fmt: skip
-
-
-@pytest.fixture(scope="session")
-def machines(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Machine]:
-    root = Path(__file__).resolve().parents[2]
-    example = {device.name: device for path in (root / "docs" / "example", root / "tests" / "specs" / "words.yaml") for device in devices_of(path)}
-
-    @cache
-    def made(name: str) -> Machine:
-        found: Mapping[str, Device] = {device.name: device for device in devices_of()} if name in FAMILIES else example
-        return machine(found[name], tmp_path_factory.mktemp(name))
-
-    return made
+]
 
 
 def case_name(case: Case) -> str:
     return f"{case.family}-{case.procedure}"
 
 
-def test_every_procedure_is_here(machines: Callable[[str], Machine]) -> None:
+def test_every_procedure_is_here(every_device: Mapping[str, Device]) -> None:
     listed = sorted((case.family, case.procedure) for case in CASES)
-    assert listed == sorted((name, item.name) for name in FAMILIES for item in machines(name).device.procedures) and len(listed) == 33
+    assert listed == sorted((name, item.name) for name in FAMILIES for item in every_device[name].procedures)
+    assert len(listed) == 33
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
@@ -281,7 +400,10 @@ def test_a_function_that_is_missing_is_told(case: Case, machines: Callable[[str]
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_who_does_not_ask_is_not_told(case: Case, machines: Callable[[str], Machine]) -> None:
     if not case.arguments:
-        assert machines(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1)) == TRANSPORT
+        assert (
+            machines(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1))
+            == TRANSPORT
+        )
 
 
 def test_a_poll_gives_up(machines: Callable[[str], Machine]) -> None:
@@ -297,7 +419,9 @@ def test_a_poll_without_a_bound_has_that_of_the_header(machines: Callable[[str],
     encoder = Encoder()
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x00)
     answer = machines("asc85").run("request_position", "ASC8525/SC1", (), encoder)
-    assert answer.result == TIMEOUT and answer.record.count("r 60 1") == 1000 and answer.record.count("wait 1000") == 999
+    assert answer.result == TIMEOUT
+    assert answer.record.count("r 60 1") == 1000
+    assert answer.record.count("wait 1000") == 999
 
 
 def test_a_poll_without_a_pause_does_not_wait(machines: Callable[[str], Machine]) -> None:
@@ -308,7 +432,7 @@ def test_a_poll_without_a_pause_does_not_wait(machines: Callable[[str], Machine]
 
 
 @pytest.mark.parametrize(
-    "family, code, procedure, arguments",
+    ("family", "code", "procedure", "arguments"),
     [
         ("amm5", "AMM5A21/65KSC1", "set_preset", (1 << 37,)),
         ("am36", "AM3616/4096-I7", "set_resolution", (4095, 1, 0)),
@@ -316,7 +440,9 @@ def test_a_poll_without_a_pause_does_not_wait(machines: Callable[[str], Machine]
         ("sma21", "SMA21-SC1-0001", "set_offset", (1,)),
     ],
 )
-def test_a_wrong_argument_touches_nothing(family: str, code: str, procedure: str, arguments: tuple[int, ...], machines: Callable[[str], Machine]) -> None:
+def test_a_wrong_argument_touches_nothing(
+    family: str, code: str, procedure: str, arguments: tuple[int, ...], machines: Callable[[str], Machine]
+) -> None:
     answer = machines(family).run(procedure, code, arguments)
     assert (answer.result, answer.failure, answer.record) == (RANGE, UNTOUCHED, [])
 
@@ -337,8 +463,10 @@ EXAMPLES = [
 ]
 
 
-@pytest.mark.parametrize("family, code, register, address, text", EXAMPLES)
-def test_a_register_is_read_by_name(family: str, code: str, register: str, address: int, text: str, machines: Callable[[str], Machine]) -> None:
+@pytest.mark.parametrize(("family", "code", "register", "address", "text"), EXAMPLES)
+def test_a_register_is_read_by_name(
+    family: str, code: str, register: str, address: int, text: str, machines: Callable[[str], Machine]
+) -> None:
     data = bytes.fromhex(text)
     encoder = Encoder()
     encoder.memory[address : address + len(data)] = data
@@ -349,8 +477,13 @@ def test_a_register_is_read_by_name(family: str, code: str, register: str, addre
     assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, READ, READ, address, 77), b"")
 
 
-@pytest.mark.parametrize("family, code, register, address, text", [item for item in EXAMPLES if item[2] in ("preset", "configuration", "number_of_revolutions", "preset_offset")])
-def test_a_register_is_written_by_name(family: str, code: str, register: str, address: int, text: str, machines: Callable[[str], Machine]) -> None:
+@pytest.mark.parametrize(
+    ("family", "code", "register", "address", "text"),
+    [item for item in EXAMPLES if item[2] in ("preset", "configuration", "number_of_revolutions", "preset_offset")],
+)
+def test_a_register_is_written_by_name(
+    family: str, code: str, register: str, address: int, text: str, machines: Callable[[str], Machine]
+) -> None:
     answer = machines(family).write(register, code, bytes.fromhex(text), Encoder())
     assert (answer.result, answer.failure, answer.record) == (OK, UNTOUCHED, [f"w {address:02X} {text}"])
     failed = machines(family).write(register, code, bytes.fromhex(text), Encoder(fail_at=0, error=77))
@@ -380,7 +513,9 @@ def test_there_is_a_function_for_every_access(family: str, machines: Callable[[s
     made = machines(family)
     for register in made.device.registers:
         assert hasattr(made.library, f"read_{register.name}") == (register.access != "write_only")
-        assert hasattr(made.library, f"write_{register.name}") == (register.access != "read_only" and not register.reserved)
+        assert hasattr(made.library, f"write_{register.name}") == (
+            register.access != "read_only" and not register.reserved
+        )
 
 
 def test_a_register_in_a_bank_has_it_selected_first(machines: Callable[[str], Machine]) -> None:
@@ -409,10 +544,16 @@ def test_the_identity_is_read_whole(family: str, machines: Callable[[str], Machi
     made, registers = machines(family), IDENTITIES[family]
     answer = made.identity(Encoder())
     assert (answer.result, answer.record) == (OK, [f"r {address} {length}" for address, length in registers])
-    assert answer.data == b"".join(bytes(range(int(address, 16), int(address, 16) + length)) for address, length in registers)
+    assert answer.data == b"".join(
+        bytes(range(int(address, 16), int(address, 16) + length)) for address, length in registers
+    )
     for index, (address, _) in enumerate(registers):
         failed = made.identity(Encoder(fail_at=index, error=-7))
-        assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (index, READ, READ, int(address, 16), -7), b"")
+        assert (failed.result, failed.failure, failed.data) == (
+            TRANSPORT,
+            (index, READ, READ, int(address, 16), -7),
+            b"",
+        )
 
 
 def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) -> None:
@@ -422,14 +563,22 @@ def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) ->
     for address, value in ((0x56, 12), (0x57, 4), (0x4E, 0), (0x4F, 16), (0x49, 0x20)):
         encoder.memory[address] = value
     answer = made.state("AM3616/4096-I7", encoder)
-    assert answer.result == OK and set(answer.record) == {"r 56 1", "r 57 1", "r 4E 2", "r 49 1"}
+    assert answer.result == OK
+    assert set(answer.record) == {"r 56 1", "r 57 1", "r 4E 2", "r 49 1"}
     names = [item.name for item in made.device.set_parameters]
     held = {name: int.from_bytes(answer.data[8 * index : 8 * index + 8], "little") for index, name in enumerate(names)}
-    assert (held["used_singleturn_bits"], held["used_multiturn_bits"], held["used_revolutions"], held["output_code"]) == (12, 4, 16, 1)
+    assert (
+        held["used_singleturn_bits"],
+        held["used_multiturn_bits"],
+        held["used_revolutions"],
+        held["output_code"],
+    ) == (12, 4, 16, 1)
     before = made.state("AM3616/4096-I7", Encoder(fail_at=0, error=1))
     for index in range(4):
         failed = made.state("AM3616/4096-I7", Encoder(memory=bytearray(encoder.memory), fail_at=index, error=3))
-        assert failed.result == TRANSPORT and failed.failure[0] == index and failed.failure[4] == 3
+        assert failed.result == TRANSPORT
+        assert failed.failure[0] == index
+        assert failed.failure[4] == 3
         assert failed.data == before.data, "after a fault the variant is as it was"
     # 40 bits of a revolution are more than the encoder has.
     encoder.memory[0x56] = 40
@@ -439,16 +588,28 @@ def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) ->
 
 # -- lists of one's own
 
+
 def test_a_list_of_ones_own(machines: Callable[[str], Machine]) -> None:
     made = machines("amm5")
-    answer = made.steps([(WRITE, 0x10, 0xF0, 0xA0, 1, 0), (READ, 0x10, 0xFF, 0, 1, 0), (READ, 0x12, 0xFF, 0, 1, 0), (SEND, 0, 0xFF, 0x55, 2, 0)], 2, Encoder())
+    answer = made.steps(
+        [
+            (WRITE, 0x10, 0xF0, 0xA0, 1, 0),
+            (READ, 0x10, 0xFF, 0, 1, 0),
+            (READ, 0x12, 0xFF, 0, 1, 0),
+            (SEND, 0, 0xFF, 0x55, 2, 0),
+        ],
+        2,
+        Encoder(),
+    )
     assert (answer.result, answer.data) == (OK, b"\xa0\x12")
     assert answer.record == ["r 10 1", "w 10 A0", "r 10 1", "r 12 1", "send 55", "send 55"]
 
 
 def test_a_list_that_reads_another_number_of_bytes_does_nothing(machines: Callable[[str], Machine]) -> None:
     for room in (0, 1, 3):
-        answer = machines("amm5").steps([(WRITE, 0x10, 0xFF, 0, 1, 0), (READ, 0x10, 0xFF, 0, 1, 0), (READ, 0x11, 0xFF, 0, 1, 0)], room, Encoder())
+        answer = machines("amm5").steps(
+            [(WRITE, 0x10, 0xFF, 0, 1, 0), (READ, 0x10, 0xFF, 0, 1, 0), (READ, 0x11, 0xFF, 0, 1, 0)], room, Encoder()
+        )
         assert (answer.result, answer.record, answer.failure) == (LENGTH, [], UNTOUCHED)
 
 

@@ -1,9 +1,10 @@
 """An encoder made of Python, reached by the generated C through its own transport.
 
-A library is compiled over a header: one function with plain arguments for each that takes a transport. The encoder is 128 bytes of registers that
-keeps a record of every access, and that can fail at any of them.
+A library is compiled over a header: one function with plain arguments for each that takes a transport.
+The encoder is 128 bytes of registers that keeps a record of every access, and that can fail at any of them.
 
-The record has a line for each call: ``r 44 4`` reads four bytes from 44h up, ``w 77 01`` writes, ``wait 30000`` waits, ``send C2`` sends.
+The record has a line for each call: ``r 44 4`` reads four bytes from 44h up, ``w 77 01`` writes,
+``wait 30000`` waits, ``send C2`` sends.
 """
 
 from __future__ import annotations
@@ -17,25 +18,41 @@ from typing import Any
 
 from c_harness import WARNINGS, write
 from codewheel.model import Device
-from codewheel.targets.c_device import DeviceView
-from codewheel.targets.c_views import AccessView
+from codewheel.targets.c.access import Access
+from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.reserved import c_name
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
 WRITE, WAIT, SEND, READ, POLL = range(1, 6)
 
-_READ = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t)
-_WRITE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t)
+_READ = ctypes.CFUNCTYPE(
+    ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
+)
+_WRITE = ctypes.CFUNCTYPE(
+    ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
+)
 _WAIT = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint32)
 _SEND = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint8)
 CALLBACKS = {"read_registers": _READ, "write_registers": _WRITE, "wait_us": _WAIT, "send_request": _SEND}
 
 
 class Transport(ctypes.Structure):
-    _fields_ = [("context", ctypes.c_void_p), *CALLBACKS.items(), ("poll_at_most", ctypes.c_uint32), ("poll_pause_us", ctypes.c_uint32)]
+    _fields_ = [
+        ("context", ctypes.c_void_p),
+        *CALLBACKS.items(),
+        ("poll_at_most", ctypes.c_uint32),
+        ("poll_pause_us", ctypes.c_uint32),
+    ]
 
 
 class Failure(ctypes.Structure):
-    _fields_ = [("step", ctypes.c_size_t), ("kind", ctypes.c_int), ("call", ctypes.c_int), ("address", ctypes.c_uint16), ("error", ctypes.c_int32)]
+    _fields_ = [
+        ("step", ctypes.c_size_t),
+        ("kind", ctypes.c_int),
+        ("call", ctypes.c_int),
+        ("address", ctypes.c_uint16),
+        ("error", ctypes.c_int32),
+    ]
 
     def told(self) -> tuple[int, int, int, int, int]:
         return self.step, self.kind, self.call, self.address, self.error
@@ -125,11 +142,17 @@ class Machine:
     def steps(self, steps: Sequence[tuple[int, int, int, int, int, int]], reads: int, encoder: Encoder) -> Answer:
         """Carries out a list of (kind, address, mask, value, times, microseconds)."""
         flat = [number for step in steps for number in step]
-        return self._call("steps", encoder, (ctypes.c_uint32 * len(flat))(*flat), ctypes.c_size_t(len(steps)), ctypes.c_size_t(reads))
+        return self._call(
+            "steps", encoder, (ctypes.c_uint32 * len(flat))(*flat), ctypes.c_size_t(len(steps)), ctypes.c_size_t(reads)
+        )
 
     def run_without_failure(self, procedure: str, code: str, encoder: Encoder) -> int:
         transport = encoder.transport()
-        return int(getattr(self.library, f"run_{procedure}")(ctypes.byref(transport), code.encode(), None, (ctypes.c_uint8 * 64)(), None))
+        return int(
+            getattr(self.library, f"run_{procedure}")(
+                ctypes.byref(transport), code.encode(), None, (ctypes.c_uint8 * 64)(), None
+            )
+        )
 
     def _call(self, name: str, encoder: Encoder, *arguments: object) -> Answer:
         transport, failure = encoder.transport(), Failure(*UNTOUCHED)
@@ -139,15 +162,23 @@ class Machine:
         return Answer(result, bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b"", failure.told(), encoder.record)
 
 
-def machine(device: Device, folder: Path) -> Machine:
-    """Compiles the functions of a family, undefined behaviour watched."""
+def compile_machine(device: Device, folder: Path) -> None:
+    """Compiles the functions of a family for :class:`Machine`, undefined behaviour watched."""
     include = write(folder, (device,))
     text, library = folder / "transport.c", folder / "transport.so"
     text.write_text(source(device), encoding="utf-8")
-    command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all", *WARNINGS]
+    command = [
+        "gcc",
+        "-std=c99",
+        "-O1",
+        "-shared",
+        "-fPIC",
+        "-fsanitize=undefined",
+        "-fno-sanitize-recover=all",
+        *WARNINGS,
+    ]
     done = subprocess.run([*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:4000]
-    return Machine(device, ctypes.CDLL(str(library)))
 
 
 def source(device: Device) -> str:
@@ -156,15 +187,17 @@ def source(device: Device) -> str:
     prefix, maker = view.prefix, device.manufacturer.name
     text = _HEAD
     for procedure in view.procedures:
-        name = procedure.run.removeprefix(f"{prefix}_")
-        given = "".join(f", ({type_})arguments[{index}]" for index, (type_, _) in enumerate(procedure.parameters))
+        name = procedure.run.procedure.name
+        given = "".join(f", ({item.type})arguments[{index}]" for index, item in enumerate(procedure.arguments))
         out = ", &out" if procedure.read_type else ""
         text += f"""
-int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data, @maker@_failure *failure);
-int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data, @maker@_failure *failure)
+int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
+    @maker@_failure *failure);
+int run_{name}(const @maker@_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
+    @maker@_failure *failure)
 {{
     {f"{procedure.read_type} out;" if out else ""}
-    const @maker@_result result = {procedure.run}(transport, variant_of(code){given}{out}, failure);
+    const @maker@_result result = {procedure.function}(transport, variant_of(code){given}{out}, failure);
     (void)arguments;
     {"fill(data, result, &out, sizeof out);" if out else "(void)data;"}
     return (int)result;
@@ -177,33 +210,45 @@ int run_{name}(const @maker@_transport *transport, const char *code, const uint6
 int identity(const @maker@_transport *transport, uint8_t *data, @maker@_failure *failure);
 int identity(const @maker@_transport *transport, uint8_t *data, @maker@_failure *failure)
 {{
-    {identity.type} out;
-    const @maker@_result result = {identity.read}(transport, &out, failure);
+    {identity.prefix}_identity out;
+    const @maker@_result result = {identity.prefix}_read_identity(transport, &out, failure);
     fill(data, result, &out, sizeof out);
     return (int)result;
 }}
 """
     if view.read_state:
-        members = "".join(f"    put(&data[1 + 8 * {index}], copy.{line.code.split(' ')[1].rstrip(';')});\n" for index, line in enumerate(view.members))
+        members = "".join(
+            f"    put(&data[1 + 8 * {index}], copy.{c_name(item.name)});\n"
+            for index, item in enumerate(device.set_parameters)
+        )
         text += f"""
 int state(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure);
 int state(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure)
 {{
     {prefix}_variant copy = *variant_of(code);
     const @maker@_result result = {view.read_state}(transport, &copy, failure);
-    data[0] = 8U * {len(view.members)}U;
+    data[0] = 8U * {len(device.set_parameters)}U;
 {members}    return (int)result;
 }}
 """
-    return text.replace("@maker@", maker).replace("@MAKER@", maker.upper()).replace("@prefix@", prefix).replace("@device@", device.name)
+    return (
+        text.replace("@maker@", maker)
+        .replace("@MAKER@", maker.upper())
+        .replace("@prefix@", prefix)
+        .replace("@device@", device.name)
+    )
 
 
-def _register(access: AccessView) -> str:
+def _register(access: Access) -> str:
     text = ""
     if access.read:
         name = access.read.partition("_read_")[2]
         held = f"{access.type} out;" if access.struct else f"{access.type} out = ({access.type})0xAA;"
-        shown = f"{access.struct}_encode(variant_of(code), &out, &data[1], {access.stem}_LENGTH)" if access.struct else "(data[1] = (uint8_t)out, @MAKER@_OK)"
+        shown = (
+            f"{access.struct}_encode(variant_of(code), &out, &data[1], {access.stem}_LENGTH)"
+            if access.struct
+            else "(data[1] = (uint8_t)out, @MAKER@_OK)"
+        )
         text += f"""
 int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure);
 int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *data, @maker@_failure *failure)
@@ -219,14 +264,22 @@ int read_{name}(const @maker@_transport *transport, const char *code, uint8_t *d
     if access.write:
         name = access.write.partition("_write_")[2]
         held = f"{access.type} in;" if access.struct else f"const {access.type} in = ({access.type})bytes[0];"
-        decoded = f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)" if access.struct else "@MAKER@_OK"
+        decoded = (
+            f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)"
+            if access.struct
+            else "@MAKER@_OK"
+        )
         text += f"""
-int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data, @maker@_failure *failure);
-int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data, @maker@_failure *failure)
+int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
+    @maker@_failure *failure);
+int write_{name}(const @maker@_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
+    @maker@_failure *failure)
 {{
     {held}
     (void)data;
-    return {decoded} != @MAKER@_OK ? -1 : (int){access.write}(transport, variant_of(code), {"&in" if access.struct else "in"}, failure);
+    return {decoded} != @MAKER@_OK
+        ? -1
+        : (int){access.write}(transport, variant_of(code), {"&in" if access.struct else "in"}, failure);
 }}
 """
     return text
@@ -263,8 +316,10 @@ static inline void put(uint8_t *data, uint64_t number)
     }
 }
 
-int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data, @maker@_failure *failure);
-int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data, @maker@_failure *failure)
+int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data,
+    @maker@_failure *failure);
+int steps(const @maker@_transport *transport, const uint32_t *numbers, size_t count, size_t reads, uint8_t *data,
+    @maker@_failure *failure)
 {
     @maker@_step list[32];
     size_t index;

@@ -1,6 +1,7 @@
-"""A C and C++ text that uses all there is in some headers: each function, macro, enumerator and type, by a function of its own.
+"""A C and C++ text that uses each function, macro, enumerator and type of some headers, by a function of its own.
 
-It is made from the text of the headers, so that nothing in them can be forgotten; and it says nothing of its own that a compiler could warn of.
+It is made from the text of the headers, so that nothing in them can be forgotten;
+and it says nothing of its own that a compiler could warn of.
 """
 
 from __future__ import annotations
@@ -29,7 +30,12 @@ class Declared:
 
     @property
     def names(self) -> list[str]:
-        return [*(name for _, name, _ in self.functions), *(name for name, _ in self.macros), *self.enumerators, *self.types]
+        return [
+            *(name for _, name, _ in self.functions),
+            *(name for name, _ in self.macros),
+            *self.enumerators,
+            *self.types,
+        ]
 
 
 def without_comments(text: str) -> str:
@@ -43,19 +49,24 @@ def declared(texts: Iterable[str]) -> Declared:
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
     # What the expressions above do not find would not be used, and nobody would see it.
     assert len(functions) == len(re.findall(r"^static ", code, re.MULTILINE)), "a static that is no inline function"
-    macros = [(name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()]
+    macros = [
+        (name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()
+    ]
     assert not any(rest for _, rest, _ in _MACRO.findall(code)), "a macro with arguments"
     enums = _ENUM.findall(code)
     assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
     enumerators = tuple(item.split("=")[0].strip() for body, _ in enums for item in body.split(","))
-    return Declared(functions, macros, enumerators, (*(name for _, name in enums), *_STRUCT.findall(code)), dict(_conditions(code)))
+    return Declared(
+        functions, macros, enumerators, (*(name for _, name in enums), *_STRUCT.findall(code)), dict(_conditions(code))
+    )
 
 
 def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Each function that only some settings have, with the lines that ask for these; guards and the check for C++ are no settings."""
+    """Each function that only some settings have, with the lines that ask for these;
+    guards and the check for C++ are no settings."""
     opened: list[str] = []
     for line in code.splitlines():
-        word, *rest = line.split() or [""]
+        word = (line.split() or [""])[0]
         if word in ("#ifdef", "#ifndef"):
             opened.append(line)
         elif word == "#else":
@@ -69,7 +80,8 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def use_everything(headers: Sequence[str], include: Path) -> str:
-    """A text that includes these headers, each given as below ``include``, and uses all that they and the shared header declare."""
+    """A text that includes these headers, given as below ``include``, and uses all that they and the shared header
+    declare."""
     shared = [f"{folder}/encoder.h" for folder in dict.fromkeys(header.partition("/")[0] for header in headers)]
     found = declared((include / header).read_text(encoding="ascii") for header in dict.fromkeys([*shared, *headers]))
     lines = [f'#include "{header}"' for header in headers]
@@ -80,7 +92,14 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
         lines += [*settings, *made, *("#endif" for _ in settings)]
     for name, value in found.macros:
         if value.startswith("{"):
-            variant = max((item for item in found.types if item.endswith("_variant") and name.lower().startswith(item.removesuffix("variant"))), key=len)
+            variant = max(
+                (
+                    item
+                    for item in found.types
+                    if item.endswith("_variant") and name.lower().startswith(item.removesuffix("variant"))
+                ),
+                key=len,
+            )
             lines += _function(variant, name, "void", f"const {variant} value = {name};", "return value;")
         elif value.startswith('"'):
             lines += _function("const char *", name, "void", f"return {name};")

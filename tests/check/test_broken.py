@@ -5,24 +5,25 @@ from __future__ import annotations
 import pathlib
 
 import pytest
-
-from codewheel.check import check_document
-from codewheel.problems import Report
-from codewheel.read import read_document
+from codewheel.spec.check import check_document
+from codewheel.spec.problems import Report
+from codewheel.spec.read import read_document
 
 HERE = pathlib.Path(__file__).parent
 BROKEN = sorted((HERE / "broken").glob("*.yaml"))
 EXPECT = "# expect: "
 
-#: Every rule of reading, of the schema and beyond. One without a broken spec fails here, and so does a spec for a rule that is not listed.
-#: Missing are those for which no file can be kept: of unreadable, empty and binary files, and of folders.
+#: Every rule of reading, of the schema and beyond. One without a broken spec fails here,
+#: and so does a spec for a rule that is not listed. Missing are those for which no file can be kept:
+#: of unreadable, empty and binary files, and of folders.
 RULES_WITH_BROKEN_SPECS = """
-    access-mismatch alias also-written bad-expression bad-key bad-pattern bad-source bank-not-selected biss-protocol byte-order-missing clock-range
-    crc-impossible device-name duplicate-address duplicate-key duplicate-name example-shape interface-mismatch layout-keys makes-position-missing
-    measurement-shape merge-key missing-key not-a-map not-allowed not-text number-too-long order-code-ambiguous order-code-pattern out-of-range
-    parameter-cycle parameter-interface printed-number procedure-name register-range several-documents step-shape supply-range table-shape tag
-    timeout-mismatch timing-order timing-without-bound too-deep too-large too-long too-short undefined-reference unit-mismatch unknown-key value-clash
-    value-too-wide wrong-type yaml-syntax
+    access-mismatch alias also-written bad-expression bad-key bad-pattern bad-source bank-not-selected biss-protocol
+    byte-order-missing clock-range crc-impossible device-name duplicate-address duplicate-key duplicate-name
+    example-shape interface-mismatch layout-keys makes-position-missing measurement-shape merge-key missing-key
+    not-a-map not-allowed not-text number-too-long order-code-ambiguous order-code-pattern out-of-range parameter-cycle
+    parameter-interface printed-number procedure-name register-range several-documents step-shape supply-range
+    table-shape tag timeout-mismatch timing-order timing-without-bound too-deep too-large too-long too-short
+    undefined-reference unit-mismatch unknown-key value-clash value-too-wide wrong-type yaml-syntax
 """.split()
 
 
@@ -36,7 +37,9 @@ def problems_of(path: pathlib.Path) -> tuple[list[str], Report]:
 
 
 def expected_of(path: pathlib.Path) -> list[str]:
-    return [line.removeprefix(EXPECT) for line in path.read_text(encoding="utf-8").splitlines() if line.startswith(EXPECT)]
+    return [
+        line.removeprefix(EXPECT) for line in path.read_text(encoding="utf-8").splitlines() if line.startswith(EXPECT)
+    ]
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-
-from codewheel.load import load_library
-from codewheel.model import Device
-from codewheel.run_time import with_registers
+from codewheel.commands.outputs import load_for, targets_named
+from codewheel.model import Device, Unused, Verdict
+from codewheel.reference import codec
+from codewheel.reference.run_time import decided, with_registers
 
 HERE = Path(__file__).parent
 #: A spec without a fault, to be changed in one place.
@@ -24,22 +24,46 @@ def load(folder: Path, *changes: tuple[str, str], more: str = "") -> tuple[Devic
         text = text.replace(old, new, 1)
     (folder / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
     (folder / "minimal.yaml").write_text(text + more, encoding="utf-8")
-    devices, report = load_library([folder])
+    devices, report = load_for([folder], targets_named())
     return (devices[0] if devices else None), [f"{item.rule}: {item.message}" for item in report.problems]
 
 
 def sound(folder: Path, *changes: tuple[str, str], more: str = "") -> Device:
     device, problems = load(folder, *changes, more=more)
-    assert problems == [] and device is not None
+    assert problems == []
+    assert device is not None
     return device
+
+
+# -- words of a field
+
+
+@pytest.mark.parametrize(
+    ("word", "bit_of_7", "bit_of_3"), [("", 1, 0), (", parity: even", 1, 0), (", parity: odd", 0, 1)]
+)
+def test_a_parity_bit_has_a_sense(tmp_path: Path, word: str, bit_of_7: int, bit_of_3: int) -> None:
+    """Of 7, which has three ones, and of 3, which has two; without the word the sense is even."""
+    position = "          - {name: position, bits: position_bits}\n"
+    parity = f"          - {{name: check, parity_of: position{word}}}\n"
+    device = sound(tmp_path, (position, position + parity))
+    placed = device.layout("single_cycle_data").place(device.variant("MIN12SC").parameters)
+    for position_is, bit in ((7, bit_of_7), (3, bit_of_3)):
+        frame = codec.encode(device, placed, {"position": position_is, "error": False, "warning": False})
+        assert frame >> 8 == position_is << 1 | bit
 
 
 # -- fields of a width that a register holds
 
-HELD = ("  position_bits: {meaning: Bits of the position}\n",
-        "  position_bits: {meaning: Bits of the position}\n  zero_bits: {meaning: Zeros after it, read_from: setting.zero_bits, min: 0, max: 7}\n")  # fmt: skip
-ZEROS = ("{name: position, bits: position_bits}\n", "{name: position, bits: position_bits}\n          - {name: zeros, bits: zero_bits, constant: 0}\n")
-SETTING = '  - {name: setting, address: 0x48, length: 1, access: read_write, default: DEFAULT, source: "6.3", other_bits: unspecified, fields: [FIELD]}\n'
+BITS = "  position_bits: {meaning: Bits of the position}\n"
+HELD = (BITS, f"{BITS}  zero_bits: {{meaning: Zeros after it, read_from: setting.zero_bits, min: 0, max: 7}}\n")
+ZEROS = (
+    "{name: position, bits: position_bits}\n",
+    "{name: position, bits: position_bits}\n          - {name: zeros, bits: zero_bits, constant: 0}\n",
+)
+SETTING = (
+    '  - {name: setting, address: 0x48, length: 1, access: read_write, default: DEFAULT, source: "6.3",'
+    " other_bits: unspecified, fields: [FIELD]}\n"
+)
 
 
 @pytest.mark.parametrize("field", ["{name: zero_bits, at: 3, bits: 5}", "{name: zero_bits, at: 7:3}"])
@@ -53,16 +77,29 @@ def test_a_field_by_its_low_bit_and_its_width(tmp_path: Path, field: str) -> Non
 
 def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
     held = (HELD[0], HELD[1].replace("setting.zero_bits", "setting.setting"))
-    device = sound(tmp_path, held, ZEROS, more=SETTING.replace("DEFAULT", "5").replace(", other_bits: unspecified, fields: [FIELD]", ""))
+    device = sound(
+        tmp_path,
+        held,
+        ZEROS,
+        more=SETTING.replace("DEFAULT", "5").replace(", other_bits: unspecified, fields: [FIELD]", ""),
+    )
     assert device.variant("MIN12SC").parameters["zero_bits"] == 5
 
 
 @pytest.mark.parametrize("other_bits", ["", "        other_bits: zero\n"])
 def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) -> None:
-    """At width 0 it lies where its neighbour does, which must not change places with it; the longest frame is one without it."""
-    held = (HELD[0], f"{HELD[1]}  more_bits: {{meaning: More of the position, read_from: setting.more_bits, min: 0, max: 7}}\n")
+    """At width 0 it lies where its neighbour does, and both keep their places; the longest frame is one without it."""
+    held = (
+        HELD[0],
+        f"{HELD[1]}  more_bits: {{meaning: More of the position, read_from: setting.more_bits, min: 0, max: 7}}\n",
+    )
     position = "{name: position, bits: position_bits + more_bits + more_bits}"
-    fields = (f"        fields:\n          {ZEROS[0]}".replace("          {", "          - {"), f"{other_bits}        fields:\n          - {ZEROS[1]}".replace("{name: position, bits: position_bits}", position))
+    fields = (
+        f"        fields:\n          {ZEROS[0]}".replace("          {", "          - {"),
+        f"{other_bits}        fields:\n          - {ZEROS[1]}".replace(
+            "{name: position, bits: position_bits}", position
+        ),
+    )
     setting = "{name: zero_bits, at: 7:3}, {name: more_bits, at: 2:0}"
     device = sound(tmp_path, held, fields, more=SETTING.replace("DEFAULT", "0").replace("FIELD", setting))
     layout, variant = device.layout("single_cycle_data"), device.variant("MIN16SC")
@@ -75,9 +112,13 @@ def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) ->
 # -- what a position can hold
 
 POSITION = "{name: position, bits: position_bits}"
-FRAME_BITS = (HELD[0], "  position_bits: {meaning: Bits of the position}\n  frame_bits: {meaning: Bits of the frame}\n")
-TWO_SETS = ("12: {sets: {position_bits: 12}}\n        \"16\": {sets: {position_bits: 16}}",
-            "12: {sets: {position_bits: 12, frame_bits: 13}}\n        \"16\": {sets: {position_bits: 16, frame_bits: 25}}")  # fmt: skip
+FRAME_BITS = (BITS, f"{BITS}  frame_bits: {{meaning: Bits of the frame}}\n")
+TWO_SETS = (
+    '12: {sets: {position_bits: 12}}\n        "16": {sets: {position_bits: 16}}',
+    '12: {sets: {position_bits: 12, frame_bits: 13}}\n        "16": {sets: {position_bits: 16, frame_bits: 25}}',
+)
+PADDED = "{name: position, bits: position_bits, padded_to: 24}"
+IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: position_bits}"
 
 
 @pytest.mark.parametrize(
@@ -87,15 +128,18 @@ TWO_SETS = ("12: {sets: {position_bits: 12}}\n        \"16\": {sets: {position_b
         (((POSITION, "{name: position, bits: 12}"),), "steps_per_turn: 3600"),
         (((POSITION, "{name: position, bits: 24}"),), "steps_per_turn: 4096"),
         (((POSITION, "{name: position, bits: 48, signed: true}"),), "steps_per_turn: 2^position_bits, turns: 16"),
-        (((POSITION, "{name: position, bits: position_bits, padded_to: 24}"),), "steps_per_turn: 2^position_bits, turns: 1"),
+        (((POSITION, PADDED),), "steps_per_turn: 2^position_bits, turns: 1"),
         ((FRAME_BITS, TWO_SETS, (POSITION, "{name: position, bits: frame_bits}")), "steps_per_turn: 2^position_bits"),
         (((POSITION, "{name: position, bits: position_bits + 4}"),), "steps_per_turn: 2^position_bits, turns: 10"),
-        (((POSITION, "{name: turns, bits: 4}\n          - {name: angle, bits: position_bits}"), ("crc: biss_6}\n", "crc: biss_6}\n        join: {position: [turns, angle]}\n")),
-         "steps_per_turn: 2^position_bits, turns: 10"),
+        (
+            ((POSITION, IN_TWO_FIELDS), ("crc: biss_6}\n", "crc: biss_6}\n        join: {position: [turns, angle]}\n")),
+            "steps_per_turn: 2^position_bits, turns: 10",
+        ),
     ],
 )  # fmt: skip
 def test_steps_and_turns_that_fit(tmp_path: Path, changes: tuple[tuple[str, str], ...], measurement: str) -> None:
-    """Steps need be no power of two, and a position may be wider than it needs: by a fixed width, by padding, by a parameter of its own."""
+    """Steps need be no power of two, and a position may be wider than it needs:
+    by a fixed width, by padding, by a parameter of its own."""
     sound(tmp_path, *changes, more=f'measurement: {{of: position, {measurement}, source: "6.1"}}\n')
 
 
@@ -103,17 +147,63 @@ def test_turns_that_a_register_holds(tmp_path: Path) -> None:
     """255 turns are the highest count of a byte and no slip, where a user may set any number."""
     held = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
     more = SETTING.replace("DEFAULT", "255").replace(", other_bits: unspecified, fields: [FIELD]", "")
-    sound(tmp_path, held, (POSITION, "{name: position, bits: position_bits + 8}"), more=more + 'measurement: {of: position, steps_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n')
+    sound(
+        tmp_path,
+        held,
+        (POSITION, "{name: position, bits: position_bits + 8}"),
+        more=more + 'measurement: {of: position, steps_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n',
+    )
 
 
 # -- arguments of procedures
 
 
 def test_an_argument_below_zero_for_a_field_that_is_not_called_like_its_register(tmp_path: Path) -> None:
-    more = """  - {name: lowest, address: 0x48, length: 1, access: read_write, min: -40, max: 20, source: "6.3", fields: [{name: degrees_below, bits: 8, signed: true}]}
+    more = """  - {name: lowest, address: 0x48, length: 1, access: read_write, min: -40, max: 20, source: "6.3",
+     fields: [{name: degrees_below, bits: 8, signed: true}]}
 procedures:
-  - {name: set_lowest, title: Set, interface: biss, source: "6.3", arguments: [{name: value, of: lowest}], steps: [{do: write, register: lowest, value: value}]}
+  - {name: set_lowest, title: Set, interface: biss, source: "6.3",
+     arguments: [{name: value, of: lowest}], steps: [{do: write, register: lowest, value: value}]}
 examples:
-  - {name: thirty_below, kind: procedure, procedure: set_lowest, order_code: MIN12SC, arguments: {value: -30}, writes: [{address: 0x48, value: 0xE2}], source: "6.3"}
+  - {name: thirty_below, kind: procedure, procedure: set_lowest, order_code: MIN12SC,
+     arguments: {value: -30}, writes: [{address: 0x48, value: 0xE2}], source: "6.3"}
 """
     sound(tmp_path, more=more)
+
+
+# -- unused bits, and what the manual leaves open
+
+WHOLE_LINE = "          - {name: position, bits: position_bits}\n"
+
+
+def test_unused_bits_say_what_they_make_of_the_position(tmp_path: Path) -> None:
+    spare = '          - {name: spare, bits: 2, unused: 2, makes_position: not_usable, meaning: "Reserved"}\n'
+    more = "          - {name: rest, bits: 3, unused: 0}\n"
+    device = sound(tmp_path, (WHOLE_LINE, WHOLE_LINE + spare + more))
+    layout = device.layout("single_cycle_data")
+    assert layout.field("spare").kind == Unused(2, Verdict.NOT_USABLE)
+    assert layout.field("rest").kind == Unused(0, Verdict.USABLE_WITH_WARNING)
+    # The last that is sent is the lowest in the number of unused bits.
+    assert [(item.name, place) for item, place in layout.unused] == [("rest", 0), ("spare", 3)]
+
+
+def test_an_alternative_moves_fields(tmp_path: Path) -> None:
+    open_ = "".join(f"  {name}: {{meaning: Lowest bit, alternative: place}}\n" for name in ("address_low", "busy_low"))
+    more = (
+        "  - {name: access, address: 0x48, length: 1, access: read_write, source: '6.3', fields: ["
+        "{name: address, low_bit: address_low, bits: 7}, {name: busy, low_bit: busy_low, active: high}]}\n"
+        "alternatives:\n"
+        "  - name: place\n    meaning: Where the address stands\n    source: '7'\n    values:\n"
+        "      above: {meaning: In bits 7:1, sets: {address_low: 1, busy_low: 0}}\n"
+        "      below: {meaning: In bits 6:0, sets: {address_low: 0, busy_low: 7}}\n"
+    )
+    device, problems = load(tmp_path, (BITS, BITS + open_), more=more)
+    assert [item.partition(":")[0] for item in problems] == ["c-target"]  # which asks for answers in frames only
+    assert device is not None
+    variant = device.variant("MIN12SC")
+    layout = device.register("access").layout
+    assert [item.name for item in device.alternatives_of(layout)] == ["place"]
+    for answer, number in (("above", 0x0B), ("below", 0x85)):
+        placed = layout.place(decided(device, variant, {"place": answer}).parameters)
+        values = {item.name: item.value for item in codec.decode(device, placed, number).fields}
+        assert values == {"address": 5, "busy": True}

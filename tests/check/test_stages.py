@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from codewheel.load import load_library
+from codewheel.commands.outputs import load_for, targets_named
 
 BROKEN = Path(__file__).parent / "broken_model"
 
 
 def told(folder: Path) -> list[str]:
-    _, report = load_library([folder])
+    _, report = load_for([folder], targets_named())
     return [f"{Path(problem.file).name}:{problem.line}: {problem.rule}" for problem in report.problems]
 
 
@@ -22,7 +22,8 @@ def copy(folder: Path, *names: str) -> None:
 def test_names_in_c_are_told_of_a_family_beside_a_broken_one(tmp_path: Path) -> None:
     copy(tmp_path, "c_name_procedure")
     alone = told(tmp_path)
-    assert alone and all(item.endswith("c-name") for item in alone)
+    assert alone
+    assert all(item.endswith("c-name") for item in alone)
     copy(tmp_path, "overlap")
     assert set(alone) < set(told(tmp_path))
 
@@ -30,7 +31,7 @@ def test_names_in_c_are_told_of_a_family_beside_a_broken_one(tmp_path: Path) -> 
 def test_a_family_is_looked_at_although_its_manufacturer_file_is_broken(tmp_path: Path) -> None:
     copy(tmp_path, "overlap")
     alone = told(tmp_path)
-    (tmp_path / "manufacturer.yaml").write_text("codewheel: 1\nmanufacturer: acme\ntitel: Acme\nsource: \"1\"\n")
+    (tmp_path / "manufacturer.yaml").write_text('codewheel: 1\nmanufacturer: acme\ntitel: Acme\nsource: "1"\n')
     assert told(tmp_path) == sorted([*alone, "manufacturer.yaml:3: unknown-key"])
 
 

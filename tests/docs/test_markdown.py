@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import pytest
-
-from codewheel.build_facts import parse_sources
-from codewheel.markdown import cited, code, paragraph, table, text
+from codewheel.build.record import parse_sources
+from codewheel.say.markdown import cited, code, paragraph, table, text
 
 
 @pytest.mark.parametrize(
@@ -24,23 +23,34 @@ def test_text(given: str, made: str) -> None:
     assert text(given) == made
 
 
-@pytest.mark.parametrize(("given", "made"), [("x", "`x`"), ("a`b", "``a`b``"), ("`", "`` ` ``"), ("a|b", "`a\\|b`"), ("", "")])
+@pytest.mark.parametrize(
+    ("given", "made"), [("x", "`x`"), ("a`b", "``a`b``"), ("`", "`` ` ``"), ("a|b", "`a\\|b`"), ("", "")]
+)
 def test_code(given: str, made: str) -> None:
     assert code(given) == made
 
 
-@pytest.mark.parametrize(("given", "made"), [("1. Stop", "1\\. Stop"), ("+Vb", "\\+Vb"), ("- x", "\\- x"), ("# x", "\\# x"), ("2021", "2021")])
+@pytest.mark.parametrize(
+    ("given", "made"),
+    [("1. Stop", "1\\. Stop"), ("+Vb", "\\+Vb"), ("- x", "\\- x"), ("# x", "\\# x"), ("2021", "2021")],
+)
 def test_a_paragraph_begins_no_list(given: str, made: str) -> None:
     assert paragraph(given) == made
 
 
 def test_a_wrapped_line_begins_no_list_either() -> None:
     words = "word " * 40
-    assert all(not line.startswith(("1. ", "- ", "# ")) for line in paragraph(words + "1. " * 40 + "- " * 40 + "# " * 40).split("\n"))
+    assert all(
+        not line.startswith(("1. ", "- ", "# "))
+        for line in paragraph(words + "1. " * 40 + "- " * 40 + "# " * 40).split("\n")
+    )
 
 
 def test_sources() -> None:
-    assert cited(parse_sources("6.4 p.35; it: 6.4 p.36; Cover; prot: p.7-8")) == "§6.4 p.35; it: §6.4 p.36; Cover; prot: p.7-8"
+    assert (
+        cited(parse_sources("6.4 p.35; it: 6.4 p.36; Cover; prot: p.7-8"))
+        == "§6.4 p.35; it: §6.4 p.36; Cover; prot: p.7-8"
+    )
 
 
 def test_empty_columns_of_a_table_are_left_out() -> None:

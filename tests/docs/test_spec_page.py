@@ -7,7 +7,7 @@ import re
 from importlib import resources
 from pathlib import Path
 
-from codewheel.spec_page import spec_page
+from codewheel.spec.language_page import spec_page
 
 PAGE = Path(__file__).parents[2] / "docs" / "spec-language.md"
 

@@ -9,9 +9,8 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-
-from codewheel.cli import main
-from codewheel.load import load_library
+from codewheel.build.load import load_library
+from codewheel.commands.cli import main
 from codewheel.model import Device
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -9,9 +9,8 @@ import textwrap
 from pathlib import Path
 
 import pytest
-
-from codewheel.cli import main
-from codewheel.load import load_library
+from codewheel.build.load import load_library
+from codewheel.commands.cli import main
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 EXAMPLE = DOCS / "example"
@@ -21,28 +20,61 @@ SPEC = (EXAMPLE / "tolvarn" / "tv62.yaml").read_text(encoding="utf-8")
 
 #: Slips that the page speaks of: what stands in the spec, what is typed instead, and what the tool says.
 SLIPS = {
-    "padding": ("padded_to: 31", "padded_to: 32", "example 'ssi_before_preset' does not hold: 'ssi_word' has 33 bits; this has 32"),
-    "length": ("    length: 4\n    byte_order: high_byte_first\n    access: read_write", "    length: 5\n    byte_order: high_byte_first\n    access: read_write",
-               "duplicate-address: address 0x04 overlaps 'preset' on line 166, which has addresses 0x00 to 0x04"),
-    "signed": ("padded_to: 31\n            signed: true\n", "padded_to: 31\n", "example 'ssi_before_preset' does not hold: position is 33553432, not -1000"),
-    "no_order": ("    byte_order: high_byte_first\n    access: read_write\n", "    access: read_write\n",
-                 "byte-order-missing: 'preset' has 4 bytes, so it needs 'byte_order': low_byte_first or high_byte_first"),
-    "swapped": ("byte_order: low_byte_first\n    access: read_write\n    default: 0x03B6", "byte_order: high_byte_first\n    access: read_write\n    default: 0x03B6",
-                "example 'upper_limit_delivered' does not hold: upper_limit is -18941, not 950"),
-    "top_bit": ("poly: 0x05", "poly: 0x25", "crc-impossible: the polynomial 0x25 does not fit into 5 bits; leave the top bit out: 0x5"),
-    "start": ("init: 0x5A3C", "init: 0", "example 'position_channel' does not hold: the CRC is 0x4587; over these bits it has to be 0x5e9a"),
-    "bank": ("      - {do: write, register: bank, value: position}\n", "", "bank-not-selected: 'preset' is in bank 1; write that to 'bank' before it"),
+    "padding": (
+        "padded_to: 31",
+        "padded_to: 32",
+        "example 'ssi_before_preset' does not hold: 'ssi_word' has 33 bits; this has 32",
+    ),
+    "length": (
+        "    length: 4\n    byte_order: high_byte_first\n    access: read_write",
+        "    length: 5\n    byte_order: high_byte_first\n    access: read_write",
+        "duplicate-address: address 0x04 overlaps 'preset' on line 166, which has addresses 0x00 to 0x04",
+    ),
+    "signed": (
+        "padded_to: 31\n            signed: true\n",
+        "padded_to: 31\n",
+        "example 'ssi_before_preset' does not hold: position is 33553432, not -1000",
+    ),
+    "no_order": (
+        "    byte_order: high_byte_first\n    access: read_write\n",
+        "    access: read_write\n",
+        "byte-order-missing: 'preset' has 4 bytes, so it needs 'byte_order': low_byte_first or high_byte_first",
+    ),
+    "swapped": (
+        "byte_order: low_byte_first\n    access: read_write\n    default: 0x03B6",
+        "byte_order: high_byte_first\n    access: read_write\n    default: 0x03B6",
+        "example 'upper_limit_delivered' does not hold: upper_limit is -18941, not 950",
+    ),
+    "top_bit": (
+        "poly: 0x05",
+        "poly: 0x25",
+        "crc-impossible: the polynomial 0x25 does not fit into 5 bits; leave the top bit out: 0x5",
+    ),
+    "start": (
+        "init: 0x5A3C",
+        "init: 0",
+        "example 'position_channel' does not hold: the CRC is 0x4587; over these bits it has to be 0x5e9a",
+    ),
+    "bank": (
+        "      - {do: write, register: bank, value: position}\n",
+        "",
+        "bank-not-selected: 'preset' is in bank 1; write that to 'bank' before it",
+    ),
     "bits_from_1": ("at: 2:1, values", "at: 3:2, values", ""),
 }
 
 
 def fences(word: str) -> list[str]:
     """The fenced blocks that are marked with this word, or with none."""
-    return [text for found, text in re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if found == word]
+    return [
+        text for found, text in re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if found == word
+    ]
 
 
 def quotes() -> list[str]:
-    return ["\n".join(line[2:] for line in found.splitlines()) for found in re.findall(r"(?:^> .*\n)+", PAGE, re.MULTILINE)]
+    return [
+        "\n".join(line[2:] for line in found.splitlines()) for found in re.findall(r"(?:^> .*\n)+", PAGE, re.MULTILINE)
+    ]
 
 
 def flat(text: str) -> str:
@@ -68,7 +100,9 @@ def test_quotes_are_from_the_manual(quote: str) -> None:
 
 
 def test_there_is_something_to_compare() -> None:
-    assert len(fences("yaml")) >= 15 and len(quotes()) >= 15 and len(fences("text")) >= 8
+    assert len(fences("yaml")) >= 15
+    assert len(quotes()) >= 15
+    assert len(fences("text")) >= 8
 
 
 def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -77,7 +111,9 @@ def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.Captu
     said.append(capsys.readouterr().out)
     shutil.copy(EXAMPLE / "tolvarn" / "manufacturer.yaml", tmp_path)
     revised = tmp_path / "tv62.yaml"
-    revised.write_text(SPEC.replace('revision: "1.1"', 'revision: "1.2"').replace("max: 1200", "max: 1250"), encoding="utf-8")
+    revised.write_text(
+        SPEC.replace('revision: "1.1"', 'revision: "1.2"').replace("max: 1200", "max: 1250"), encoding="utf-8"
+    )
     assert main(["diff", str(EXAMPLE / "tolvarn" / "tv62.yaml"), str(revised)]) == 1
     said.append(capsys.readouterr().out)
     for text in fences("text"):
@@ -98,14 +134,17 @@ def test_slips_are_found_in_the_words_shown(slip: str, tmp_path: Path) -> None:
         assert not found  # The page says so: no program can see it.
 
 
-def test_commands_of_the_page_work(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_commands_of_the_page_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(DOCS.parent)
     commands = [line.removeprefix("$ ") for text in fences("") for line in text.splitlines()]
     commands += [found for found in re.findall(r"`(codewheel [^`]+)`", PAGE) if "--specs" in found]
     ours = [shlex.split(line) for line in commands if "docs/example" in line]
     assert len(ours) >= 7
     (tmp_path / "new").mkdir()
-    assert "codewheel new tv62" in commands and main(["new", "tv62", "-o", str(tmp_path / "new" / "tv62.yaml")]) == 0
+    assert "codewheel new tv62" in commands
+    assert main(["new", "tv62", "-o", str(tmp_path / "new" / "tv62.yaml")]) == 0
     for words in ours:
         assert main([item if item != "/tmp/tv62" else str(tmp_path) for item in words[1:]]) == 0, words
     capsys.readouterr()

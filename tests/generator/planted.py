@@ -8,6 +8,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,14 @@ class Encoder:
         return self.zeros + self.position + self.below + 2 + 6
 
 
-AMM5 = (("AMM5A17/1SC1", 17), ("AMM5A21/1SC1", 21), ("AMM5A23/1SC1", 23), ("AMM5A17/65KSC1", 33), ("AMM5A21/65KSC1", 37), ("AMM5A23/65KSC1", 39))
+AMM5 = (
+    ("AMM5A17/1SC1", 17),
+    ("AMM5A21/1SC1", 21),
+    ("AMM5A23/1SC1", 23),
+    ("AMM5A17/65KSC1", 33),
+    ("AMM5A21/65KSC1", 37),
+    ("AMM5A23/65KSC1", 39),
+)
 ASC85 = tuple((f"ASC85{bits}/SC1", bits) for bits in range(20, 26))
 ENCODERS = (
     *(Encoder(code, 0, bits, others=tuple(other for other in AMM5 if other[0] != code)) for code, bits in AMM5),
@@ -63,7 +71,7 @@ def crc(data: str, polynomial: int = 0x43, start: str = "", invert: bool = True)
         if rest[place]:
             for offset, bit in enumerate(divisor):
                 rest[place + offset] ^= bit
-    return "".join(str(bit ^ invert) for bit in rest[len(data):])
+    return "".join(str(bit ^ invert) for bit in rest[len(data) :])
 
 
 def noise(source: random.Random, bits: int) -> str:
@@ -76,7 +84,7 @@ def flipped(text: str) -> str:
 
 def gray(position: str) -> str:
     """Each bit is the change from the one before."""
-    return "".join(str(int(one != other)) for one, other in zip("0" + position, position))
+    return "".join(str(int(one != other)) for one, other in pairwise("0" + position))
 
 
 def binary(position: str) -> str:
@@ -123,7 +131,8 @@ def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 
 def constant_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The 0 bit below the position is not sent, as a public driver reads it: 33 bits instead of 34 at 25 bits; or the reader clocks once more."""
+    """The 0 bit below the position is not sent, as a public driver reads it: 33 bits instead of 34 at 25 bits;
+    or the reader clocks once more."""
     if encoder.below:
         position, flags = parts(encoder, source)
         data = position[: -encoder.below] + flags
@@ -186,8 +195,12 @@ def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     position, flags = noise(source, encoder.position), status(encoder, source)
     before, behind = "0" * encoder.zeros, "0" * encoder.below
     check = crc(before + position + behind + flags)
-    yield _plant(encoder, before + gray(position) + behind + flags + check, "other_code", "in binary; here it is in Gray")
-    yield _plant(encoder, before + binary(position) + behind + flags + check, "other_code", "in Gray code; here it is in binary")
+    yield _plant(
+        encoder, before + gray(position) + behind + flags + check, "other_code", "in binary; here it is in Gray"
+    )
+    yield _plant(
+        encoder, before + binary(position) + behind + flags + check, "other_code", "in Gray code; here it is in binary"
+    )
 
 
 def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -198,7 +211,8 @@ def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]
 
 
 def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    """The same, and the reader takes 6 bits of CRC as ever: the first of a longer one, or a shorter one and the zeros that follow it."""
+    """The same, and the reader takes 6 bits of CRC as ever:
+    the first of a longer one, or a shorter one and the zeros that follow it."""
     data = "".join(parts(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
         yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x}:")
@@ -251,9 +265,30 @@ def polynomial_reversed(encoder: Encoder, source: random.Random) -> Iterator[Pla
 
 #: By what the planting does; the three before the last are not in every master's way, but cheap to try.
 MISTAKES: tuple[Maker, ...] = (
-    not_inverted, status_left_out, status_not_sent, status_turned, read_late, first_bit_missing, read_early, bit_in_front, start_and_cds_in_front,
-    bit_behind, last_bit_missing, start_in_crc, other_code, other_polynomial, other_polynomial_in_6_bits, other_order_code, other_order_code_read_on,
-    all_inverted, bits_reversed, bytes_reversed, crc_reversed, start_value, polynomial_reversed, constant_not_sent,
+    not_inverted,
+    status_left_out,
+    status_not_sent,
+    status_turned,
+    read_late,
+    first_bit_missing,
+    read_early,
+    bit_in_front,
+    start_and_cds_in_front,
+    bit_behind,
+    last_bit_missing,
+    start_in_crc,
+    other_code,
+    other_polynomial,
+    other_polynomial_in_6_bits,
+    other_order_code,
+    other_order_code_read_on,
+    all_inverted,
+    bits_reversed,
+    bytes_reversed,
+    crc_reversed,
+    start_value,
+    polynomial_reversed,
+    constant_not_sent,
 )
 
 
@@ -263,7 +298,8 @@ def as_hex(plant: Plant) -> Plant:
 
 
 def reply(source: random.Random, code: str) -> bytes:
-    """A reply over RS-485 with a position of 20 bits in three bytes: data ID 0 of AMM5, data ID 4 of SMA21; CRC 8 is the XOR of the bytes."""
+    """A reply over RS-485 with a position of 20 bits in three bytes: data ID 0 of AMM5, data ID 4 of SMA21.
+    CRC 8 is the XOR of the bytes."""
     position = source.getrandbits(20).to_bytes(3, "little")
     data = b"\x02\x00" + position if code.startswith("AMM5") else b"\xa2\x00" + position + b"\x00"
     return data + bytes([_xor(data)])
@@ -287,7 +323,12 @@ def byte_mistakes(code: str, source: random.Random) -> Iterator[Plant]:
     yield Plant(code, frame[1:].hex(), "first_byte_lost")
     yield Plant(code, (frame[1:] + random_byte).hex(), "first_byte_lost")
     yield Plant(code, bytes(byte ^ 0xFF for byte in frame).hex(), "all_inverted")
-    yield Plant(code, (data + bytes([int(crc("".join(f"{byte:08b}" for byte in data), 0x12F, invert=False), 2)])).hex(), "other_polynomial", "most")
+    yield Plant(
+        code,
+        (data + bytes([int(crc("".join(f"{byte:08b}" for byte in data), 0x12F, invert=False), 2)])).hex(),
+        "other_polynomial",
+        "most",
+    )
     turned = crc("".join(f"{byte:08b}"[::-1] for byte in data), 0x12F, invert=False)
     yield Plant(code, (data + bytes([int(turned[::-1], 2)])).hex(), "other_polynomial", "least")
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from codewheel.commands.cli import main
 
-from codewheel.cli import main
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "docs" / "example"
+AS_PRINTED = ("--choose", "eeprom_address=as_printed")
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -34,7 +38,10 @@ SHOWN += ["SMA21-SC4-0050", "SMA21-JP1-0001", "AMC3616/4096-GG", "AM3619/4096-I7
 def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "list")
     assert code == 0
-    assert "amm5" in out and "36, AMM5{mount}{singleturn}/{turns}{interface}" in out and "SSI, BiSS C-mode, RS-485" in out and "revision 1.9 of 2021-12-09" in out
+    assert "amm5" in out
+    assert "36, AMM5{mount}{singleturn}/{turns}{interface}" in out
+    assert "SSI, BiSS C-mode, RS-485" in out
+    assert "revision 1.9 of 2021-12-09" in out
     assert max(map(len, out.splitlines())) <= 80
 
 
@@ -48,7 +55,8 @@ def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], what: str) -> 
 def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:
     _, out, _ = run(capsys, "show", "AMM5A21/65KSC1")
     assert "| multiturn | singleturn | error | warning | crc |" in out
-    assert "44:29" in out and "28:8" in out
+    assert "44:29" in out
+    assert "28:8" in out
     assert "0 to 137,438,953,471" in " ".join(out.split())
     assert "rs485" not in out
 
@@ -59,36 +67,61 @@ def shown(capsys: pytest.CaptureFixture[str], what: str) -> str:
 
 def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.CaptureFixture[str]) -> None:
     ssi, biss, rs485 = (shown(capsys, code) for code in ("SMA21-GG4-0050", "SMA21-SC4-0050", "SMA21-JP1-0001"))
-    assert "ssi_gray 1" in ssi and "position in Gray code" in ssi and "Registers" not in ssi and "profile_id" not in ssi
-    assert "profile_id 2814h" in biss and "ssi_gray" not in biss and "rs485_position_bits" not in biss and "crc_coverage" not in biss
-    assert "rs485_position_bits 24" in rs485 and "scd_padding_bits" not in rs485 and "data ID F 7Ah" in rs485
+    assert "ssi_gray 1" in ssi
+    assert "position is in Gray code" in ssi
+    assert "Registers" not in ssi
+    assert "profile_id" not in ssi
+    assert "profile_id 2814h" in biss
+    assert "ssi_gray" not in biss
+    assert "rs485_position_bits" not in biss
+    assert "crc_coverage" not in biss
+    assert "rs485_position_bits 24" in rs485
+    assert "scd_padding_bits" not in rs485
+    assert "Data ID F 7Ah" in rs485
 
 
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
     sma21 = shown(capsys, "SMA21-SC4-0050")
-    assert "50 µm to a count, 1,048,576 counts in all, which is 52,428.800 mm" in sma21
-    assert "preset 0 to 1,048,575 while configuration.select_preset_offset is preset" in sma21
-    assert "time-out follows the clock, at most 16 µs" in sma21
+    assert "50 µm to a count, 1,048,576 counts in all, the highest 1,048,575; 52,428.800 mm in all" in sma21
+    assert "configuration.select_preset_offset holds 0 (preset), it holds preset, 0 to 1,048,575:" in sma21
+    assert "Time-out follows the clock, at most 16 µs" in sma21
     ssi = shown(capsys, "AMC3616/4096-GG")
-    assert "below 400 kHz with a cable shorter than 50 m" in ssi and "code Gray" in ssi and "Zero" not in ssi.partition("Inputs")[0]
+    assert "below 400 kHz with a cable shorter than 50 m" in ssi
+    assert "position is in Gray code" in ssi
+    assert "Zero" not in ssi.partition("Inputs")[0]
     assert "65,536 counts in a revolution, 4,096 revolutions" in ssi
     asc85 = shown(capsys, "ASC8525/SC2")
-    assert "time-out follows the clock, 350 ns at 10 MHz" in asc85 and "1 revolution " in asc85
+    assert "Time-out follows the clock, 350 ns at 10 MHz" in asc85
+    assert "1 revolution " in asc85
 
 
 def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest.CaptureFixture[str]) -> None:
     biss = shown(capsys, "AM3616/4096-I7")
-    assert "used_singleturn_bits 20" in biss and "--register 0x56=0x.." in biss and "position_bits 28" not in biss
-    assert "as delivered: the widths are those in register 56, singleturn_bits_used.bits and register 57, multiturn_bits_used.bits" in biss
+    assert "used_singleturn_bits 20" in biss
+    assert "--register 0x56=0x.." in biss
+    assert "position_bits 28" not in biss
+    assert (
+        "As delivered: the widths are those in register 56h (singleturn_bits_used.bits) and register 57h "
+        "(multiturn_bits_used.bits)."
+    ) in biss
     assert "--register" not in shown(capsys, "AM3616/4096-BG")
     assert "from registers" not in run(capsys, "decode", "SMA21-BG1-0050", "0b" + "0" * 20 + "1")[1]
     assert "from registers" in run(capsys, "decode", "SMA21-SC1-0050", "0x0")[1]
 
 
 def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
-    for arguments in (("show", "nonsense"), ("decode", "AMM5A22/1SC1", "0x1"), ("decode", "AMM5A21/1SC1", "zz"), ("decode", "AMM5A23/1JP1", "02 20C"), ("generate", "--target", "cobol")):
+    for arguments in (
+        ("show", "nonsense"),
+        ("decode", "AMM5A22/1SC1", "0x1"),
+        ("decode", "AMM5A21/1SC1", "zz"),
+        ("decode", "AMM5A23/1JP1", "02 20C"),
+        ("generate", "--target", "cobol"),
+    ):
         code, out, err = run(capsys, *arguments)
-        assert code == 2 and not out and err.count("\n") == 1 and err.startswith("codewheel: "), arguments
+        assert code == 2, arguments
+        assert not out, arguments
+        assert err.count("\n") == 1, arguments
+        assert err.startswith("codewheel: "), arguments
 
 
 # Public vector: TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
@@ -97,7 +130,9 @@ def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
     assert code == 3  # sound, but the encoder reports a fault
     fields = {item["name"]: item["value"] for item in found["fields"]}
     assert (found["layout"], found["direction"], found["problems"]) == ("singleturn_reply", "encoder", [])
-    assert fields["singleturn"] == 7000519 and fields["status_other_error"] is True and fields["status_st_error"] is False
+    assert fields["singleturn"] == 7000519
+    assert fields["status_other_error"] is True
+    assert fields["status_st_error"] is False
     assert found["crc"] == {"received": 0x5E, "computed": 0x5E, "ok": True}
 
 
@@ -105,9 +140,9 @@ def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "kind"),
     [
         (("AMM5A23/65KJP1", "32 10 01 28 B0 08 B3"), "length"),  # the manual's CRC example, 7.6: fits no reply
-        (("AMM5A23/65KJP1", "--from", "master", "32 7f 01 4c"), "constant"),  # hpm_sdk: address in bits 6:0
-        (("AMM5A23/65KJP1", "--from", "master", "32 01 5a 69"), "constant"),
-        (("AMM5A23/65KJP1", "--from", "master", "ea", "01", "eb"), "constant"),
+        (("AMM5A23/65KJP1", *AS_PRINTED, "--from", "master", "32 7f 01 4c"), "constant"),  # hpm_sdk: MEM BUSY is 1 then
+        (("AMM5A23/65KJP1", *AS_PRINTED, "--from", "master", "32 01 5a 69"), "constant"),
+        (("AMM5A23/65KJP1", *AS_PRINTED, "--from", "master", "ea", "01", "eb"), "constant"),
         (("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F"), "crc"),
         (("AMM5A23/65KJP1", "A2 00 10 32 54 00 D4"), "range"),  # data ID 4 is not one of this family
         (("AMM5A17/1SC1", "0x2000000"), "length"),
@@ -120,14 +155,17 @@ def test_faults_exit_1(capsys: pytest.CaptureFixture[str], arguments: tuple[str,
     assert code == 1
     assert kind in [item["kind"] for item in found["problems"]]
     code, out, _ = run(capsys, "decode", *arguments)
-    assert code == 1 and f"{kind} fault: " in out
+    assert code == 1
+    assert f"{kind} fault: " in out
 
 
 def test_a_sound_frame_with_an_error_exits_3(capsys: pytest.CaptureFixture[str]) -> None:
     # 17 bits: position 0, nE 0, nW 0: the CRC of zeros is 0, inverted 3Fh.
     code, found = data(capsys, "decode", "AMM5A17/1SC1", "0x3F", "--json")
     fields = {item["name"]: item["value"] for item in found["fields"]}
-    assert code == 3 and fields["error"] is True and fields["warning"] is True
+    assert code == 3
+    assert fields["error"] is True
+    assert fields["warning"] is True
 
 
 def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixture[str]) -> None:
@@ -135,12 +173,14 @@ def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixtu
     label, frame = "AM3616/4096SC1", f"0x{0b11 << 6 | 0x3F:x}"
     for arguments in (("show", label), ("decode", label, frame), ("master", label)):
         out = " ".join(run(capsys, *arguments)[1].split())
-        assert "AM3616/4096-I7" in out and "the label is written as in edition 1.1 of the manual" in out, arguments
+        assert "AM3616/4096-I7" in out, arguments
+        assert "the label is written as in edition 1.1 of the manual" in out, arguments
     for command in ("show", "master"):
         code, found = data(capsys, command, label, "--json")
-        assert code == 0 and found["label"]["written_as_in"].startswith("edition 1.1"), command
+        assert code == 0, command
+        assert found["label"]["written_as_in"].startswith("edition 1.1"), command
     assert "written as in" not in run(capsys, "show", "AM3616/4096-I7")[1]
-    assert "also {model}{singleturn}/{turns}{output}" in run(capsys, "show", "am36")[1]
+    assert "Also written: {model}{singleturn}/{turns}{output}" in run(capsys, "show", "am36")[1]
 
 
 def test_a_blank_on_a_label_means_nothing(capsys: pytest.CaptureFixture[str]) -> None:
@@ -151,11 +191,14 @@ def test_decode_a_register(capsys: pytest.CaptureFixture[str]) -> None:
     # AMM5 manual 6.4: 18 30 03630.
     code, found = data(capsys, "decode", "AMM5A21/65KSC1", "--as", "serial_number", "0AE869EE", "--json")
     fields = {item["name"]: item["value"] for item in found["fields"]}
-    assert code == 0 and (fields["year"], fields["week"], fields["number"]) == (18, 30, 3630)
+    assert code == 0
+    assert (fields["year"], fields["week"], fields["number"]) == (18, 30, 3630)
     code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "--as", "nothing", "00")
-    assert code == 2 and "it has: preset" in err
+    assert code == 2
+    assert "it has: preset" in err
 
 
+@pytest.mark.slow
 def test_frames_from_standard_input() -> None:
     frames = "02 20 C7 D1 6A 5E\n\n02 20 C7 D1 6A 5F\n"
     command = [sys.executable, "-m", "codewheel", "decode", "AMM5A23/65KJP1", "-", "--json"]
@@ -165,23 +208,74 @@ def test_frames_from_standard_input() -> None:
 
 
 def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    code, out, _ = run(capsys, "generate", "-o", str(tmp_path))
-    assert code == 0 and "\nunchanged" not in out
-    code, out, _ = run(capsys, "generate", "-o", str(tmp_path))
-    assert code == 0 and {line.split()[0] for line in out.splitlines()} == {"read", "unchanged", "all"}
-    assert run(capsys, "generate", "-o", str(tmp_path), "--check")[0] == 0
-    victim = next(tmp_path.rglob("amm5.h"))
+    command = ("generate", str(EXAMPLE), "-o", str(tmp_path))
+    code, out, _ = run(capsys, *command)
+    assert code == 0
+    assert "\nunchanged" not in out
+    code, out, _ = run(capsys, *command)
+    assert code == 0
+    assert {line.split()[0] for line in out.splitlines()} == {"read", "unchanged", "all"}
+    assert run(capsys, *command, "--check")[0] == 0
+    victim = next(tmp_path.rglob("tv62.h"))
     victim.write_text("changed")
-    code, out, err = run(capsys, "generate", "-o", str(tmp_path), "--check")
-    assert code == 1 and f"differs    {victim}" in out and f"run: codewheel generate -o {tmp_path}" in err
+    code, out, err = run(capsys, *command, "--check")
+    assert code == 1
+    assert f"differs    {victim}" in out
+    assert f"run: codewheel {shlex.join(command)}" in err
     assert victim.read_text() == "changed"
-    code, out, _ = run(capsys, "generate", "-o", str(tmp_path), "--target", "python")
-    assert code == 0 and victim.read_text() == "changed"
+    code, out, _ = run(capsys, *command, "--target", "python")
+    assert code == 0
+    assert victim.read_text() == "changed"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("arguments", "imported"),
+    [
+        ("list", set()),
+        ("show amm5", set()),
+        ("decode AMM5A17/1SC1 0x3F", set()),
+        ("master SMA21-SC4-0050", set()),
+        ("diff specs specs", set()),
+        ("generate --check --target docs", {"docs", "registry"}),
+        ("generate --check --target python", {"python", "registry"}),
+        ("check --target biss specs", {"biss", "registry"}),
+    ],
+)
+def test_only_the_targets_that_run_are_imported(arguments: str, imported: set[str]) -> None:
+    script = "import sys; from codewheel.commands.cli import main; main(sys.argv[1:]); print(*sorted(sys.modules))"
+    command = [sys.executable, "-c", script, *arguments.split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    modules = set(done.stdout.splitlines()[-1].split())
+    targets = {name.split(".")[2] for name in modules if name.startswith("codewheel.targets.")}
+    assert targets == imported, done.stderr
+    assert ("jinja2" in modules) == bool(imported)
 
 
 def test_problems_go_to_standard_error_and_exit_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "x.yaml").write_text("device: x\n")
     for arguments in (("generate", "-o", str(tmp_path / "out")), ("list", "--specs")):
         code, out, err = run(capsys, *arguments[:1], *arguments[1:], str(tmp_path / "x.yaml"))
-        assert code == 1 and not out and "x.yaml:1:1: missing-key: " in err and "Traceback" not in err
+        assert code == 1
+        assert not out
+        assert "x.yaml:1:1: missing-key: " in err
+        assert "Traceback" not in err
     assert not (tmp_path / "out").exists()
+
+
+def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    for shown in ("amm5", "AMM5A23/65KJP1"):
+        out = " ".join(run(capsys, "show", shown)[1].split())
+        assert (
+            "For you to decide, since the manual leaves it open eeprom_address: Where the byte ADF of an EEPROM access "
+            "over RS-485 has the address [7.5 p.46]. as_printed: Bits 7:1"
+        ) in out
+        assert "decode takes the answer as: --choose eeprom_address=as_printed" in out
+        assert "Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format." in out
+    assert "The picture has as_printed." in out
+    assert "For you to decide" not in run(capsys, "show", "AMM5A17/1SC1")[1]
+    assert data(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []
+    found = data(capsys, "show", "AMM5A23/65KJP1", "--json")[1]
+    assert [item["name"] for item in found["alternatives"][0]["answers"]] == ["as_printed", "as_t_format"]
+    needed = {item["name"] for item in found["layouts"] if item["alternatives"] == ["eeprom_address"]}
+    assert needed == {"eeprom_write_request", "eeprom_read_request", "eeprom_write_reply", "eeprom_read_reply"}

@@ -5,13 +5,24 @@ from __future__ import annotations
 import random
 
 import pytest
-
-from codewheel.crc import compute_bits, compute_bytes, fold_plan, form, polynomial_text
-from codewheel.model import Crc
+from codewheel.model import Crc, Form
+from codewheel.reference.crc import compute_bits, compute_bytes, fold_plan, form, polynomial_text
 
 
 def crc(width: int, poly: int, init: int = 0, refin: bool = False, refout: bool = False, xorout: int = 0) -> Crc:
-    return Crc("crc", width, poly, init, refin, refout, xorout, form(width, poly, init, refin, refout), polynomial_text(width, poly), "", ())
+    return Crc(
+        "crc",
+        width,
+        poly,
+        init,
+        refin,
+        refout,
+        xorout,
+        form(width, poly, init, refin, refout),
+        polynomial_text(width, poly),
+        "",
+        (),
+    )
 
 
 # Greg Cook, Catalogue of parametrised CRC algorithms, reveng.sourceforge.io/crc-catalogue: check values.
@@ -34,17 +45,20 @@ def test_catalogue(parameters: Crc, check: int, name: str) -> None:
 
 def test_xor_form_is_the_xor_of_the_bytes() -> None:
     xor = crc(8, 0x01, refin=True, refout=True)
-    assert xor.form == "xor"
+    assert xor.is_xor
     # Lika AMM5 manual 7.6, SMA21 manual 7.3.4.
     assert compute_bytes(xor, bytes.fromhex("32100128B008")) == 0xB3
     assert compute_bytes(xor, bytes.fromhex("A20010325400")) == 0xD4
     assert compute_bytes(xor, bytes.fromhex("2A02DA0400432500")) == 0x90
 
 
-@pytest.mark.parametrize(("width", "poly"), [(6, 0x03), (4, 0x03), (3, 0x03), (5, 0x05), (7, 0x09), (9, 0x11), (8, 0x01), (1, 0x01), (16, 0x0001)])
+@pytest.mark.parametrize(
+    ("width", "poly"),
+    [(6, 0x03), (4, 0x03), (3, 0x03), (5, 0x05), (7, 0x09), (9, 0x11), (8, 0x01), (1, 0x01), (16, 0x0001)],
+)
 @pytest.mark.parametrize("bits", [1, 7, 16, 46, 47, 63, 64])
 def test_fold_plan_is_long_division(width: int, poly: int, bits: int) -> None:
-    assert form(width, poly, 0, False, False) in ("fold", "xor")
+    assert form(width, poly, 0, False, False) in (Form.FOLD, Form.XOR)
     plan = fold_plan(width, poly, bits)
     chooser = random.Random(bits * 1000 + width)
     for number in [0, 1, (1 << bits) - 1, 1 << (bits - 1), *(chooser.getrandbits(bits) for _ in range(200))]:
@@ -75,17 +89,22 @@ def test_no_plan_is_shorter(width: int, poly: int) -> None:
         widths, steps = {bits}, 0
         while not any(left <= width for left in widths):
             shifts = [width << power for power in range(7)]
-            widths = {max(shift, left - shift + middle * shift // width) for left in widths for shift in shifts if shift < left}
+            widths = {
+                max(shift, left - shift + middle * shift // width)
+                for left in widths
+                for shift in shifts
+                if shift < left
+            }
             steps += 1
         assert len(fold_plan(width, poly, bits)) == steps, bits
 
 
 def test_form_follows_from_the_parameters() -> None:
-    assert form(6, 0x03, 0, False, False) == "fold"
-    assert form(6, 0x03, 1, False, False) == "table"
-    assert form(16, 0x90D9, 0, False, False) == "table"
-    assert form(8, 0x01, 0, True, True) == "xor"
-    assert form(8, 0x01, 0, True, False) == "table"
+    assert form(6, 0x03, 0, False, False) is Form.FOLD
+    assert form(6, 0x03, 1, False, False) is Form.TABLE
+    assert form(16, 0x90D9, 0, False, False) is Form.TABLE
+    assert form(8, 0x01, 0, True, True) is Form.XOR
+    assert form(8, 0x01, 0, True, False) is Form.TABLE
 
 
 def test_leading_zeros_do_not_change_a_crc_with_start_0() -> None:

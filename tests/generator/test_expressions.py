@@ -1,8 +1,7 @@
 from __future__ import annotations
 
 import pytest
-
-from codewheel.expressions import Expression, ExpressionError
+from codewheel.model.expressions import Expression, ExpressionError
 
 
 @pytest.mark.parametrize(
@@ -19,7 +18,11 @@ from codewheel.expressions import Expression, ExpressionError
         ("-1 + singleturn_bits", 20, "singleturn_bits - 1"),
         ("singleturn_bits * multiturn_bits", 336, "singleturn_bits * multiturn_bits"),
         ("2^multiturn_bits * singleturn_bits - 1", 1376255, "2^multiturn_bits * singleturn_bits - 1"),
-        ("singleturn_bits - singleturn_bits * multiturn_bits", -315, "singleturn_bits - singleturn_bits * multiturn_bits"),
+        (
+            "singleturn_bits - singleturn_bits * multiturn_bits",
+            -315,
+            "singleturn_bits - singleturn_bits * multiturn_bits",
+        ),
         ("8 - multiturn_bits * singleturn_bits", -328, "8 - multiturn_bits * singleturn_bits"),
     ],
 )
@@ -29,7 +32,9 @@ def test_values(text: int | str, value: int, shown: str) -> None:
     assert (expression + Expression(0)).render() == shown
 
 
-@pytest.mark.parametrize("text", ["", "+", "a +", "a b", "3^a", "a^2", "__import__('os')", "1 +", "A", "a\n; b", "2^", "(a)"])
+@pytest.mark.parametrize(
+    "text", ["", "+", "a +", "a b", "3^a", "a^2", "__import__('os')", "1 +", "A", "a\n; b", "2^", "(a)"]
+)
 def test_what_is_no_expression(text: str) -> None:
     with pytest.raises(ExpressionError, match="is not a sum of numbers, parameters and powers of two"):
         Expression.parse(text)
@@ -53,7 +58,9 @@ def test_unknown_parameters_are_named() -> None:
 
 @pytest.mark.parametrize("text", ["a * 2", "2 * a", "2^3 * a", "b + a * 1"])
 def test_a_product_has_no_numbers(text: str) -> None:
-    with pytest.raises(ExpressionError, match="a product is made of parameters and powers of two of parameters, not of numbers"):
+    with pytest.raises(
+        ExpressionError, match="a product is made of parameters and powers of two of parameters, not of numbers"
+    ):
         Expression.parse(text)
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-
-from codewheel.load import load_library
+from codewheel.commands.outputs import load_for, targets_named
 
 MINIMAL = (Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml").read_text()
 MAKER = 'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n'
@@ -15,22 +14,28 @@ MAKER = 'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n'
 def problems(folder: Path, **files: str) -> list[str]:
     for name, text in files.items():
         (folder / f"{name}.yaml").write_text(text)
-    return [f"{Path(item.file).name}:{item.line}: {item.rule}: {item.message}" for item in load_library([folder])[1].problems]
+    return [
+        f"{Path(item.file).name}:{item.line}: {item.rule}: {item.message}"
+        for item in load_for([folder], targets_named())[1].problems
+    ]
 
 
 def test_a_manufacturer_file_beside_the_device_is_found(tmp_path: Path) -> None:
     (tmp_path / "manufacturer.yaml").write_text(MAKER)
     (tmp_path / "minimal.yaml").write_text(MINIMAL)
-    devices, report = load_library([tmp_path / "minimal.yaml"])
-    assert not report and [device.manufacturer.title for device in devices] == ["Acme"]
+    devices, report = load_for([tmp_path / "minimal.yaml"], targets_named())
+    assert not report
+    assert [device.manufacturer.title for device in devices] == ["Acme"]
 
 
 def test_a_missing_manufacturer_file(tmp_path: Path) -> None:
-    assert problems(tmp_path, minimal=MINIMAL) == ["minimal.yaml:3: undefined-reference: there is no manufacturer file for 'acme'"]
+    assert problems(tmp_path, minimal=MINIMAL) == [
+        "minimal.yaml:3: undefined-reference: there is no manufacturer file for 'acme'"
+    ]
 
 
 def test_a_broken_manufacturer_file_is_told_once(tmp_path: Path) -> None:
-    assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER.replace('title: Acme\n', "")) == [
+    assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER.replace("title: Acme\n", "")) == [
         "manufacturer.yaml:1: missing-key: 'title' is missing; a manufacturer file needs it"
     ]
 
@@ -41,31 +46,53 @@ def test_two_manufacturer_files_of_one_name(tmp_path: Path) -> None:
 
 
 def test_an_order_code_of_two_families(tmp_path: Path) -> None:
-    found = problems(tmp_path, minimal=MINIMAL, other=MINIMAL.replace("device: minimal", "device: other"), manufacturer=MAKER)
+    found = problems(
+        tmp_path, minimal=MINIMAL, other=MINIMAL.replace("device: minimal", "device: other"), manufacturer=MAKER
+    )
     assert found == ["other.yaml:10: order-code-ambiguous: the order code MIN12SC belongs to 'minimal' as well"]
 
 
 def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path) -> None:
-    first, second = MAKER + "biss_id: 0x4142\npython_package: encoders\n", MAKER.replace("acme", "zenith") + "python_package: encoders\nbiss_id: 0x4142\n"
+    first, second = (
+        MAKER + "biss_id: 0x4142\npython_package: encoders\n",
+        MAKER.replace("acme", "zenith") + "python_package: encoders\nbiss_id: 0x4142\n",
+    )
     assert problems(tmp_path, minimal=MINIMAL, acme=first, zenith=second) == [
         "zenith.yaml:5: duplicate-name: the Python package 'encoders' is that of 'acme' as well; each has its own",
-        "zenith.yaml:6: duplicate-name: the BiSS manufacturer ID 0x4142 is that of 'acme' as well; it names the file idbiss4142.xml",
+        (
+            "zenith.yaml:6: duplicate-name: the BiSS manufacturer ID 0x4142 is that of 'acme' as well; "
+            "it names the file idbiss4142.xml"
+        ),
     ]
 
 
 def test_a_package_with_a_name_of_pythons_own(tmp_path: Path) -> None:
     assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER + "python_package: json\n") == [
-        "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': that is a name of Python's own; take 'json_encoders'"
+        (
+            "manufacturer.yaml:5: not-allowed: 'python_package' cannot be 'json': that is a name of Python's own; "
+            "take 'json_encoders'"
+        )
     ]
 
 
-IDENTITY = '  - {name: manufacturer_id, address: 0x7E, length: 2, byte_order: high_byte_first, access: read_only, source: "6.3", fields: [{name: id, bits: 16, EQUALS}]}\n'
+IDENTITY = (
+    "  - {name: manufacturer_id, address: 0x7E, length: 2, byte_order: high_byte_first, access: read_only,"
+    ' source: "6.3", fields: [{name: id, bits: 16, EQUALS}]}\n'
+)
 
 
-@pytest.mark.parametrize(("equals", "shown"), [("text: ascii, equals: XX", "58, 58"), ("equals: 0x4241", "42, 41"), ("text: ascii, equals: AB", "")])
+@pytest.mark.parametrize(
+    ("equals", "shown"),
+    [("text: ascii, equals: XX", "58, 58"), ("equals: 0x4241", "42, 41"), ("text: ascii, equals: AB", "")],
+)
 def test_the_biss_id_of_the_maker_and_of_the_register(tmp_path: Path, equals: str, shown: str) -> None:
     """0x4142 is "AB"; the same bytes the other way round are another maker."""
-    found = problems(tmp_path, minimal=MINIMAL + IDENTITY.replace("EQUALS", equals), manufacturer=MAKER + "biss_id: 0x4142\n")
+    found = problems(
+        tmp_path, minimal=MINIMAL + IDENTITY.replace("EQUALS", equals), manufacturer=MAKER + "biss_id: 0x4142\n"
+    )
     line = len(MINIMAL.splitlines()) + 1
-    wrong = f"'manufacturer_id' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is 0x4142; one of the two is wrong"
+    wrong = (
+        f"'manufacturer_id' equals {shown} at 7Eh and 7Fh, and 'biss_id' in the manufacturer file is 0x4142; "
+        "one of the two is wrong"
+    )
     assert found == ([f"minimal.yaml:{line}: biss-id-mismatch: {wrong}"] if shown else [])

@@ -6,13 +6,14 @@ import shutil
 from pathlib import Path
 
 import pytest
-
-from codewheel import new
-from codewheel.cli import main
-from codewheel.load import load_library
-from codewheel.read import read_document
-from codewheel.problems import Report
-from codewheel.targets import Library, biss, docs
+from codewheel.commands import new
+from codewheel.commands.cli import main
+from codewheel.commands.outputs import load_for, targets_named
+from codewheel.spec.problems import Report
+from codewheel.spec.read import read_document
+from codewheel.targets import Library
+from codewheel.targets.biss.files import generate as generate_biss
+from codewheel.targets.docs.files import generate as generate_docs
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -20,15 +21,18 @@ ROOT = Path(__file__).resolve().parents[2]
 def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "my_encoder", "-o", str(tmp_path)]) == 0
     assert capsys.readouterr().out == "".join(
-        f"written    {tmp_path}/{name}\n" for name in ("my_encoder.yaml", "manufacturer.yaml", "device.schema.json", "manufacturer.schema.json")
+        f"written    {tmp_path}/{name}\n"
+        for name in ("my_encoder.yaml", "manufacturer.yaml", "device.schema.json", "manufacturer.schema.json")
     )
-    found, report = load_library([tmp_path])
+    found, report = load_for([tmp_path], targets_named())
     assert not report.problems
     (device,) = found
     assert [item.code for item in device.variants] == ["MY-ENCODER-13-SC", "MY-ENCODER-17-SC"]
     assert device.layout("single_cycle_data").place(device.variants[1].parameters).bits == 17 + 1 + 1 + 6
-    assert "docs/my_encoder.md" in docs.generate(Library(found)) and "biss/maker-my_encoder.xml" in biss.generate(Library(found))
-    # 13 bits of 1000, error and warning bit high (not active), and the inverted remainder of the division of these 15 bits by x^6 + x + 1.
+    assert "docs/my_encoder.md" in generate_docs(Library(found))
+    assert "biss/maker-my_encoder.xml" in generate_biss(Library(found))
+    # 13 bits of 1000, error and warning bit high (not active), and the inverted remainder of the division of
+    # these 15 bits by x^6 + x + 1.
     assert main(["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", str(tmp_path)]) == 0
     assert "no fault" in capsys.readouterr().out
 
@@ -41,18 +45,24 @@ def test_whoever_clones_the_spec_has_its_schema(tmp_path: Path) -> None:
     assert main(["new", "demo", "-o", str(tmp_path / "demo.yaml")]) == 0
     for kind, name in (("device", "demo.yaml"), ("manufacturer", "manufacturer.yaml")):
         assert modeline(tmp_path / name) == f"{kind}.schema.json"
-        assert (tmp_path / f"{kind}.schema.json").read_bytes() == (ROOT / "generator" / "spec" / f"{kind}.schema.json").read_bytes()
+        assert (tmp_path / f"{kind}.schema.json").read_bytes() == (
+            ROOT / "generator" / "spec" / f"{kind}.schema.json"
+        ).read_bytes()
 
 
 @pytest.mark.parametrize("place", ["generator/spec", ".venv/lib/site-packages/codewheel/spec"])
-def test_in_the_tools_own_checkout_the_schema_is_not_copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str) -> None:
+def test_in_the_tools_own_checkout_the_schema_is_not_copied(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
     (tmp_path / ".git").mkdir()
     (tmp_path / "specs").mkdir()
     shutil.copytree(ROOT / "generator" / "spec", tmp_path / place)
     monkeypatch.setattr(new, "_schema", lambda kind: tmp_path / place / f"{kind}.schema.json")
     assert main(["new", "demo", "-o", str(tmp_path / "specs")]) == 0
     of_the_tool = "site-packages" not in place
-    assert modeline(tmp_path / "specs/demo.yaml") == ("../generator/spec/device.schema.json" if of_the_tool else "device.schema.json")
+    assert modeline(tmp_path / "specs/demo.yaml") == (
+        "../generator/spec/device.schema.json" if of_the_tool else "device.schema.json"
+    )
     assert (tmp_path / "specs/device.schema.json").exists() != of_the_tool
 
 
@@ -63,11 +73,14 @@ def test_a_schema_that_is_there_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_a_manufacturer_that_is_there_is_used(tmp_path: Path) -> None:
-    (tmp_path / "manufacturer.yaml").write_text('codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n', encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text(
+        'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n', encoding="utf-8"
+    )
     assert main(["new", "demo", "-o", str(tmp_path)]) == 0
     document = read_document(tmp_path / "demo.yaml", Report())
-    assert document is not None and document.data["manufacturer"] == "acme"
-    assert not load_library([tmp_path])[1].problems
+    assert document is not None
+    assert document.data["manufacturer"] == "acme"
+    assert not load_for([tmp_path], targets_named())[1].problems
     assert "Acme" in (tmp_path / "manufacturer.yaml").read_text(encoding="utf-8")
 
 

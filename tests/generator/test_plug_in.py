@@ -1,54 +1,229 @@
-"""Targets of others: whatever they do, it is one line."""
+"""Targets of others: they are like ours, and whatever they do wrong is one line."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
+from codewheel.commands.cli import main
+from codewheel.targets import Library, Option, Options, Target, TargetError, TargetProblem, registry
 
-from codewheel import targets
-from codewheel.cli import main
+ROOT = Path(__file__).resolve().parents[2]
+RUST = Target(
+    name="rust",
+    summary="a crate",
+    files=lambda library, options: {"rust/x.rs": " ".join(f"{key}={value}" for key, value in options.items())},
+    options=(Option("edition", "of the language", "2021", ("2018", "2021")), Option("crate", "its name", "acme")),
+)
 
 
 class Entry:
     """Stands for an entry point."""
 
-    def __init__(self, made: Callable[[], object]) -> None:
-        self.load = made
+    def __init__(self, made: object, fails: bool = False) -> None:
+        self.made, self.fails, self.dist, self.value = made, fails, None, "somewhere:TARGET"
+
+    def load(self) -> object:
+        if self.fails:
+            raise ImportError("no such module")
+        return self.made
 
 
-def fails(*_: object) -> object:
+def register(monkeypatch: pytest.MonkeyPatch, **entries: Entry) -> None:
+    monkeypatch.setattr(registry, "_registered", lambda: {name: [entry] for name, entry in entries.items()})
+
+
+def fails(*_: object) -> Any:
     raise KeyError("a\nb")
 
 
+def mine(files: Callable[..., Any]) -> Target:
+    return Target("mine", "mine", files)
+
+
 @pytest.mark.parametrize(
-    ("made", "message"),
+    ("entry", "message"),
     [
-        (lambda: fails, "the target 'mine' fails: KeyError: 'a\\nb' ("),
-        (lambda: None, "the target 'mine' fails: TypeError: 'NoneType' object is not callable ("),
-        (fails, "the target 'mine' cannot be loaded: KeyError: 'a\\nb' ("),
-        (lambda: lambda _: None, "the target 'mine' has to give text by path; this is nothing"),
-        (lambda: lambda _: b"x", "the target 'mine' has to give text by path; this is bytes"),
-        (lambda: lambda _: ["mine/x"], "the target 'mine' has to give text by path; this is list"),
-        (lambda: lambda _: {"mine/x": b"x"}, "the target 'mine' has to give text by path; 'mine/x' is bytes"),
-        (lambda: lambda _: {1: "x"}, "the target 'mine' has to give text by path; 1 is no path"),
-        (lambda: lambda _: {"mine/x": "\ud800"}, "the target 'mine' has to give text by path; 'mine/x' holds U+D800, which is no character"),
+        (Entry(mine(fails)), "the target 'mine' fails: KeyError: 'a\\nb' ("),
+        (Entry(None, fails=True), "the target 'mine' cannot be loaded: ImportError: no such module ("),
+        (Entry(None), "the target 'mine' has to be a codewheel.targets.Target; this is nothing"),
+        (Entry(fails), "the target 'mine' has to be a codewheel.targets.Target; this is function"),
+        (Entry(RUST), "the target 'mine' calls itself 'rust'; both names have to be one"),
+        (Entry(mine(lambda *_: None)), "the target 'mine' has to give text by path; this is nothing"),
+        (Entry(mine(lambda *_: b"x")), "the target 'mine' has to give text by path; this is bytes"),
+        (Entry(mine(lambda *_: ["mine/x"])), "the target 'mine' has to give text by path; this is list"),
+        (Entry(mine(lambda *_: {"mine/x": b"x"})), "the target 'mine' has to give text by path; 'mine/x' is bytes"),
+        (Entry(mine(lambda *_: {1: "x"})), "the target 'mine' has to give text by path; 1 is no path"),
+        (
+            Entry(mine(lambda *_: {"mine/x": "\ud800"})),
+            "the target 'mine' has to give text by path; 'mine/x' holds U+D800, which is no character",
+        ),
+        (
+            Entry(Target("mine", "mine", lambda *_: {}, problems=fails)),
+            "the target 'mine' fails: KeyError: 'a\\nb' (",
+        ),
+        (
+            Entry(Target("mine", "mine", lambda *_: {}, problems=lambda _: ["x"])),  # type: ignore[list-item]
+            "the target 'mine' has to give problems as TargetProblem; this is str",
+        ),
     ],
 )
 def test_its_faults_are_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], made: Callable[[], object], message: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], entry: Entry, message: str
 ) -> None:
-    monkeypatch.setattr(targets, "_registered", lambda: {"mine": Entry(made)})
+    register(monkeypatch, mine=entry)
     assert main(["generate", "-o", str(tmp_path / "out"), "--target", "mine"]) == 1
     err = capsys.readouterr().err
-    assert err.startswith(f"codewheel: {message}") and err.count("\n") == 1
+    assert err.startswith(f"codewheel: {message}")
+    assert err.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
 
-def test_it_is_known_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(targets, "_registered", lambda: {"rust": Entry(lambda: lambda _: {"rust/x.rs": "x"})})
-    assert main(["generate", "-o", str(tmp_path), "--target", "rust"]) == 0
-    assert (tmp_path / "rust/x.rs").read_text() == "x"
+def test_ours_run_behind_the_same_guard(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("codewheel.targets.docs.files._index", fails)
+    assert main(["generate", "-o", str(tmp_path / "out"), "--target", "docs"]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("codewheel: the target 'docs' fails: KeyError: 'a\\nb' (")
+    assert err.count("\n") == 1
+
+
+def test_it_is_known_by_name_and_runs_when_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    register(monkeypatch, rust=Entry(RUST))
     assert main(["generate", "-o", str(tmp_path), "--target", "ruts"]) == 2
     assert capsys.readouterr().err == "codewheel: there is no target 'ruts'; did you mean 'rust'?\n"
+    assert main(["generate", "-o", str(tmp_path), "--target", "cobol"]) == 2
+    message = "codewheel: there is no target 'cobol'; there are: python, c, biss, docs, rust\n"
+    assert capsys.readouterr().err == message
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "demo"]) == 0
+    assert main(["generate", "demo.yaml", "-o", "out"]) == 0
+    assert sorted(path.name for path in Path("out").iterdir()) == ["biss", "c", "docs", "python"]
+    assert main(["generate", "demo.yaml", "-o", "out", "--target", "rust"]) == 0
+    assert Path("out/rust/x.rs").read_text() == "edition=2021 crate=acme"
+
+
+def test_two_packages_with_one_target(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(registry, "_registered", lambda: {"rust": [Entry(RUST), Entry(RUST)]})
+    assert main(["generate", "--target", "rust"]) == 1
+    err = capsys.readouterr().err
+    assert err == "codewheel: the target 'rust' is registered by somewhere:TARGET and by somewhere:TARGET; remove one\n"
+
+
+@pytest.mark.parametrize("command", ["generate", "check"])
+def test_help_lists_all_targets_and_options(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    register(monkeypatch, rust=Entry(RUST), broken=Entry(None, fails=True))
+    assert main([command, "--help"]) == 0
+    out = capsys.readouterr().out
+    shown = " ".join(out.split())
+    assert "python an installable, typed package" in shown
+    assert "c headers for C99" in shown
+    assert "rust a crate --option rust.edition=2018|2021: of the language (default: 2021)" in shown
+    assert "--option rust.crate=VALUE: its name (default: acme)" in shown
+    assert "broken the target 'broken' cannot be loaded: ImportError: no such module" in shown
+    listed = out[out.index("targets, of which") :].splitlines()
+    assert max(map(len, (line for line in listed if "/" not in line))) <= 79
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("rust.edition=2017", "'rust.edition' cannot be '2017'; it can be: 2018, 2021"),
+        ("rust.editon=2018", "the target 'rust' has no option 'editon'; did you mean 'edition'?"),
+        ("rust.std=no", "the target 'rust' has no option 'std'; it has: edition, crate"),
+        ("docs.std=no", "the target 'docs' has no option 'std'; it has none"),
+        ("c.std=no", "'c.std' is for a target that does not run; add --target c"),
+        ("ruts.edition=2018", "there is no target 'ruts'; did you mean 'rust'?"),
+        ("edition=2018", "'edition=2018' is no setting; write it as in TARGET.OPTION=VALUE"),
+        ("rust.edition", "'rust.edition' is no setting; write it as in TARGET.OPTION=VALUE"),
+    ],
+)
+def test_a_wrong_option_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], setting: str, message: str
+) -> None:
+    register(monkeypatch, rust=Entry(RUST))
+    command = ["generate", "-o", str(tmp_path / "out"), "--target", "rust", "--target", "docs", "--option", setting]
+    assert main(command) == 2
+    assert capsys.readouterr().err == f"codewheel: {message}\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_options_reach_it_and_the_command_that_mends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    register(monkeypatch, rust=Entry(RUST))
+    command = ["generate", "-o", str(tmp_path), "--target", "rust", "--option", "rust.edition=2018"]
+    again = "generate -o {} --target rust --option rust.crate=a=b --option rust.edition=2018\n"
+    assert main(command) == 0
+    assert (tmp_path / "rust/x.rs").read_text() == "edition=2018 crate=acme"
+    capsys.readouterr()
+    assert main([*command[:5], "--option", "rust.crate=a=b", *command[5:], "--check"]) == 1
+    assert capsys.readouterr().err.endswith(again.format(tmp_path))
+
+
+def of_amm5(library: Library) -> Iterable[TargetProblem]:
+    """A problem of one register, with a second place; nothing where there is no such family."""
+    for device in library.devices:
+        if device.name == "amm5":
+            place = ("registers", "preset", "length")
+            yield TargetProblem(device, "rust-size", place, "too long; see line {line}", ("registers", "serial_number"))
+
+
+def test_its_problems_have_places(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    register(monkeypatch, rust=Entry(Target("rust", "a crate", lambda *_: {}, of_amm5)))
+    spec = (ROOT / "specs/lika/amm5.yaml").read_text(encoding="utf-8").splitlines()
+    preset = next(index for index, line in enumerate(spec) if line.strip() == "- name: preset")
+    line, length = next((index, text) for index, text in enumerate(spec) if index > preset and "length:" in text)
+    serial = next(index for index, text in enumerate(spec) if "name: serial_number" in text)
+    column = length.index("length:") + len("length: ") + 1
+    monkeypatch.chdir(ROOT)
+    for command in ("check", "generate"):
+        assert main([command, "specs/lika", "--target", "rust"]) == 1
+        shown = "".join(capsys.readouterr())
+        assert f"specs/lika/amm5.yaml:{line + 1}:{column}: rust-size: too long; see line {serial + 1}\n" in shown
+    assert main(["check", "specs/lika"]) == 0
+
+
+def test_it_is_not_asked_of_a_family_with_problems(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seen: list[str] = []
+
+    def problems(library: Library) -> list[TargetProblem]:
+        seen.extend(device.name for device in library.devices)
+        return []
+
+    register(monkeypatch, rust=Entry(Target("rust", "a crate", lambda *_: {}, problems)))
+    assert main(["new", "sound", "-o", str(tmp_path / "sound.yaml")]) == 0
+    text = (tmp_path / "sound.yaml").read_text(encoding="utf-8").replace("sound", "broken").replace("SOUND", "BROKEN")
+    (tmp_path / "broken.yaml").write_text(text.replace("revision:", "revison:"), encoding="utf-8")
+    assert main(["check", str(tmp_path), "--target", "rust"]) == 1
+    assert "revison" in capsys.readouterr().out
+    assert seen == ["sound"]
+
+
+@pytest.mark.parametrize("name", ["", "Rust", "a.b", "a/b", "-x", "a=b", "\ud800"])
+def test_a_name_that_cannot_be_one(name: str) -> None:
+    files: Callable[[Library, Options], Mapping[str, str]] = lambda library, options: {}  # noqa: E731
+    with pytest.raises(ValueError, match="is no name of a target or option"):
+        Target(name, "", files)
+    with pytest.raises(ValueError, match="is no name of a target or option"):
+        Target("x", "", files, options=(Option(name, "", ""),))
+
+
+def test_a_target_error_is_its_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def files(library: Library, options: Options) -> dict[str, str]:
+        raise TargetError("the crate cannot be called 'a b'")
+
+    register(monkeypatch, rust=Entry(Target("rust", "a crate", files)))
+    assert main(["generate", "-o", str(tmp_path), "--target", "rust"]) == 1
+    assert capsys.readouterr().err == "codewheel: the crate cannot be called 'a b'\n"

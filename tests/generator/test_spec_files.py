@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-
-from codewheel.cli import main
-from codewheel.problems import Report
-from codewheel.read import read_specs
-from codewheel.spec_files import own_specs
+from codewheel.commands.cli import main
+from codewheel.spec.files import own_specs
+from codewheel.spec.problems import Report
+from codewheel.spec.read import read_specs
 
 # What other tools keep in YAML, each with the keys that their own documentation shows.
 FOREIGN = {
@@ -44,7 +43,9 @@ SPECS = {
 def read(folder: Path) -> tuple[set[str], set[str]]:
     report = Report()
     read_specs([folder], report)
-    return {Path(name).relative_to(folder).as_posix() for name in report.files}, {Path(name).relative_to(folder).as_posix() for name in report.passed_over}
+    return {Path(name).relative_to(folder).as_posix() for name in report.files}, {
+        Path(name).relative_to(folder).as_posix() for name in report.passed_over
+    }
 
 
 def test_specs_are_told_from_the_yaml_of_others(tmp_path: Path) -> None:
@@ -70,7 +71,8 @@ def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
     report = Report()
     assert read_specs([tmp_path], report) == []
     (problem,) = report.problems
-    assert problem.rule == "no-specs" and problem.message.endswith("'device', 'manufacturer' and 'master'; 1 other YAML file was passed over")
+    assert problem.rule == "no-specs"
+    assert problem.message.endswith("'device', 'manufacturer' and 'master'; 1 other YAML file was passed over")
 
 
 def test_hidden_folders_environments_and_generated_files_are_left_out(tmp_path: Path) -> None:
@@ -82,11 +84,21 @@ def test_hidden_folders_environments_and_generated_files_are_left_out(tmp_path: 
     assert read(tmp_path) == ({"out/x/mine.yaml", "specs/d.yaml"}, set())
 
 
-def test_a_folder_can_be_checked_and_generated_again_and_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_can_be_checked_and_generated_again_and_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["new", "demo"]) == 0
     (tmp_path / "ci.yml").write_text("jobs: {}\n")
-    for command in (["generate", "."], ["generate", "."], ["check", "."], ["generate", ".", "--check"], ["generate"], ["generate", "-o", "."], ["check", "."]):
+    for command in (
+        ["generate", "."],
+        ["generate", "."],
+        ["check", "."],
+        ["generate", ".", "--check"],
+        ["generate"],
+        ["generate", "-o", "."],
+        ["check", "."],
+    ):
         assert main(command) == 0, capsys.readouterr().err
     assert "read 2 specs: demo.yaml, manufacturer.yaml; passed over: ci.yml" in capsys.readouterr().out
 

@@ -8,9 +8,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-
-from codewheel.arguments import EXAMPLES
-from codewheel.cli import main
+from codewheel.commands.arguments import EXAMPLES
+from codewheel.commands.cli import main
 
 COMMANDS = list(EXAMPLES)
 
@@ -34,14 +33,17 @@ def add_broken(folder: Path) -> None:
     (folder / "bad.yaml").write_text("codewheel: 1\ndevice: bad\nmanufacturer: maker\n")
 
 
-# ------------------------------------------------------------------------------------------------------------------- help
+# ----------------------------------------------------------------------------------------------------------------- help
 
 
 @pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)], ids=" ".join)
-def test_help_fits_a_terminal_and_has_examples(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]) -> None:
+def test_help_fits_a_terminal_and_has_examples(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
+) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     code, out, _ = run(capsys, *command, "--help")
-    assert code == 0 and max(map(len, out.splitlines())) <= 80
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 80
     if command:
         assert all(f"\n  {line}\n" in out for line in EXAMPLES[command[0]])
     else:
@@ -60,7 +62,9 @@ def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, comman
         assert (code, err.replace("codewheel: for the specs of this folder add: --specs .\n", "")) == (0, ""), line
 
 
-def test_the_examples_of_new_work(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_examples_of_new_work(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "specs").mkdir()
     for line in EXAMPLES["new"]:
@@ -69,19 +73,28 @@ def test_the_examples_of_new_work(capsys: pytest.CaptureFixture[str], tmp_path: 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "--version")
-    assert code == 0 and out.startswith("codewheel 0.")
+    assert code == 0
+    assert out.startswith("codewheel 0.")
 
 
-# ------------------------------------------------------------------------------------------------------------ wrong usage
+# ---------------------------------------------------------------------------------------------------------- wrong usage
 
 
 @pytest.mark.parametrize(
     ("arguments", "usage", "error"),
     [
         (["shwo"], "codewheel", "there is no command 'shwo'; did you mean 'show'?"),
-        (["xyzzy"], "codewheel", "there is no command 'xyzzy'; known: generate, check, list, show, decode, master, diff, new"),
+        (
+            ["xyzzy"],
+            "codewheel",
+            "there is no command 'xyzzy'; known: generate, check, list, show, decode, master, diff, new",
+        ),
         (["check", "--jsno"], "codewheel check", "there is no option '--jsno'; did you mean '--json'?"),
-        (["list", "irs.yaml"], "codewheel list", "'irs.yaml' is one argument too many; a spec is given as: --specs irs.yaml"),
+        (
+            ["list", "irs.yaml"],
+            "codewheel list",
+            "'irs.yaml' is one argument too many; a spec is given as: --specs irs.yaml",
+        ),
         (["show", "x", "y"], "codewheel show", "'y' is one argument too many"),
         (["generate", "-o", ""], "codewheel generate", "argument -o: the path is empty; write . for this folder"),
         (["check", ""], "codewheel check", "argument SPECS: the path is empty; write . for this folder"),
@@ -89,16 +102,36 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_wrong_usage_shows_the_commands_own_usage(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], usage: str, error: str
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    usage: str,
+    error: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     code, out, err = run(capsys, *arguments)
-    assert (code, out) == (2, "") and err.startswith(f"usage: {usage} [") and err.endswith(f": error: {error}\n")
+    assert (code, out) == (2, "")
+    assert err.startswith(f"usage: {usage} [")
+    assert err.endswith(f": error: {error}\n")
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("arguments", [["check"], ["check", "--json"], ["check", "--specs"], ["generate"], ["list", "--specs"], ["show", "x", "--specs"], ["diff", "x.yaml"]])
-def test_a_missing_file_is_wrong_usage(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]) -> None:
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["check"],
+        ["check", "--json"],
+        ["check", "--specs"],
+        ["generate"],
+        ["list", "--specs"],
+        ["show", "x", "--specs"],
+        ["diff", "x.yaml"],
+    ],
+)
+def test_a_missing_file_is_wrong_usage(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "x.yaml").write_text("device: x\n")
     if arguments[0] == "diff":
@@ -109,7 +142,11 @@ def test_a_missing_file_is_wrong_usage(capsys: pytest.CaptureFixture[str], tmp_p
 
 def test_codes_are_near_only_where_something_is_near(capsys: pytest.CaptureFixture[str]) -> None:
     for text in ("FOO", "X", "../x", "12345"):
-        assert run(capsys, "show", text) == (2, "", f"codewheel: '{text}' is no known order code; codewheel list shows what they look like\n")
+        assert run(capsys, "show", text) == (
+            2,
+            "",
+            f"codewheel: '{text}' is no known order code; codewheel list shows what they look like\n",
+        )
     assert "the nearest are AMM5A21/" in run(capsys, "show", "AMM5A21")[2]
 
 
@@ -117,56 +154,90 @@ def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own: Path
     for command in (["decode", "--specs", ".", "MY_ENCODER", "0x1"], ["master", "--specs", ".", "MY_ENCODER"]):
         code, _, err = run(capsys, *command)
         assert code == 2
-        assert err == "codewheel: 'MY_ENCODER' is a family, and an order code is needed, such as MY-ENCODER-13-SC; codewheel show my_encoder tells of them\n"
+        assert err == (
+            "codewheel: 'MY_ENCODER' is a family, and an order code is needed, such as MY-ENCODER-13-SC; "
+            "codewheel show my_encoder tells of them\n"
+        )
 
 
-# ------------------------------------------------------------------------------------------------------- the specs to read
+# ---------------------------------------------------------------------------------------------------- the specs to read
 
 
-def test_without_arguments_the_specs_of_the_folder_are_read_and_named(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+def test_without_arguments_the_specs_of_the_folder_are_read_and_named(
+    capsys: pytest.CaptureFixture[str], own: Path
+) -> None:
     (own / "ci.yml").write_text("jobs: {}\n")
     for command in ("check", "generate"):
         code, out, _ = run(capsys, command)
-        assert code == 0 and out.startswith("read 2 specs: manufacturer.yaml, my_encoder.yaml\n")
-    assert not list(own.rglob("amm5*")) and (own / "generated/docs/my_encoder.md").is_file()
+        assert code == 0
+        assert out.startswith("read 2 specs: manufacturer.yaml, my_encoder.yaml\n")
+    assert not list(own.rglob("amm5*"))
+    assert (own / "generated/docs/my_encoder.md").is_file()
     _, out, _ = run(capsys, "check", "--json")
-    assert json.loads(out) == {"version": 1, "files": ["manufacturer.yaml", "my_encoder.yaml"], "passed_over": [], "problems": []}
-    assert run(capsys, "check", "--specs", "my_encoder.yaml")[1].startswith("read 2 specs: my_encoder.yaml, manufacturer.yaml\n")
+    assert json.loads(out) == {
+        "version": 1,
+        "files": ["manufacturer.yaml", "my_encoder.yaml"],
+        "passed_over": [],
+        "problems": [],
+    }
+    assert run(capsys, "check", "--specs", "my_encoder.yaml")[1].startswith(
+        "read 2 specs: my_encoder.yaml, manufacturer.yaml\n"
+    )
 
 
-def test_without_specs_of_ones_own_those_that_ship_are_read_and_named(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_specs_of_ones_own_those_that_ship_are_read_and_named(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "ci.yml").write_text("jobs: {}\n")
     for command in (["check"], ["generate", "--target", "biss"]):
         code, out, _ = run(capsys, *command)
-        assert code == 0 and out.startswith("read the specs that ship with codewheel: am36, amm5, asc85, sma21\n")
+        assert code == 0
+        assert out.startswith("read the specs that ship with codewheel: am36, amm5, asc85, sma21\n")
 
 
-def test_a_look_up_does_not_depend_on_the_folder_but_says_how_it_could(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+def test_a_look_up_does_not_depend_on_the_folder_but_says_how_it_could(
+    capsys: pytest.CaptureFixture[str], own: Path
+) -> None:
     code, _, err = run(capsys, "show", "my_encoder")
-    assert code == 2 and err.endswith("; for the specs of this folder add: --specs .\n")
+    assert code == 2
+    assert err.endswith("; for the specs of this folder add: --specs .\n")
     assert run(capsys, "show", "my_encoder", "--specs", ".")[0] == 0
     assert run(capsys, "list")[2] == "codewheel: for the specs of this folder add: --specs .\n"
     code, _, err = run(capsys, "show", "my_encoder.yaml")
-    assert code == 2 and err == "codewheel: 'my_encoder.yaml' is no order code; a spec is given as: --specs my_encoder.yaml\n"
+    assert code == 2
+    assert err == "codewheel: 'my_encoder.yaml' is no order code; a spec is given as: --specs my_encoder.yaml\n"
 
 
 def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     add_broken(own)
-    for command in (["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010"], ["show", "my_encoder"], ["show", "MY-ENCODER-13-SC"], ["master", "MY-ENCODER-13-SC"]):
+    for command in (
+        ["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010"],
+        ["show", "my_encoder"],
+        ["show", "MY-ENCODER-13-SC"],
+        ["master", "MY-ENCODER-13-SC"],
+    ):
         code, out, err = run(capsys, *command, "--specs", ".")
-        assert code == 0 and out and "codewheel: left out, for " in err and ": bad.yaml; codewheel check tells them\n" in err
+        assert code == 0
+        assert out
+        assert "codewheel: left out, for " in err
+        assert ": bad.yaml; codewheel check tells them\n" in err
     code, out, _ = run(capsys, "decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", ".", "--json")
-    assert code == 0 and json.loads(out)["problems"] == []
+    assert code == 0
+    assert json.loads(out)["problems"] == []
     # What is wanted may be in the broken file.
     code, out, err = run(capsys, "show", "bad", "--specs", ".")
-    assert code == 1 and not out and "bad.yaml:1:1: missing-key: " in err
+    assert code == 1
+    assert not out
+    assert "bad.yaml:1:1: missing-key: " in err
     for command in (["list", "--specs", "."], ["generate", "."]):
         assert run(capsys, *command)[0] == 1
 
 
 @pytest.mark.parametrize("shared", ["device", "maker"])
-def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(capsys: pytest.CaptureFixture[str], own: Path, shared: str) -> None:
+def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(
+    capsys: pytest.CaptureFixture[str], own: Path, shared: str
+) -> None:
     text = (own / "my_encoder.yaml").read_text()
     if shared == "device":
         (own / "other.yaml").write_text(text.replace("device: my_encoder", "device: other"))
@@ -174,22 +245,28 @@ def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(capsys: pytest
         maker = own / "manufacturer.yaml"
         maker.write_text(maker.read_text().replace("codewheel: 1", "codewheel: 1\nunknown: 1"))
     code, out, err = run(capsys, "show", "MY-ENCODER-13-SC", "--specs", ".")
-    assert code == 1 and not out and ("order-code-ambiguous" in err or "unknown-key" in err)
+    assert code == 1
+    assert not out
+    assert "order-code-ambiguous" in err or "unknown-key" in err
 
 
-# ---------------------------------------------------------------------------------------------------------------- writing
+# -------------------------------------------------------------------------------------------------------------- writing
 
 
 def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     (own / "docs").mkdir()
     (own / "docs/README.md").write_text("my own text")
     code, _, err = run(capsys, "generate", "-o", ".")
-    assert code == 1 and err.startswith("codewheel: not written by codewheel and in its way; nothing has changed; ") and "\n  docs/README.md\n" in err
-    assert (own / "docs/README.md").read_text() == "my own text" and not (own / "python").exists()
+    assert code == 1
+    assert err.startswith("codewheel: not written by codewheel and in its way; nothing has changed; ")
+    assert "\n  docs/README.md\n" in err
+    assert (own / "docs/README.md").read_text() == "my own text"
+    assert not (own / "python").exists()
     assert run(capsys, "generate", "-o", ".", "--force")[0] == 0
     assert (own / "docs/README.md").read_text() != "my own text"
 
 
 def test_check_says_how_to_bring_the_files_up_to_date(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     code, _, err = run(capsys, "generate", "my_encoder.yaml", "-o", "an out", "--check")
-    assert code == 1 and err.endswith("run: codewheel generate my_encoder.yaml -o 'an out'\n")
+    assert code == 1
+    assert err.endswith("run: codewheel generate my_encoder.yaml -o 'an out'\n")

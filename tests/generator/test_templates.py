@@ -1,4 +1,4 @@
-"""Templates of the user's: mistakes in them are said by file and line, misspelt ones are told, and line ends do not matter."""
+"""Templates of the user's: each of ours can be overridden, mistakes are told by file and line, misspelt names too."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
 from codewheel import render as module
-from codewheel.cli import main
+from codewheel.commands.cli import main
+from codewheel.targets.registry import BUILT_IN, load_target
+from jinja2 import FileSystemBytecodeCache
 
 ROOT = Path(__file__).resolve().parents[2]
-INDEX = "markdown/index.md.jinja"
+INDEX = "docs/index.md.jinja"
 
 
 @pytest.fixture
@@ -20,7 +21,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captur
     """The current folder, with a spec and an empty folder ``t``."""
     monkeypatch.chdir(tmp_path)
     assert main(["new", "demo"]) == 0
-    for folder in module.FOLDERS:
+    for folder in BUILT_IN:
         (tmp_path / "t" / folder).mkdir(parents=True)
     capsys.readouterr()
     yield tmp_path
@@ -33,6 +34,7 @@ def generate(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, 
     return code, capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -45,45 +47,58 @@ def generate(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, 
     ],
 )
 @pytest.mark.parametrize("template", [INDEX, "c/device.h.jinja", "python/device.py.jinja", "biss/idbiss.xml.jinja"])
-def test_a_mistake_is_one_line(place: Path, capsys: pytest.CaptureFixture[str], template: str, text: str, message: str) -> None:
+def test_a_mistake_is_one_line(
+    place: Path, capsys: pytest.CaptureFixture[str], template: str, text: str, message: str
+) -> None:
     maker = place / "manufacturer.yaml"
     maker.write_text(maker.read_text().replace("# biss_id: 0x0000", "biss_id: 0x4142"))
     text = text.replace("index.md.jinja", Path(template).name)
     (place / "t" / template).write_bytes(b"first\n" + text.encode("utf-8", "surrogateescape"))
     code, err = generate(capsys)
-    assert code == 1 and err.startswith(f"codewheel: t/{template}:2: {message}") and err.count("\n") == 1
+    assert code == 1
+    assert err.startswith(f"codewheel: t/{template}:2: {message}")
+    assert err.count("\n") == 1
     assert not (place / "generated").exists()
 
 
 def test_a_template_of_ours_that_misses_a_part_of_theirs(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (place / "t/c/parts.h.jinja").write_text("{% macro section(title) %}{% endmacro %}")
     code, err = generate(capsys)
-    assert code == 1 and "interfaces.h.jinja:" in err and "does not export the requested name 'lines'" in err and err.count("\n") == 1
+    assert code == 1
+    assert "reports.h.jinja:" in err
+    assert "does not export the requested name 'enumeration'" in err
+    assert err.count("\n") == 1
 
 
 def test_what_is_no_text(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (place / "t" / INDEX).write_text(r'{{ "\ud800" }}')
     code, err = generate(capsys)
-    assert code == 1 and "'docs/README.md' holds U+D800, which is no character" in err
+    assert (code, err) == (1, f"codewheel: t/{INDEX}: the text holds U+D800, which is no character\n")
 
 
 def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for name in ("c/devce.h.jinja", "pythn/device.py.jinja", "device.h.jinja", ".git/x.jinja", "c/README.txt"):
+    misspelt = ("c/devce.h.jinja", "pythn/device.py.jinja", "device.h.jinja", "markdown/index.md.jinja", "docs/x.jinja")
+    for name in (*misspelt, ".git/x.jinja", "c/README.txt"):
         (place / "t" / name).parent.mkdir(exist_ok=True)
         (place / "t" / name).write_text("")
     assert generate(capsys) == (
         2,
-        "codewheel: nothing is written, for templates without effect:\n"
-        "  no output uses t/c/devce.h.jinja; did you mean 'c/device.h.jinja'?\n"
-        "  no output uses t/device.h.jinja; did you mean 'c/device.h.jinja'?\n"
-        "  no output uses t/pythn/device.py.jinja; did you mean 'python/device.py.jinja'?\n",
+        (
+            "codewheel: nothing is written, for templates without effect:\n"
+            "  no output uses t/c/devce.h.jinja; did you mean 'c/device.h.jinja'?\n"
+            "  no output uses t/device.h.jinja; did you mean 'c/device.h.jinja'?\n"
+            "  no output uses t/docs/x.jinja\n"
+            "  no output uses t/markdown/index.md.jinja; did you mean 'docs/index.md.jinja'?\n"
+            "  no output uses t/pythn/device.py.jinja; did you mean 'python/device.py.jinja'?\n"
+        ),
     )
     assert not (place / "generated").exists()
 
 
 def test_a_folder_without_templates_is_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, err = generate(capsys)
-    assert code == 2 and "the folder t holds no template" in err
+    assert code == 2
+    assert "the folder t holds no template" in err
 
 
 def test_a_template_of_theirs_that_theirs_uses_is_fine(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,7 +109,10 @@ def test_a_template_of_theirs_that_theirs_uses_is_fine(place: Path, capsys: pyte
     assert generate(capsys, "--target", "docs") == (0, ""), "the templates of other targets are not judged"
 
 
-def test_line_ends_and_byte_order_marks_of_templates_do_not_matter(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.slow
+def test_line_ends_and_byte_order_marks_of_templates_do_not_matter(
+    place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["generate", "demo.yaml"]) == 0
     for path in (ROOT / "templates").glob("*/*.jinja"):
         text = path.read_text(encoding="utf-8").rstrip("\n") + "\n"
@@ -102,6 +120,7 @@ def test_line_ends_and_byte_order_marks_of_templates_do_not_matter(place: Path, 
     assert generate(capsys, "--check") == (0, "")
 
 
+@pytest.mark.slow
 def test_a_cache_that_cannot_be_written_or_read_is_done_without(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
@@ -109,10 +128,39 @@ def test_a_cache_that_cannot_be_written_or_read_is_done_without(place: Path, mon
     def spoilt(*_: object) -> None:
         raise EOFError
 
-    monkeypatch.setattr(module.FileSystemBytecodeCache, "dump_bytecode", full)
-    monkeypatch.setattr(module.FileSystemBytecodeCache, "load_bytecode", spoilt)
+    monkeypatch.setattr(FileSystemBytecodeCache, "dump_bytecode", full)
+    monkeypatch.setattr(FileSystemBytecodeCache, "load_bytecode", spoilt)
     module.environment.cache_clear()
     assert main(["generate", "demo.yaml"]) == 0
-    monkeypatch.setattr(module.FileSystemBytecodeCache, "__init__", full)
+    monkeypatch.setattr(FileSystemBytecodeCache, "__init__", full)
     module.environment.cache_clear()
     assert main(["generate", "demo.yaml", "--check"]) == 0
+
+
+def templates_of(name: str) -> module.Templates:
+    found = load_target(name).templates
+    assert found is not None
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("target", "template"), [(target, template) for target in BUILT_IN for template in templates_of(target).values]
+)
+def test_every_rendered_template_can_be_overridden(
+    place: Path, capsys: pytest.CaptureFixture[str], target: str, template: str
+) -> None:
+    """The user's includes the one that it stands for, and adds a line."""
+    maker = place / "manufacturer.yaml"
+    maker.write_text(maker.read_text().replace("# biss_id: 0x0000", "biss_id: 0x4142"))
+    assert main(["generate", "demo.yaml", "--target", target]) == 0
+    before = {path: path.read_text() for path in (place / "generated").rglob("*") if path.is_file()}
+    mine = '{% include "shipped/' + template + '" %}\nmine\n'
+    (place / "t" / target / template).write_text(mine)
+    assert generate(capsys, "--target", target) == (0, "")
+    changed = {path for path, text in before.items() if path.read_text() != text}
+    assert changed
+    for path in changed:
+        lines = before[path].rstrip("\n").splitlines()
+        assert path.read_text().splitlines()[: len(lines)] == lines
+        assert path.read_text().rstrip("\n").endswith("mine")

@@ -1,4 +1,7 @@
-"""Streams of every kind: other encodings, full ones, closed ones. Never a traceback, and never an exit code that says done where it is not."""
+"""Streams of every kind: other encodings, full ones, closed ones.
+
+Never a traceback, and never an exit code that says done where it is not.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,11 @@ import json
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
-
-from codewheel.terminal import _STAND_INS, _in_words
+from codewheel.commands.terminal import _STAND_INS, _in_words
 
 COMMAND = [sys.executable, "-m", "codewheel"]
 DECODE = ["decode", "AMM5A23/65KJP1", "02 00 C7 D1 6A 7E"]
@@ -20,43 +23,66 @@ def run(*arguments: str, redirect: str = "", **environment: str) -> subprocess.C
     """The command under a shell, which can close and redirect streams."""
     command = ["sh", "-c", f'exec "$@" {redirect}', "sh", *COMMAND, *arguments]
     done = subprocess.run(command, capture_output=True, env={**os.environ, **environment}, check=False, timeout=60)
-    assert b"Traceback" not in done.stderr and b"Exception ignored" not in done.stderr, done.stderr.decode()
+    assert b"Traceback" not in done.stderr, done.stderr.decode()
+    assert b"Exception ignored" not in done.stderr, done.stderr.decode()
     return done
 
 
+@cache
+def in_utf_8(*arguments: str) -> str:
+    return run(*arguments, PYTHONIOENCODING="utf-8").stdout.decode()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii"])
-@pytest.mark.parametrize("arguments", [DECODE, ["show", "amm5"], ["show", "sma21"], ["master", "SMA21-SC4-0050"]], ids=lambda item: item[0] + item[1])
+@pytest.mark.parametrize(
+    "arguments",
+    [DECODE, ["show", "amm5"], ["show", "sma21"], ["master", "SMA21-SC4-0050"]],
+    ids=lambda item: item[0] + item[1],
+)
 def test_text_in_any_encoding(encoding: str, arguments: list[str]) -> None:
-    done, whole = run(*arguments, PYTHONIOENCODING=encoding), run(*arguments, PYTHONIOENCODING="utf-8")
+    done, whole = run(*arguments, PYTHONIOENCODING=encoding), in_utf_8(*arguments)
     text = done.stdout.decode(encoding)
     assert (done.returncode, done.stderr) == (0, b"")
-    assert text.count("\n") == whole.stdout.decode().count("\n") and "\\u" not in text and text.count("?") == whole.stdout.count(b"?")
+    assert text.count("\n") == whole.count("\n")
+    assert "\\u" not in text
+    assert text.count("?") == whole.count("?")
     if arguments is DECODE:
         assert "Encoder -> Master" in text
 
 
 def test_every_character_of_our_specs_has_a_stand_in() -> None:
     specs = Path(__file__).parents[2] / "specs"
-    lacking = {character for path in specs.rglob("*.yaml") for character in path.read_text(encoding="utf-8") if character > "~"}
-    assert "µ" in lacking and "−" in lacking
+    lacking = {
+        character for path in specs.rglob("*.yaml") for character in path.read_text(encoding="utf-8") if character > "~"
+    }
+    assert "µ" in lacking
+    assert "−" in lacking
     for character in lacking:
         stand_in, _ = _in_words(UnicodeEncodeError("ascii", character, 0, 1, ""))
-        assert isinstance(stand_in, str) and stand_in.isascii() and "?" not in stand_in, character
+        assert isinstance(stand_in, str), character
+        assert stand_in.isascii(), character
+        assert "?" not in stand_in, character
     assert all(text.isascii() and "\\" not in text for text in _STAND_INS.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii", "latin-1"])
 def test_json_in_any_encoding(encoding: str) -> None:
-    done, whole = run("show", "amm5", "--json", PYTHONIOENCODING=encoding), run("show", "amm5", "--json", PYTHONIOENCODING="utf-8")
-    assert done.stdout.isascii() and not whole.stdout.isascii()
-    assert json.loads(done.stdout) == json.loads(whole.stdout)
+    done, whole = run("show", "amm5", "--json", PYTHONIOENCODING=encoding), in_utf_8("show", "amm5", "--json")
+    assert done.stdout.isascii()
+    assert not whole.isascii()
+    assert json.loads(done.stdout) == json.loads(whole)
 
 
+@pytest.mark.slow
 def test_messages_in_ascii() -> None:
     done = run("show", "n→n", PYTHONIOENCODING="ascii", PYTHONUTF8="1")
-    assert done.returncode == 2 and b"'n->n' is no known order code" in done.stderr
+    assert done.returncode == 2
+    assert b"'n->n' is no known order code" in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 @pytest.mark.parametrize("arguments", [["list"], ["check"], ["check", "--json"], DECODE])
 def test_full_standard_output(arguments: list[str]) -> None:
@@ -64,47 +90,64 @@ def test_full_standard_output(arguments: list[str]) -> None:
     assert (done.returncode, done.stderr) == (1, b"codewheel: cannot write the output: No space left on device\n")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 def test_full_standard_error() -> None:
     assert run("show", "nonsense", redirect="2>/dev/full", PYTHONUNBUFFERED="").returncode == 1
 
 
+@pytest.mark.slow
 def test_closed_streams(tmp_path: Path) -> None:
     done = run("generate", "-o", str(tmp_path), redirect=">&-")
-    assert (done.returncode, done.stderr) == (0, b"") and (tmp_path / "c" / "README.md").is_file()
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert (tmp_path / "c" / "README.md").is_file()
     assert run("show", "nonsense", redirect="2>&-").returncode == 2
     assert run("list", redirect="<&- >&- 2>&-").returncode == 0
     done = run("decode", "AMM5A23/65KJP1", "-", redirect="<&-")
     assert (done.returncode, done.stderr) == (2, b"codewheel: standard input is closed, so there is no frame to read\n")
 
 
+@pytest.mark.slow
 def test_bytes_that_are_no_text_are_no_frame() -> None:
     environment = {**os.environ, "PYTHONIOENCODING": "utf-8:strict"}
-    done = subprocess.run([*COMMAND, *DECODE[:2], "-"], input=b"\xff\n", capture_output=True, env=environment, check=False)
-    assert done.returncode == 2 and b"' is not hex" in done.stderr
+    done = subprocess.run(
+        [*COMMAND, *DECODE[:2], "-"], input=b"\xff\n", capture_output=True, env=environment, check=False
+    )
+    assert done.returncode == 2
+    assert b"' is not hex" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_folder_whose_name_is_no_text(tmp_path: Path) -> None:
     (tmp_path / "new").mkdir()
     assert run("new", "demo", "-o", str(tmp_path)).returncode == 0
     folder = os.fsdecode(os.fsencode(tmp_path) + b"/\xff")
     done = run("generate", str(tmp_path / "demo.yaml"), "-o", folder, PYTHONIOENCODING="utf-8:strict")
-    assert done.returncode == 0 and b"/\xff/c/README.md" in done.stdout
+    assert done.returncode == 0
+    assert b"/\xff/c/README.md" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_early_is_not_told_done() -> None:
     # The first frame has a fault; the rest is more than a pipe takes.
     frames = b"02 20 C7 D1 6A 5F\n" + b"02 20 C7 D1 6A 5E\n" * 3000
-    with subprocess.Popen([*COMMAND, *DECODE[:2], "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdin and process.stdout and process.stderr
+    with subprocess.Popen(
+        [*COMMAND, *DECODE[:2], "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        assert process.stdin
+        assert process.stdout
+        assert process.stderr
         process.stdout.close()
         try:
             process.stdin.write(frames)
             process.stdin.close()
         except BrokenPipeError:
             pass
-        assert process.stderr.read() == b"" and process.wait(60) != 0
+        assert process.stderr.read() == b""
+        assert process.wait(60) != 0
     with subprocess.Popen([*COMMAND, "show", "amm5"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdout and process.stderr
+        assert process.stdout
+        assert process.stderr
         process.stdout.close()
-        assert process.stderr.read() == b"" and process.wait(60) == 141
+        assert process.stderr.read() == b""
+        assert process.wait(60) == 141

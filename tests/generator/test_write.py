@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
 import subprocess
 from pathlib import Path
 
 import pytest
-
 from codewheel import write as module
 from codewheel.write import Change, WriteError, changes, write
 
@@ -16,14 +16,24 @@ FILES = {"python/a.py": "a\n", "python/pkg/b.py": "b\n"}
 
 
 def tree(folder: Path) -> dict[str, str]:
-    return {path.relative_to(folder).as_posix(): path.read_text() for path in sorted(folder.rglob("*")) if path.is_file() and path.name != ".codewheel"}
+    return {
+        path.relative_to(folder).as_posix(): path.read_text()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != ".codewheel"
+    }
 
 
 def test_writes_then_leaves_unchanged_files_alone(tmp_path: Path) -> None:
-    assert write(tmp_path, {"python": FILES}) == [Change("python/a.py", "written"), Change("python/pkg/b.py", "written")]
+    assert write(tmp_path, {"python": FILES}) == [
+        Change("python/a.py", "written"),
+        Change("python/pkg/b.py", "written"),
+    ]
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.py")}
     assert {item.what for item in write(tmp_path, {"python": FILES})} == {"unchanged"}
-    assert write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}}) == [Change("python/a.py", "written"), Change("python/pkg/b.py", "unchanged")]
+    assert write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}}) == [
+        Change("python/a.py", "written"),
+        Change("python/pkg/b.py", "unchanged"),
+    ]
     assert (tmp_path / "python/pkg/b.py").stat().st_mtime_ns == before[tmp_path / "python/pkg/b.py"]
     assert tree(tmp_path) == {"python/a.py": "new\n", "python/pkg/b.py": "b\n"}
 
@@ -35,13 +45,21 @@ def test_removes_what_it_no_longer_writes_and_nothing_else(tmp_path: Path) -> No
     (tmp_path / "other").mkdir()
     (tmp_path / "other/mine.txt").write_text("mine as well")
     assert Change("python/pkg/b.py", "removed") in write(tmp_path, {"python": {"python/a.py": "a\n"}})
-    assert tree(tmp_path) == {"other/mine.txt": "mine as well", "python/a.py": "a\n", "python/mine.txt": "mine", "python/pkg/mine.txt": "mine too"}
+    assert tree(tmp_path) == {
+        "other/mine.txt": "mine as well",
+        "python/a.py": "a\n",
+        "python/mine.txt": "mine",
+        "python/pkg/mine.txt": "mine too",
+    }
 
 
 def test_check_changes_nothing(tmp_path: Path) -> None:
     write(tmp_path, {"python": FILES})
     before = tree(tmp_path)
-    assert changes(tmp_path, "python", {"python/a.py": "x"}) == [Change("python/a.py", "written"), Change("python/pkg/b.py", "removed")]
+    assert changes(tmp_path, "python", {"python/a.py": "x"}) == [
+        Change("python/a.py", "written"),
+        Change("python/pkg/b.py", "removed"),
+    ]
     assert tree(tmp_path) == before
 
 
@@ -85,8 +103,10 @@ def test_a_full_disk_leaves_the_old_tree_whole(tmp_path: Path, monkeypatch: pyte
         return real_open(path, mode, *rest, **named)  # type: ignore[call-overload]
 
     monkeypatch.setattr(module, "open", full, raising=False)
-    with pytest.raises(WriteError, match=r"cannot write .*/(python|c)/\w[\w./]*: No space left on device; nothing has changed"):
-        write(tmp_path, {"python": {name: "new" for name in FILES}, "c": {"c/x.h": "new"}})
+    with pytest.raises(
+        WriteError, match=r"cannot write .*/(python|c)/\w[\w./]*: No space left on device; nothing has changed"
+    ):
+        write(tmp_path, {"python": dict.fromkeys(FILES, "new"), "c": {"c/x.h": "new"}})
     assert tree(tmp_path) == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c", "python"]
 
@@ -96,7 +116,9 @@ class Killed(BaseException):
 
 
 @pytest.mark.parametrize("moment", ["_exchange", "_same", "_remove"])
-def test_what_a_killed_run_left_is_cleared_by_the_next(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str) -> None:
+def test_what_a_killed_run_left_is_cleared_by_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
+) -> None:
     write(tmp_path, {"python": FILES})
     (tmp_path / "python/mine.txt").write_text("mine")
 
@@ -109,7 +131,8 @@ def test_what_a_killed_run_left_is_cleared_by_the_next(tmp_path: Path, monkeypat
         with pytest.raises(Killed):
             write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}})
     left = [path.name for path in tmp_path.iterdir()]
-    assert len(left) == 2 and "python" in left
+    assert len(left) == 2
+    assert "python" in left
     files = {"python/a.py": (tmp_path / "python/a.py").read_text(), "python/pkg/b.py": "b\n"}
     assert {item.what for item in write(tmp_path, {"python": files})} == {"unchanged"}
     assert [path.name for path in tmp_path.iterdir()] == ["python"]
@@ -157,7 +180,13 @@ def test_a_folder_that_held_files_of_ours_alone_goes_with_them(tmp_path: Path) -
 
 def test_a_git_repository_in_a_target_folder_survives(tmp_path: Path) -> None:
     def git(*arguments: str) -> str:
-        return subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a@b", *arguments], cwd=place, capture_output=True, text=True, check=True).stdout
+        return subprocess.run(
+            ["git", "-c", "user.name=a", "-c", "user.email=a@b", *arguments],
+            cwd=place,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
 
     write(tmp_path, {"python": FILES})
     place = tmp_path / "python"
@@ -181,9 +210,11 @@ def test_files_of_the_users_in_the_way_are_named_and_nothing_is_written(tmp_path
         write(tmp_path, targets)
     assert str(caught.value) == (
         "not written by codewheel and in its way; nothing has changed; move it away, or overwrite files with --force:\n"
-        f"  {tmp_path}/python/pkg, where a folder belongs\n  {tmp_path}/python/.codewheel\n  {tmp_path}/c/x.h\n  {tmp_path}/docs/README.md"
+        f"  {tmp_path}/python/pkg, where a folder belongs\n  {tmp_path}/python/.codewheel\n  {tmp_path}/c/x.h\n"
+        f"  {tmp_path}/docs/README.md"
     )
-    assert tree(tmp_path) == before and sorted(path.name for path in tmp_path.iterdir()) == ["c", "docs", "python"]
+    assert tree(tmp_path) == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["c", "docs", "python"]
     write(tmp_path, targets, force=True)
     assert tree(tmp_path) == {**FILES, "c/x.h": "x", "docs/README.md": "ours"}
 
@@ -193,7 +224,9 @@ def test_a_folder_in_the_way_is_named_and_never_overwritten(tmp_path: Path) -> N
     for force in (False, True):
         with pytest.raises(WriteError) as caught:
             write(tmp_path, {"python": FILES}, force=force)
-        assert str(caught.value).endswith(f"; nothing has changed; move it away:\n  {tmp_path}/python/a.py, a folder where a file belongs")
+        assert str(caught.value).endswith(
+            f"; nothing has changed; move it away:\n  {tmp_path}/python/a.py, a folder where a file belongs"
+        )
     assert [path.name for path in tmp_path.rglob("*")] == ["python", "a.py"]
 
 
@@ -210,7 +243,8 @@ def test_a_file_with_the_name_of_a_target_is_kept(tmp_path: Path, force: bool) -
     (tmp_path / "python").write_text("mine")
     with pytest.raises(WriteError, match="python is a file, and a folder of this name is needed; nothing has changed"):
         write(tmp_path, {"c": {"c/x.h": "x"}, "python": FILES}, force=force)
-    assert [path.name for path in tmp_path.iterdir()] == ["python"] and (tmp_path / "python").read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["python"]
+    assert (tmp_path / "python").read_text() == "mine"
 
 
 def test_a_failure_after_the_first_target_says_what_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -224,15 +258,19 @@ def test_a_failure_after_the_first_target_says_what_is_written(tmp_path: Path, m
     monkeypatch.setattr(module, "_exchange", busy)
     with pytest.raises(WriteError) as caught:
         write(tmp_path, {"python": FILES, "c": {"c/x.h": "x"}, "docs": {"docs/x.md": "x"}})
-    assert str(caught.value) == f"cannot write {tmp_path}/c: Device or resource busy; written before that: python; the rest is as it was"
-    assert tree(tmp_path) == FILES and [path.name for path in tmp_path.iterdir()] == ["python"]
+    assert (
+        str(caught.value)
+        == f"cannot write {tmp_path}/c: Device or resource busy; written before that: python; the rest is as it was"
+    )
+    assert tree(tmp_path) == FILES
+    assert [path.name for path in tmp_path.iterdir()] == ["python"]
 
 
 def test_works_without_an_exchange_of_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def none(*_: object, **__: object) -> None:
         raise OSError
 
-    monkeypatch.setattr(module.ctypes, "CDLL", none)
+    monkeypatch.setattr(ctypes, "CDLL", none)
     write(tmp_path, {"python": FILES})
     write(tmp_path, {"python": {"python/a.py": "new\n"}})
     assert tree(tmp_path) == {"python/a.py": "new\n"}
@@ -241,5 +279,5 @@ def test_works_without_an_exchange_of_folders(tmp_path: Path, monkeypatch: pytes
 
 def test_an_unwritable_place_is_one_clear_line(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(WriteError, match="cannot (write|read)"):
+    with pytest.raises(WriteError, match=r"cannot (write|read)"):
         write(tmp_path / "file" / "out", {"python": FILES})

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-from codewheel.load import load_library
-from codewheel.masters import Master, Sheet, load_masters, sheet
-from codewheel.masters_record import Record, record
+from codewheel.masters.record import Record, record
+from codewheel.masters.sheet import Master, Sheet, load_masters, sheet
 from codewheel.model import Device
-from codewheel.order_codes import UnknownOrderCode, find
+from codewheel.reference.order_codes import UnknownOrderCode, find
 
 ROOT = Path(__file__).parents[2]
 
 Told = Callable[[str, str], dict[str, Any]]
-
-
-@pytest.fixture(scope="session")
-def devices() -> tuple[Device, ...]:
-    found, report = load_library([ROOT / "specs" / "lika"])
-    assert not report.problems
-    return found
 
 
 @pytest.fixture(scope="session")
@@ -34,9 +25,9 @@ def masters() -> dict[str, Master]:
 
 
 @pytest.fixture(scope="session")
-def record_of(devices: tuple[Device, ...]) -> Callable[[str], Record]:
+def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
     def made(code: str) -> Record:
-        for device in devices:
+        for device in devices.values():
             try:
                 return record(device, find(device, code).variant)
             except UnknownOrderCode:

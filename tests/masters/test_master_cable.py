@@ -6,11 +6,7 @@ import json
 from typing import Any
 
 import pytest
-
-from codewheel.cli import main
-from codewheel.load import load_library
-from codewheel.targets import Library
-from codewheel.targets.docs import generate
+from codewheel.commands.cli import main
 
 
 def told(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str) -> dict[str, Any]:
@@ -22,7 +18,13 @@ def told(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str)
 @pytest.mark.parametrize(
     ("code", "metres", "below"),
     # 5.3: below 50 m less than 400 kHz, 100 m 300 kHz, 200 m 200 kHz; a cable of exactly 50 m is not below 50 m.
-    [("AMM5A21/65KBG1", "1", 400), ("AMM5A21/65KBG1", "49", 400), ("AMM5A21/65KBG1", "50", 300), ("AM3619/4096-GG", "99.5", 200), ("SMA21-GG1-0010", "120", 200)],
+    [
+        ("AMM5A21/65KBG1", "1", 400),
+        ("AMM5A21/65KBG1", "49", 400),
+        ("AMM5A21/65KBG1", "50", 300),
+        ("AM3619/4096-GG", "99.5", 200),
+        ("SMA21-GG1-0010", "120", 200),
+    ],
 )
 def test_ssi(capsys: pytest.CaptureFixture[str], code: str, metres: str, below: int) -> None:
     found = told(capsys, code, "linuxcnc_hostmot2", "--cable", metres)["settings"]["frequency-khz"]
@@ -31,8 +33,14 @@ def test_ssi(capsys: pytest.CaptureFixture[str], code: str, metres: str, below: 
 
 @pytest.mark.parametrize(
     ("code", "metres", "kilohertz"),
-    # 10 MHz to 10 m, 5 MHz to 25 m, 2 MHz to 60 m, 200 kHz to 500 m; AM36 takes 2 MHz at most (6.1), whatever the cable.
-    [("AMM5A21/65KSC1", "10", 10_000), ("AMM5A21/65KSC1", "10.1", 5_000), ("AMM5A21/65KSC1", "60", 2_000), ("SMA21-SC1-0002", "500", 200)],
+    # 10 MHz to 10 m, 5 MHz to 25 m, 2 MHz to 60 m, 200 kHz to 500 m;
+    # AM36 takes 2 MHz at most (6.1), whatever the cable.
+    [
+        ("AMM5A21/65KSC1", "10", 10_000),
+        ("AMM5A21/65KSC1", "10.1", 5_000),
+        ("AMM5A21/65KSC1", "60", 2_000),
+        ("SMA21-SC1-0002", "500", 200),
+    ],
 )
 def test_biss(capsys: pytest.CaptureFixture[str], code: str, metres: str, kilohertz: int) -> None:
     found = told(capsys, code, "linuxcnc_hostmot2", "--cable", metres)["settings"]["frequency-khz"]
@@ -53,14 +61,22 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
     note = ssi["settings"]["Clock Frequency, EL5042"]["note"]
     assert "no cable allows this clock: one shorter than 50 m needs a clock below 400 kHz, a longer one less." in note
     biss = told(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
-    assert biss["settings"]["Clock Frequency, EL5042"]["note"] == "For a cable up to 10 m, by the table of AN15 of iC-Haus, revision A3, for RS-422."
-    assert len(biss["record"]["cable_lengths"]) == 7 and biss["record"]["cable_errata"] == []
+    assert (
+        biss["settings"]["Clock Frequency, EL5042"]["note"]
+        == "For a cable up to 10 m, by the table of AN15 of iC-Haus, revision A3, for RS-422."
+    )
+    assert len(biss["record"]["cable_lengths"]) == 7
+    assert biss["record"]["cable_errata"] == []
 
 
 @pytest.mark.parametrize(
     ("arguments", "exit_code", "message"),
     [
-        (["AM3619/4096-GG", "--cable", "300"], 1, "has shorter than 400 m: below 100 kHz; the encoder takes 100 kHz at least"),
+        (
+            ["AM3619/4096-GG", "--cable", "300"],
+            1,
+            "has shorter than 400 m: below 100 kHz; the encoder takes 100 kHz at least",
+        ),
         (["AM3619/4096-GG", "--cable", "400"], 1, "cable of 400 m: the table of the encoder's manual ends at 400 m"),
         (["AMM5A21/65KSC1", "--cable", "1001"], 1, "AN15 of iC-Haus, revision A3, for RS-422 ends at 1000 m"),
         (["AMM5A21/65KSC1", "--cable", "long"], 2, "'long' is no length in metres, such as 30"),
@@ -69,7 +85,9 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
         (["AMM5A21/65KSC1", "--cable", "inf"], 2, "'inf' is no length in metres"),
     ],
 )
-def test_what_cannot_be_said(capsys: pytest.CaptureFixture[str], arguments: list[str], exit_code: int, message: str) -> None:
+def test_what_cannot_be_said(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], exit_code: int, message: str
+) -> None:
     try:
         code = main(["master", *arguments])
     except SystemExit as stopped:
@@ -77,9 +95,11 @@ def test_what_cannot_be_said(capsys: pytest.CaptureFixture[str], arguments: list
     assert (code, message in " ".join(capsys.readouterr().err.split())) == (exit_code, True)
 
 
-def test_the_page_leads_to_the_erratum() -> None:
-    devices, _ = load_library()
-    page = generate(Library(devices))["docs/amm5-masters.md"]
-    assert "Errata of the clock by cable: [`ssi_cable_400_m`](amm5.md#erratum-ssi_cable_400_m), [`ssi_cable_50_m`](amm5.md#erratum-ssi_cable_50_m)" in page
+def test_the_page_leads_to_the_erratum(pages: dict[str, str]) -> None:
+    page = pages["docs/amm5-masters.md"]
+    assert (
+        "Errata of the clock by cable: [`ssi_cable_400_m`](amm5.md#erratum-ssi_cable_400_m), "
+        "[`ssi_cable_50_m`](amm5.md#erratum-ssi_cable_50_m)"
+    ) in page
     assert "| Clock by cable | shorter than 50 m: below 400 kHz; shorter than 100 m: below 300 kHz;" in page
     assert "| Clock by cable | up to 10 m: 10 MHz; up to 25 m: 5 MHz; up to 60 m: 2 MHz;" in page

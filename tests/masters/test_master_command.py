@@ -10,16 +10,24 @@ from typing import Any
 
 import jsonschema
 import pytest
-
-from codewheel.cli import main
-from codewheel.load import load_library
-from codewheel.masters import shipped_masters
+from codewheel.commands.cli import main
+from codewheel.masters.sheet import shipped_masters
 from codewheel.model import Device
-from codewheel.targets import Library, docs_masters
-from codewheel.targets.docs import generate
+from codewheel.targets import Library
+from codewheel.targets.docs import masters
+from codewheel.targets.docs.files import generate
 
 ROOT = Path(__file__).parents[2]
-CODES = ["SMA21-SC1-0050", "SMA21-GG1-0010", "AMM5A23/65KSC1", "AMM5A21/65KBG1", "AM3616/4096-I7", "AM3619/4096-GG", "ASC8525/SC1", "ASC8520/BG1"]
+CODES = [
+    "SMA21-SC1-0050",
+    "SMA21-GG1-0010",
+    "AMM5A23/65KSC1",
+    "AMM5A21/65KBG1",
+    "AM3616/4096-I7",
+    "AM3619/4096-GG",
+    "ASC8525/SC1",
+    "ASC8520/BG1",
+]
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -40,8 +48,11 @@ def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "SMA21-SC1-0050", "--master", "linuxcnc_hostmot2")
     assert code == 0
     # Alone on its line, so that it can be copied; the mark stands apart.
-    assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in [line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()]
-    assert "docs/src/man/man9/hostmot2.9.adoc" in out and "AX8000" not in out
+    assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in [
+        line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()
+    ]
+    assert "docs/src/man/man9/hostmot2.9.adoc" in out
+    assert "AX8000" not in out
 
 
 def test_a_master_that_cannot(capsys: pytest.CaptureFixture[str]) -> None:
@@ -52,7 +63,18 @@ def test_a_master_that_cannot(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
     """0Ch turns bits, 10h position bits: a frame of 28 + 2 + 6 = 36 bits."""
-    code, out, _ = run(capsys, "master", "AM3616/4096-I7", "--master", "novanta", "--register", "0x57=0x0C", "--register", "0x56=0x10", "--json")
+    code, out, _ = run(
+        capsys,
+        "master",
+        "AM3616/4096-I7",
+        "--master",
+        "novanta",
+        "--register",
+        "0x57=0x0C",
+        "--register",
+        "0x56=0x10",
+        "--json",
+    )
     settings = {item["name"]: item["value"] for item in json.loads(out)["masters"][0]["settings"]}
     assert (code, settings["Frame size"], settings["Position bits"], settings["Single-turn bits"]) == (0, 36, 28, 16)
 
@@ -60,14 +82,22 @@ def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "exit_code", "message"),
     [
-        (["AMM5A23/65KJP1"], 1, "AMM5A23/65KJP1 has the interface RS-485; only SSI and BiSS C-mode have masters to set up"),
-        (["AMM5A23/65KSC1", "--master", "synaptikon"], 2, "there is no master 'synaptikon'; did you mean 'synapticon'?"),
+        (
+            ["AMM5A23/65KJP1"],
+            1,
+            "AMM5A23/65KJP1 has the interface RS-485; only SSI and BiSS C-mode have masters to set up",
+        ),
+        (
+            ["AMM5A23/65KSC1", "--master", "synaptikon"],
+            2,
+            "there is no master 'synaptikon'; did you mean 'synapticon'?",
+        ),
         (["AMM5A23"], 2, "is no known order code"),
         (["AMM5A23/65KSC1", "--register", "0x56=0x10"], 2, "does not change how a frame is read"),
     ],
 )
 def test_what_is_wrong(capsys: pytest.CaptureFixture[str], arguments: list[str], exit_code: int, message: str) -> None:
-    from codewheel.cli import main as command
+    from codewheel.commands.cli import main as command
 
     assert command(["master", *arguments]) == exit_code
     assert message in capsys.readouterr().err
@@ -75,7 +105,13 @@ def test_what_is_wrong(capsys: pytest.CaptureFixture[str], arguments: list[str],
 
 def test_a_broken_master_of_ones_own(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
-    path.write_text("codewheel: 1\nmaster: mine\ntitle: Mine\ntakes: [biss]\ndocuments: {a: {title: A}}\nsettings: [{name: B, value: bits, source: a}]\n", encoding="utf-8")
+    path.write_text(
+        (
+            "codewheel: 1\nmaster: mine\ntitle: Mine\ntakes: [biss]\ndocuments: {a: {title: A}}\n"
+            "settings: [{name: B, value: bits, source: a}]\n"
+        ),
+        encoding="utf-8",
+    )
     code, out, err = run(capsys, "master", "AMM5A23/65KSC1", "--masters", str(path))
     assert (code, out) == (1, "")
     assert f"{path}:6:29: undefined-reference: the record has no number 'bits'" in err
@@ -83,10 +119,14 @@ def test_a_broken_master_of_ones_own(capsys: pytest.CaptureFixture[str], tmp_pat
 
 def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master")
-    assert code == 0 and "ic_mb" in out and "iC-Haus iC-MB3 and iC-MB4: BiSS C-mode" in out
+    assert code == 0
+    assert "ic_mb" in out
+    assert "iC-Haus iC-MB3 and iC-MB4: BiSS C-mode" in out
     assert len(out.splitlines()) == len(list((ROOT / "specs" / "masters").glob("*.yaml")))
     code, out, _ = run(capsys, "master", "--json")
-    assert {item["name"] for item in json.loads(out)["masters"]} == {path.stem for path in (ROOT / "specs" / "masters").glob("*.yaml")}
+    assert {item["name"] for item in json.loads(out)["masters"]} == {
+        path.stem for path in (ROOT / "specs" / "masters").glob("*.yaml")
+    }
 
 
 @pytest.mark.parametrize("code", CODES)
@@ -96,18 +136,6 @@ def test_json_has_its_shape(capsys: pytest.CaptureFixture[str], code: str) -> No
     data = json.loads(run(capsys, "master", code, "--json")[1])
     assert [error.message for error in jsonschema.Draft202012Validator(schema).iter_errors(data)] == []
     assert data["record"]["crc_polynomial"] == (67 if data["record"]["interface"] == "biss" else 0)
-
-
-@pytest.fixture(scope="module")
-def library() -> Library:
-    devices, report = load_library([ROOT / "specs" / "lika"])
-    assert not report.problems
-    return Library(devices)
-
-
-@pytest.fixture(scope="module")
-def pages(library: Library) -> dict[str, str]:
-    return generate(library)
 
 
 def test_every_page_is_linked(pages: dict[str, str], library: Library) -> None:
@@ -123,7 +151,9 @@ def test_every_page_is_linked(pages: dict[str, str], library: Library) -> None:
 def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library) -> None:
     for device in library.devices:
         page = pages[f"docs/{device.name}-masters.md"]
-        assert [item.code for item in device.variants if item.interface != "rs485" and f"`{item.code}`" not in page] == []
+        assert [
+            item.code for item in device.variants if item.interface != "rs485" and f"`{item.code}`" not in page
+        ] == []
         assert [item.code for item in device.variants if item.interface == "rs485" and f"`{item.code}`" in page] == []
 
 
@@ -136,7 +166,8 @@ def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
     assert re.search(r"\| .*`SMA21-SC1-0050`.*`SMA21-SC1-0002`.* \| `25` \|\n\| .*`SMA21-SC1-0001`.* \| `26` \|", ic_mb)
     assert "SENSCRCPOLY (address 193, bits 6:0) | `0x21`" in ic_mb
     assert "Cannot take" in page.split("### KEB Combivert F5")[1].split("###")[0]
-    assert "### Galil" in page and "Not described for SSI" in page
+    assert "### Galil" in page
+    assert "Not described for SSI" in page
 
 
 def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,13 +180,17 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
         master,
         title=hostile,
         documents=tuple(replace(item, title=hostile) for item in master.documents),
-        settings=tuple({**item, "name": hostile, "at": hostile, "note": hostile, "source": hostile} for item in master.settings),
+        settings=tuple(
+            {**item, "name": hostile, "at": hostile, "note": hostile, "source": hostile} for item in master.settings
+        ),
         notes=({"text": hostile},),
         limits=({"item": "data_bits", "at_most": 1, "reason": hostile, "source": hostile},),
     )
-    monkeypatch.setattr("codewheel.targets.docs.shipped_masters", lambda: (spoilt, replace(spoilt, limits=())))
+    monkeypatch.setattr("codewheel.targets.docs.files.shipped_masters", lambda: (spoilt, replace(spoilt, limits=())))
     page = generate(library)["docs/amm5-masters.md"]
-    assert "<script>" not in page and "<!-- g" not in page and "[d](e)" not in page
+    assert "<script>" not in page
+    assert "<!-- g" not in page
+    assert "[d](e)" not in page
     for line in page.splitlines():
         if line.startswith("| "):
             assert len(re.findall(r"(?<!\\)\|", line)) <= 6
@@ -164,17 +199,25 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 def test_a_device_without_masters(library: Library) -> None:
     """A family with RS-485 alone has no page."""
     device: Device = next(item for item in library.devices if item.name == "amm5")
-    assert docs_masters.has_masters(device)
+    assert masters.has_masters(device)
     from dataclasses import replace
 
     alone = replace(device, variants=tuple(item for item in device.variants if item.interface == "rs485"))
-    assert not docs_masters.has_masters(alone)
+    assert not masters.has_masters(alone)
     assert "docs/amm5-masters.md" not in generate(Library((alone,)))
 
 
 def test_a_note_on_the_page_names_its_order_codes(pages: dict[str, str]) -> None:
-    """ASC85/SC2 needs 10 V, /SC1 5 V: that the terminal cannot feed the encoder is said of the former alone, and the supply has a table of its own."""
+    """ASC85/SC2 needs 10 V, /SC1 5 V: of the former alone it is said that the terminal cannot feed the encoder,
+    and the supply has a table of its own."""
     page = pages["docs/asc85-masters.md"].partition('<a id="biss-beckhoff_el5042"></a>')[2].partition("<a id=")[0]
     note = next(line for line in page.splitlines() if "cannot feed this encoder" in line)
-    assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`") and "/SC1`" not in note
-    assert re.search(r"\| Order codes \| Supply Voltage \(80p8:12\) \|\n\| --- \| --- \|\n\| `ASC8520/SC1`, [^|]*\| `50` \|\n\| `ASC8520/SC2`, [^|]*\| – \|", page)
+    assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`")
+    assert "/SC1`" not in note
+    assert re.search(
+        r"\| Order codes \| Supply Voltage \(80p8:12\) \|\n"
+        r"\| --- \| --- \|\n"
+        r"\| `ASC8520/SC1`, [^|]*\| `50` \|\n"
+        r"\| `ASC8520/SC2`, [^|]*\| – \|",
+        page,
+    )

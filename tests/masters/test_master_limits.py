@@ -1,4 +1,4 @@
-"""Encoders that do not exist, each just within and just beyond what a master takes: the figure in the reason is the master's."""
+"""Encoders that do not exist, each just within and just beyond a master's limit: the reason has the master's figure."""
 
 from __future__ import annotations
 
@@ -7,38 +7,105 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
-from codewheel.masters import Master, load_masters, sheet
-from codewheel.masters_record import Record
+from codewheel.masters.record import Record
+from codewheel.masters.sheet import Master, load_masters, sheet
 
 RecordOf = Callable[[str], Record]
 
 
 def changed(record: Record, **items: int | str | None) -> Record:
     words = {name: str(items.get(name, value)) for name, value in record.words.items()}
-    numbers: Mapping[str, int | None] = {name: items.get(name, value) for name, value in record.numbers.items()}  # type: ignore[misc]
+    numbers: Mapping[str, int | None]
+    numbers = {name: items.get(name, value) for name, value in record.numbers.items()}  # type: ignore[misc]
     return replace(record, words=words, numbers=numbers)
 
 
 @pytest.mark.parametrize(
     ("master", "within", "beyond", "reason"),
     [
-        ("beckhoff_el5042", {"data_bits": 64}, {"data_bits": 65}, "The position has 64 bits at most. Here: data bits 65."),
-        ("beckhoff_ax8000", {"padding_left": 31}, {"padding_left": 32}, "There are 31 fill bits at most. Here: padding left 32."),
-        ("ic_mb", {"data_and_status_bits": 64}, {"data_and_status_bits": 65}, "A slave sends 1 to 64 bits of sensor data, status bits included. Here: data and status bits 65."),
-        ("ic_mb", {"crc_polynomial": 0xB1}, {"crc_polynomial": 0x12F}, "A CRC polynomial has 8 bits at most, its last 1 included. Here: crc polynomial 0x12F."),
-        ("ti_motor_control_sdk", {"data_bits": 56}, {"data_bits": 57}, "single_turn_len and multi_turn_len are 56 together at most. Here: data bits 57."),
-        ("ti_motor_control_sdk", {"crc_bits": 6}, {"crc_bits": 16}, "The CRC of the position has 6 bits. Here: crc bits 16."),
-        ("ti_motor_control_sdk", {"crc_inverted": 1}, {"crc_inverted": 0}, "The CRC is expected inverted; nothing turns that off. Here: crc inverted 0."),
-        ("ti_c2000", {"data_bits": 62}, {"data_bits": 63}, "Position, error and warning are kept in 64 bits together. Here: data bits 63."),
+        (
+            "beckhoff_el5042",
+            {"data_bits": 64},
+            {"data_bits": 65},
+            "The position has 64 bits at most. Here: data bits 65.",
+        ),
+        (
+            "beckhoff_ax8000",
+            {"padding_left": 31},
+            {"padding_left": 32},
+            "There are 31 fill bits at most. Here: padding left 32.",
+        ),
+        (
+            "ic_mb",
+            {"data_and_status_bits": 64},
+            {"data_and_status_bits": 65},
+            "A slave sends 1 to 64 bits of sensor data, status bits included. Here: data and status bits 65.",
+        ),
+        (
+            "ic_mb",
+            {"crc_polynomial": 0xB1},
+            {"crc_polynomial": 0x12F},
+            "A CRC polynomial has 8 bits at most, its last 1 included. Here: crc polynomial 0x12F.",
+        ),
+        (
+            "ti_motor_control_sdk",
+            {"data_bits": 56},
+            {"data_bits": 57},
+            "single_turn_len and multi_turn_len are 56 together at most. Here: data bits 57.",
+        ),
+        (
+            "ti_motor_control_sdk",
+            {"crc_bits": 6},
+            {"crc_bits": 16},
+            "The CRC of the position has 6 bits. Here: crc bits 16.",
+        ),
+        (
+            "ti_motor_control_sdk",
+            {"crc_inverted": 1},
+            {"crc_inverted": 0},
+            "The CRC is expected inverted; nothing turns that off. Here: crc inverted 0.",
+        ),
+        (
+            "ti_c2000",
+            {"data_bits": 62},
+            {"data_bits": 63},
+            "Position, error and warning are kept in 64 bits together. Here: data bits 63.",
+        ),
         ("moteus", {"data_bits": 58}, {"data_bits": 59}, "There are 58 data bits at most. Here: data bits 59."),
-        ("linuxcnc_hostmot2", {"frame_bits": 96}, {"frame_bits": 97}, "A BiSS channel has 96 bits at most. Here: frame bits 97."),
-        ("linuxcnc_hostmot2", {"singleturn_bits": 32}, {"singleturn_bits": 33}, "A field has 32 bits at most. Here: singleturn bits 33."),
-        ("synapticon", {"status_active": "high"}, {"status_active": "mixed"}, "Both status bits are low active or both high active. Here: status active mixed."),
-        ("keb_f5", {"crc_polynomial": 0x43}, {"crc_polynomial": 0x97}, "The CRC is x^6 + x^1 + 1 (0x43). Here: crc polynomial 0x97."),
+        (
+            "linuxcnc_hostmot2",
+            {"frame_bits": 96},
+            {"frame_bits": 97},
+            "A BiSS channel has 96 bits at most. Here: frame bits 97.",
+        ),
+        (
+            "linuxcnc_hostmot2",
+            {"singleturn_bits": 32},
+            {"singleturn_bits": 33},
+            "A field has 32 bits at most. Here: singleturn bits 33.",
+        ),
+        (
+            "synapticon",
+            {"status_active": "high"},
+            {"status_active": "mixed"},
+            "Both status bits are low active or both high active. Here: status active mixed.",
+        ),
+        (
+            "keb_f5",
+            {"crc_polynomial": 0x43},
+            {"crc_polynomial": 0x97},
+            "The CRC is x^6 + x^1 + 1 (0x43). Here: crc polynomial 0x97.",
+        ),
     ],
 )
-def test_limits(masters: dict[str, Master], record_of: RecordOf, master: str, within: dict[str, int | str], beyond: dict[str, int | str], reason: str) -> None:
+def test_limits(
+    masters: dict[str, Master],
+    record_of: RecordOf,
+    master: str,
+    within: dict[str, int | str],
+    beyond: dict[str, int | str],
+    reason: str,
+) -> None:
     sound = record_of("AMM5A17/1SC1")
     assert sheet(masters[master], changed(sound, **within)).refusals == ()
     assert reason in [item.reason for item in sheet(masters[master], changed(sound, **beyond)).refusals]
@@ -46,10 +113,20 @@ def test_limits(masters: dict[str, Master], record_of: RecordOf, master: str, wi
 
 @pytest.mark.parametrize(
     ("slowest", "fastest", "clock"),
-    [(50_000, 10_000_000, 0), (50_000, 9_999_999, 1), (50_000, 3_330_000, 2), (50_000, 1_999_999, 9), (50_000, 250_000, 19)],
+    [
+        (50_000, 10_000_000, 0),
+        (50_000, 9_999_999, 1),
+        (50_000, 3_330_000, 2),
+        (50_000, 1_999_999, 9),
+        (50_000, 250_000, 19),
+    ],
 )
-def test_the_fastest_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf, slowest: int, fastest: int, clock: int) -> None:
-    found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest))
+def test_the_fastest_clock_that_both_have(
+    masters: dict[str, Master], record_of: RecordOf, slowest: int, fastest: int, clock: int
+) -> None:
+    found = sheet(
+        masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest)
+    )
     assert {item.name: item.value for item in found.settings}["Clock Frequency, EL5042"] == clock
 
 
@@ -57,23 +134,33 @@ def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf
     sound = record_of("AMM5A17/1SC1")
     slow = sheet(masters["beckhoff_el5042"], changed(sound, clock_min_hz=50_000, clock_max_hz=249_999))
     assert [item.reason for item in slow.refusals] == [
-        f"Clock Frequency, {item}: none of its clocks lies between 50 kHz and 249.999 kHz, which the encoder takes." for item in ("EL5042", "EJ5042")
+        f"Clock Frequency, {item}: none of its clocks lies between 50 kHz and 249.999 kHz, which the encoder takes."
+        for item in ("EL5042", "EJ5042")
     ]
     fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
-    assert [item.reason for item in fast.refusals] == ["It gives clocks of at most 1 MHz; the encoder takes 2 MHz to 10 MHz."]
+    assert [item.reason for item in fast.refusals] == [
+        "It gives clocks of at most 1 MHz; the encoder takes 2 MHz to 10 MHz."
+    ]
 
 
 @pytest.mark.parametrize(("fastest", "clock"), [(9_999_999, 2), (2_499_999, 17), (250_000, 19)])
-def test_the_module_with_fewer_clocks(masters: dict[str, Master], record_of: RecordOf, fastest: int, clock: int) -> None:
+def test_the_module_with_fewer_clocks(
+    masters: dict[str, Master], record_of: RecordOf, fastest: int, clock: int
+) -> None:
     """The EJ5042 has no 5 MHz, 2 MHz and 1 MHz."""
-    found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=50_000, clock_max_hz=fastest))
+    found = sheet(
+        masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=50_000, clock_max_hz=fastest)
+    )
     assert {item.name: item.value for item in found.settings}["Clock Frequency, EJ5042"] == clock
 
 
 def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> None:
     found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_max_hz=None))
     clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042")
-    assert (clock.value, clock.text) == (None, "unknown: not in the manual of the encoder: fastest clock that the encoder takes, in Hz")
+    assert (clock.value, clock.text) == (
+        None,
+        "unknown: not in the manual of the encoder: fastest clock that the encoder takes, in Hz",
+    )
 
 
 @pytest.mark.parametrize(
@@ -84,8 +171,15 @@ def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> Non
         (0x97, 7, {"CRCSELx": 1, "CRCPOLYx": 0x4B}),  # 1001 0111 without its last 1 is 100 1011
     ],
 )
-def test_polynomials_of_microchip(masters: dict[str, Master], record_of: RecordOf, polynomial: int, bits: int, expected: dict[str, int]) -> None:
-    record = changed(record_of("AMM5A17/1SC1"), crc_polynomial=polynomial, crc_bits=bits, crc_polynomial_without_last_1=polynomial >> 1)
+def test_polynomials_of_microchip(
+    masters: dict[str, Master], record_of: RecordOf, polynomial: int, bits: int, expected: dict[str, int]
+) -> None:
+    record = changed(
+        record_of("AMM5A17/1SC1"),
+        crc_polynomial=polynomial,
+        crc_bits=bits,
+        crc_polynomial_without_last_1=polynomial >> 1,
+    )
     found = {item.name: item.value for item in sheet(masters["microchip_dspic33a"], record).settings}
     assert {name: value for name, value in found.items() if name in ("CRCSELx", "CRCLENx", "CRCPOLYx")} == expected
 
@@ -102,19 +196,25 @@ settings:
 
 
 def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
-    """A file of one's own stands beside ours, or in the place of one of the same name; an impossible value is a refusal."""
+    """A file of one's own stands beside ours or replaces one of the same name; an impossible value is a refusal."""
     (tmp_path / "mine.yaml").write_text(OWN.format(name="mine", title="Mine"), encoding="utf-8")
     (tmp_path / "moteus.yaml").write_text(OWN.format(name="moteus", title="Other"), encoding="utf-8")
     found, report = load_masters([tmp_path])
     assert not report.problems
     by_name = {item.name: item for item in found}
-    assert by_name["mine"].title == "Mine" and by_name["moteus"].title == "Other" and "ic_mb" in by_name
+    assert by_name["mine"].title == "Mine"
+    assert by_name["moteus"].title == "Other"
+    assert "ic_mb" in by_name
     refusals = sheet(by_name["mine"], record_of("AMM5A17/1SC1")).refusals
-    assert [item.reason for item in refusals] == ["Less would be position_bits - 100, which is no number that can be set."]
+    assert [item.reason for item in refusals] == [
+        "Less would be position_bits - 100, which is no number that can be set."
+    ]
 
 
 def test_a_spec_is_no_master(tmp_path: Path) -> None:
     path = tmp_path / "manufacturer.yaml"
     path.write_text("codewheel: 1\nmanufacturer: x\ntitle: X\nsource: y\n", encoding="utf-8")
     _, report = load_masters([path])
-    assert [item.message for item in report.problems] == ["this is no description of a master, which names it with the key 'master'"]
+    assert [item.message for item in report.problems] == [
+        "this is no description of a master, which names it with the key 'master'"
+    ]

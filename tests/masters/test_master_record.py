@@ -2,39 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import pytest
-
-from codewheel.masters import Master, sheet
-from codewheel.masters_record import NUMBERS, WORDS, NoRecord, Record, record
-from codewheel.model import Device, Field
-from codewheel.order_codes import find
-from codewheel.run_time import with_registers
+from codewheel.masters.record import NoRecord, Record, record
+from codewheel.masters.sheet import Master, sheet
+from codewheel.model import Biss, Constant, Device, Field, Number
+from codewheel.reference.order_codes import find
+from codewheel.reference.run_time import with_registers
+from codewheel.spec.master_items import NUMBERS, WORDS
 
 RecordOf = Callable[[str], Record]
 
 
-def device_of(devices: tuple[Device, ...], name: str) -> Device:
-    return next(item for item in devices if item.name == name)
-
-
 def test_every_item(record_of: RecordOf) -> None:
-    """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and time-out of section 6.5; 16 µs at most."""
+    """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and time-out of 6.5; 16 µs at most."""
     found = record_of("SMA21-SC1-0050")
     assert found.words == {"interface": "biss", "movement": "linear", "coding": "binary", "status_active": "low"}
     assert found.numbers == {
-        "multiturn_bits": 0, "singleturn_bits": 20, "position_bits": 20, "padding_left": 4, "padding_right": 0, "data_bits": 24,
-        "status_bits": 2, "data_and_status_bits": 26, "crc_bits": 6, "frame_bits": 32,
-        "crc_polynomial": 67, "crc_polynomial_without_top_bit": 3, "crc_polynomial_without_last_1": 33, "crc_start": 0, "crc_inverted": 1,
-        "clock_min_hz": 200_000, "clock_max_hz": 10_000_000, "timeout_us": 16, "busy_us": None, "pause_us": None,
-        "counts_per_turn": None, "turns": None, "step_um": 50, "supply_min_mv": 4750, "supply_max_mv": 5250,
+        "multiturn_bits": 0,
+        "singleturn_bits": 20,
+        "position_bits": 20,
+        "padding_left": 4,
+        "padding_right": 0,
+        "data_bits": 24,
+        "status_bits": 2,
+        "data_and_status_bits": 26,
+        "crc_bits": 6,
+        "frame_bits": 32,
+        "crc_polynomial": 67,
+        "crc_polynomial_without_top_bit": 3,
+        "crc_polynomial_without_last_1": 33,
+        "crc_start": 0,
+        "crc_inverted": 1,
+        "clock_min_hz": 200_000,
+        "clock_max_hz": 10_000_000,
+        "timeout_us": 16,
+        "busy_us": None,
+        "pause_us": None,
+        "counts_per_turn": None,
+        "turns": None,
+        "step_um": 50,
+        "supply_min_mv": 4750,
+        "supply_max_mv": 5250,
     }
     assert [(part.name, part.role, part.bits, part.active) for part in found.parts] == [
-        ("padding", "padding", 4, ""), ("position", "singleturn", 20, ""), ("error", "status", 1, "low"), ("warning", "status", 1, "low"), ("crc", "crc", 6, ""),
+        ("padding", "padding", 4, ""),
+        ("position", "singleturn", 20, ""),
+        ("error", "status", 1, "low"),
+        ("warning", "status", 1, "low"),
+        ("crc", "crc", 6, ""),
     ]
-    assert set(found.words) == set(WORDS) and tuple(found.numbers) == tuple(NUMBERS)
+    assert set(found.words) == set(WORDS)
+    assert tuple(found.numbers) == tuple(NUMBERS)
 
 
 @pytest.mark.parametrize(
@@ -69,17 +90,24 @@ def test_status_bits_that_never_speak(record_of: RecordOf) -> None:
     assert "error and warning: always 1, a bit that a master takes for a status bit that says nothing." in found.notes
 
 
-def test_registers_are_named(devices: tuple[Device, ...], record_of: RecordOf) -> None:
+def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf) -> None:
     notes = record_of("AM3616/4096-I7").notes
     assert any("(56h)" in note and "(57h)" in note and "widths" in note and "as delivered" in note for note in notes)
     assert any("(49h)" in note and "code" in note for note in notes)
-    whatever_cable = "The clocks shown are the fastest that encoder and master take, whatever the cable; codewheel master --cable METRES chooses them for one."
+    whatever_cable = (
+        "The clocks shown are the fastest that encoder and master take, whatever the cable; "
+        "codewheel master --cable METRES chooses them for one."
+    )
     assert record_of("AMM5A23/65KSC1").notes == (whatever_cable,)
-    device = device_of(devices, "am36")
+    device = devices["am36"]
     variant = find(device, "AM3616/4096-I7").variant
     # 0Ch = 12 bits of turns, 10h = 16 bits of position; bit 5 of the configuration cleared is Gray code.
     other = record(device, with_registers(device, variant, {0x57: 0x0C, 0x56: 0x10, 0x49: 0x00}), as_delivered=False)
-    assert (other.numbers["multiturn_bits"], other.numbers["singleturn_bits"], other.words["coding"]) == (12, 16, "gray")
+    assert (other.numbers["multiturn_bits"], other.numbers["singleturn_bits"], other.words["coding"]) == (
+        12,
+        16,
+        "gray",
+    )
     assert not any("as delivered" in note for note in other.notes)
 
 
@@ -92,29 +120,38 @@ def test_registers_are_named(devices: tuple[Device, ...], record_of: RecordOf) -
     ],
 )
 def test_no_more_turns_than_bits(
-    devices: tuple[Device, ...], masters: dict[str, Master], registers: dict[int, int], turns: int, bits: int
+    devices: Mapping[str, Device], masters: dict[str, Master], registers: dict[int, int], turns: int, bits: int
 ) -> None:
     """Drives that are told the revolutions take the width of the frame from them."""
-    device = device_of(devices, "am36")
-    found = record(device, with_registers(device, find(device, "AM3616/4096-I7").variant, registers), as_delivered=False)
+    device = devices["am36"]
+    found = record(
+        device, with_registers(device, find(device, "AM3616/4096-I7").variant, registers), as_delivered=False
+    )
     assert (found.numbers["turns"], found.numbers["multiturn_bits"]) == (turns, bits)
     told = {item.name: item.value for item in sheet(masters["beckhoff_ax8000"], found).settings}
     assert told["Number of distinguishable revolutions"] == turns
 
 
-def test_any_number_of_turn_bits(devices: tuple[Device, ...], masters: dict[str, Master]) -> None:
+def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
     """FB1.ENCRES is 2 to the power of 32 less the multiturn bits: 2^(32 - 13) = 2^19 = 524288."""
-    device = device_of(devices, "am36")
-    found = record(device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x57: 0x0D}), as_delivered=False)
+    device = devices["am36"]
+    found = record(
+        device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x57: 0x0D}), as_delivered=False
+    )
     assert {item.name: item.value for item in sheet(masters["kollmorgen_akd"], found).settings}["FB1.ENCRES"] == 524288
 
 
-def test_gray_over_biss(devices: tuple[Device, ...], masters: dict[str, Master]) -> None:
+def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
     """Some masters can, others cannot: the reason is theirs."""
-    device = device_of(devices, "am36")
-    gray = record(device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False)
+    device = devices["am36"]
+    gray = record(
+        device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False
+    )
     assert {item.name: item.value for item in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
-    assert "Gray code over both parts cannot be said. Here: coding gray." in sheet(masters["linuxcnc_hostmot2"], gray).refusals[0].reason
+    assert (
+        "Gray code over both parts cannot be said. Here: coding gray."
+        in sheet(masters["linuxcnc_hostmot2"], gray).refusals[0].reason
+    )
     assert "Here: coding gray." in sheet(masters["ic_mb"], gray).refusals[0].reason
 
 
@@ -123,31 +160,31 @@ def test_rs485_has_no_master(record_of: RecordOf) -> None:
         record_of("AMM5A23/65KJP1")
 
 
-def test_other_frames_are_refused(devices: tuple[Device, ...]) -> None:
+def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
     """A field of another kind, and one at another place, are no matter for the rules."""
-    device = device_of(devices, "asc85")
+    device = devices["asc85"]
     variant = find(device, "ASC8525/SC1").variant
     interface = device.interface("biss")
     layout = interface.layouts[0]
 
     def with_fields(*changed: Field) -> Device:
         made = replace(layout, fields=tuple(changed))
-        others = tuple(replace(item, layouts=(made,)) if item.kind == "biss" else item for item in device.interfaces)
+        others = tuple(replace(item, layouts=(made,)) if isinstance(item, Biss) else item for item in device.interfaces)
         return replace(device, interfaces=others)
 
     position, zero, error, warning, crc = layout.fields
     with pytest.raises(NoRecord, match="'warning' is no position, status bit or CRC"):
-        record(with_fields(position, zero, error, replace(warning, kind="number"), crc), variant)
+        record(with_fields(position, zero, error, replace(warning, kind=Number()), crc), variant)
     with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
         record(with_fields(position, error, warning, crc), variant)
     with pytest.raises(NoRecord, match="'warning' stands where no master expects it"):
-        record(with_fields(position, zero, error, replace(warning, kind="constant", constant=0), crc), variant)
+        record(with_fields(position, zero, error, replace(warning, kind=Constant()), crc), variant)
     with pytest.raises(NoRecord, match="does not say what its position is"):
         record(replace(device, measurement=None), variant)
 
 
-def test_crc_of_another_form(devices: tuple[Device, ...]) -> None:
-    device = device_of(devices, "asc85")
+def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
+    device = devices["asc85"]
     variant = find(device, "ASC8525/SC1").variant
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
         crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)

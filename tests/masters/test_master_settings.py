@@ -1,4 +1,4 @@
-"""What masters are told, worked out on paper: frames from the manuals of the encoders, rules from the documents of the masters.
+"""What masters are told, worked out on paper: frames from the encoders' manuals, rules from the masters' documents.
 
 The frames, first bit sent first:
 
@@ -15,8 +15,8 @@ AM3619/4096-GG         SSI: turns 12, position 19, in Gray code as one word     
 ASC8525/SC1            position 25, one zero bit, nE, nW, CRC 6                            6.2, bits n + 8 to 9, n = 25
 =====================  ==================================================================  ======================
 
-All of BiSS: CRC x^6 + x + 1, sent inverted, start 0. Its polynomial is 100 0011 in binary, 0x43 or 67; without its top bit 00 0011, 0x03;
-without its last 1 10 0001, 0x21.
+All of BiSS: CRC x^6 + x + 1, sent inverted, start 0. Its polynomial is 100 0011 in binary, 0x43 or 67;
+without its top bit 00 0011, 0x03; without its last 1 10 0001, 0x21.
 """
 
 from __future__ import annotations
@@ -25,13 +25,12 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
-from codewheel.masters import Sheet
+from codewheel.masters.sheet import Sheet
 
 Told = Callable[[str, str], dict[str, Any]]
 
-# Beckhoff: bits as they are; zero bits on the right are "Offset LSB"; clock 0 is 10 MHz, 9 is 1 MHz, 4 is 2 MHz, the most for SSI.
-# The EJ5042 has 0, 2, 3, 17 (500 kHz) and 19 only.
+# Beckhoff: bits as they are; zero bits on the right are "Offset LSB"; clock 0 is 10 MHz, 9 is 1 MHz, 4 is 2 MHz,
+# the most for SSI. The EJ5042 has 0, 2, 3, 17 (500 kHz) and 19 only.
 BECKHOFF_BISS = {"Mode": 0, "Disable Status Bits": False, "CRC Invert": True, "CRC Polynomial": 0x43, "Coding": 0}
 BECKHOFF_CLOCKS = {"Clock Frequency, EL5042": 0, "Clock Frequency, EJ5042": 0}
 BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
@@ -64,34 +63,67 @@ def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, o
         ("AM3619/4096-GG", 1, 4, 12, 19, 0),  # 3 MHz at most
     ],
 )
-def test_beckhoff_ssi(told: Told, code: str, coding: int, clock: int, multiturn: int, singleturn: int, offset: int) -> None:
-    bits = {"Coding": coding, "Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
+def test_beckhoff_ssi(
+    told: Told, code: str, coding: int, clock: int, multiturn: int, singleturn: int, offset: int
+) -> None:
+    bits = {
+        "Coding": coding,
+        "Multiturn [Bit]": multiturn,
+        "Singleturn [Bit]": singleturn,
+        "Offset LSB Bit [Bit]": offset,
+    }
     clocks = {"Clock Frequency, EL5042": clock, "Clock Frequency, EJ5042": 17}
     supply = {} if code.startswith("AM36") else {"Supply Voltage": 50}
     assert told("beckhoff_el5042", code) == {**BECKHOFF_SSI, **bits, **clocks, **supply}
 
 
 def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
-    """The terminals give 5 V or 9 V: AM36, 10 V to 30 V, cannot be fed by them; SMA21-SC4, 5 V to 30 V, and ASC85/SC1 can; ASC85/SC2 cannot."""
-    for code, is_fed in (("AM3616/4096-I7", False), ("AM3619/4096-GG", False), ("SMA21-SC4-0050", True), ("ASC8525/SC1", True), ("ASC8525/SC2", False)):
+    """The terminals give 5 V or 9 V: AM36, 10 V to 30 V, cannot be fed by them;
+    SMA21-SC4, 5 V to 30 V, and ASC85/SC1 can; ASC85/SC2 cannot."""
+    for code, is_fed in (
+        ("AM3616/4096-I7", False),
+        ("AM3619/4096-GG", False),
+        ("SMA21-SC4-0050", True),
+        ("ASC8525/SC1", True),
+        ("ASC8525/SC2", False),
+    ):
         found = sheet_of("beckhoff_el5042", code)
-        assert [item.value for item in found.settings if item.name == "Supply Voltage"] == ([50] if is_fed else []), code
+        assert [item.value for item in found.settings if item.name == "Supply Voltage"] == ([50] if is_fed else []), (
+            code
+        )
         assert any("cannot feed this encoder" in note for note in found.notes) is not is_fed, code
     # 32EF:02: 0 is 5 V, 2 is 11 V, which AM36 takes.
     for code, value in (("AM3616/4096-I7", 2), ("ASC8525/SC1", 0), ("ASC8525/SC2", 2), ("SMA21-SC4-0050", 0)):
-        assert [item.value for item in sheet_of("beckhoff_ax8000", code).settings if item.name == "Power supply"] == [value], code
+        assert [item.value for item in sheet_of("beckhoff_ax8000", code).settings if item.name == "Power supply"] == [
+            value
+        ], code
 
 
-# iC-MB: SDLEN is data and status bits less 1. 24 + 2 - 1 = 25, 25 + 2 - 1 = 26, 17 + 2 - 1 = 18, 39 + 2 - 1 = 40, 36 + 2 - 1 = 37, 26 + 2 - 1 = 27.
+# iC-MB: SDLEN is data and status bits less 1. 24 + 2 - 1 = 25, 25 + 2 - 1 = 26, 17 + 2 - 1 = 18, 39 + 2 - 1 = 40,
+# 36 + 2 - 1 = 37, 26 + 2 - 1 = 27.
 @pytest.mark.parametrize(
     ("code", "sdlen"),
     [
-        ("SMA21-SC1-0002", 25), ("SMA21-SC1-0050", 25), ("SMA21-SC1-0001", 26), ("AMM5A17/1SC1", 18), ("AMM5A23/65KSC1", 40), ("AM3616/4096-I7", 37),
+        ("SMA21-SC1-0002", 25),
+        ("SMA21-SC1-0050", 25),
+        ("SMA21-SC1-0001", 26),
+        ("AMM5A17/1SC1", 18),
+        ("AMM5A23/65KSC1", 40),
+        ("AM3616/4096-I7", 37),
         ("ASC8525/SC1", 27),
     ],
 )
 def test_ic_mb(told: Told, code: str, sdlen: int) -> None:
-    expected = {"SDLEN": sdlen, "ENSENS": 1, "ACTnSENS": 0, "SENSCRCPOLY": 0x21, "INVCRCS": 1, "GRAY": 0, "CRC start value": 0, "Clock": None}
+    expected = {
+        "SDLEN": sdlen,
+        "ENSENS": 1,
+        "ACTnSENS": 0,
+        "SENSCRCPOLY": 0x21,
+        "INVCRCS": 1,
+        "GRAY": 0,
+        "CRC start value": 0,
+        "Clock": None,
+    }
     assert told("ic_mb", code) == expected
 
 
@@ -99,17 +131,34 @@ def test_ic_mb(told: Told, code: str, sdlen: int) -> None:
 @pytest.mark.parametrize(
     ("code", "multi", "single"),
     [
-        ("SMA21-SC1-0002", 0, 24), ("SMA21-SC1-0050", 0, 24), ("SMA21-SC1-0001", 0, 25), ("AMM5A17/1SC1", 0, 17), ("AMM5A23/65KSC1", 16, 23),
-        ("AM3616/4096-I7", 16, 20), ("ASC8525/SC1", 0, 26),
+        ("SMA21-SC1-0002", 0, 24),
+        ("SMA21-SC1-0050", 0, 24),
+        ("SMA21-SC1-0001", 0, 25),
+        ("AMM5A17/1SC1", 0, 17),
+        ("AMM5A23/65KSC1", 16, 23),
+        ("AM3616/4096-I7", 16, 20),
+        ("ASC8525/SC1", 0, 26),
     ],
 )
 def test_ti(told: Told, code: str, multi: int, single: int) -> None:
-    assert told("ti_motor_control_sdk", code) == {"multi_turn_len": multi, "single_turn_len": single, "Clock, in MHz": 10}
-    expected = {"crcBits": 6, "crcPoly": 0x03, "crcStart": 0, "positionMTBits": multi, "positionSTBits": single, "freqDiv": None}
+    assert told("ti_motor_control_sdk", code) == {
+        "multi_turn_len": multi,
+        "single_turn_len": single,
+        "Clock, in MHz": 10,
+    }
+    expected = {
+        "crcBits": 6,
+        "crcPoly": 0x03,
+        "crcStart": 0,
+        "positionMTBits": multi,
+        "positionSTBits": single,
+        "freqDiv": None,
+    }
     assert told("ti_c2000", code) == expected
 
 
-# hostmot2: from the last bit of the frame to the first, every bit named, at most 32 in one field; g for Gray, m for turns, l and h for a split position.
+# hostmot2: from the last bit of the frame to the first, every bit named, at most 32 in one field;
+# g for Gray, m for turns, l and h for a split position.
 @pytest.mark.parametrize(
     ("code", "text", "kilohertz"),
     [
@@ -130,13 +179,25 @@ def test_hostmot2(told: Told, code: str, text: str, kilohertz: int) -> None:
     assert told("linuxcnc_hostmot2", code) == {text.partition("=")[0]: text, "frequency-khz": kilohertz}
 
 
-# Novanta: kbit/s; the frame size counts everything, 24 + 2 + 6 = 32, 25 + 1 + 2 + 6 = 34; the position starts at frame size less position bits.
+# Novanta: kbit/s; the frame size counts everything, 24 + 2 + 6 = 32, 25 + 1 + 2 + 6 = 34;
+# the position starts at frame size less position bits.
 @pytest.mark.parametrize(
     ("code", "size", "position", "single", "start"),
-    [("SMA21-SC1-0002", 32, 24, 24, 8), ("SMA21-SC1-0050", 32, 24, 24, 8), ("AMM5A23/65KSC1", 47, 39, 23, 8), ("ASC8525/SC1", 34, 25, 25, 9)],
+    [
+        ("SMA21-SC1-0002", 32, 24, 24, 8),
+        ("SMA21-SC1-0050", 32, 24, 24, 8),
+        ("AMM5A23/65KSC1", 47, 39, 23, 8),
+        ("ASC8525/SC1", 34, 25, 25, 9),
+    ],
 )
 def test_novanta(told: Told, code: str, size: int, position: int, single: int, start: int) -> None:
-    expected = {"Frame size": size, "Frame type": 3, "Position bits": position, "Single-turn bits": single, "Position start bit": start}
+    expected = {
+        "Frame size": size,
+        "Frame type": 3,
+        "Position bits": position,
+        "Single-turn bits": single,
+        "Position start bit": start,
+    }
     # Nothing of a CRC and of Gray code: the document has neither.
     assert told("novanta", code) == {**expected, "Protocol": 0, "Baud rate": 10_000, "Wait cycles": 0}
 
@@ -145,42 +206,171 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
     ("master", "code", "expected"),
     [
         # 24 + 2 bits; the polynomial is the one that the length 6 selects.
-        ("microchip_dspic33a", "SMA21-SC1-0002", {"SCDENx": 1, "SCDLENx": 26, "CRCSELx": 0, "CRCLENx": 6, "CRCSEEDx": 0, "GRAYx": 0, "SFREQ": None}),
-        ("moteus", "AMM5A23/65KSC1", {"aux[12].bissc.enabled": 1, "aux[12].bissc.rate_hz": 1_000_000, "aux[12].bissc.data_bits": 39, "aux[12].bissc.crc_bits": 6}),
+        (
+            "microchip_dspic33a",
+            "SMA21-SC1-0002",
+            {"SCDENx": 1, "SCDLENx": 26, "CRCSELx": 0, "CRCLENx": 6, "CRCSEEDx": 0, "GRAYx": 0, "SFREQ": None},
+        ),
+        (
+            "moteus",
+            "AMM5A23/65KSC1",
+            {
+                "aux[12].bissc.enabled": 1,
+                "aux[12].bissc.rate_hz": 1_000_000,
+                "aux[12].bissc.data_bits": 39,
+                "aux[12].bissc.crc_bits": 6,
+            },
+        ),
         # Payload 4 + 20; the position begins after 4 bits. 67 is 0x43.
-        ("synapticon", "SMA21-SC1-0050", {"Frame size": 24, "Multiturn bits": 0, "Singleturn bits": 20, "Singleturn first bit position": 4, "CRC polynomial": 67}),
-        ("synapticon", "SMA21-SC1-0050", {"Timeout, in µs": 16, "Maximum tbusy, in µs": None, "Status bits active value": 0}),
-        ("synapticon", "AMM5A23/65KSC1", {"Frame size": 39, "Multiturn first bit position": 0, "Singleturn first bit position": 16}),
+        (
+            "synapticon",
+            "SMA21-SC1-0050",
+            {
+                "Frame size": 24,
+                "Multiturn bits": 0,
+                "Singleturn bits": 20,
+                "Singleturn first bit position": 4,
+                "CRC polynomial": 67,
+            },
+        ),
+        (
+            "synapticon",
+            "SMA21-SC1-0050",
+            {"Timeout, in µs": 16, "Maximum tbusy, in µs": None, "Status bits active value": 0},
+        ),
+        (
+            "synapticon",
+            "AMM5A23/65KSC1",
+            {"Frame size": 39, "Multiturn first bit position": 0, "Singleturn first bit position": 16},
+        ),
         # 1.5 periods of 50 kHz are 30 µs; ASC85 prints a time-out for 10 MHz alone.
         ("synapticon", "AMM5A23/65KSC1", {"Timeout, in µs": 30}),
         ("synapticon", "ASC8525/SC1", {"Timeout, in µs": None, "Frame size": 26, "Singleturn bits": 25}),
         # SSI: the whole frame, 22 + 1; a pause of 16 µs.
-        ("synapticon", "SMA21-GG1-0010", {"Frame size": 23, "Singleturn bits": 22, "Timeout, in µs": 16, "Data ordering": 1, "Parity type": 0}),
-        # The table of the document: Lika SMA2-SC1-1-L5 has 24 and 256 = 2^(32 - 24); rotary encoders 4294967295; 12 turn bits 1048576 = 2^(32 - 12).
-        ("kollmorgen_akd", "SMA21-SC1-0002", {"FB1.SELECT": 34, "FB1.BISSBITS": 24, "FB1.ENCRES": "(pole pitch / 2 µm) * 2^(32 - 24)"}),
+        (
+            "synapticon",
+            "SMA21-GG1-0010",
+            {"Frame size": 23, "Singleturn bits": 22, "Timeout, in µs": 16, "Data ordering": 1, "Parity type": 0},
+        ),
+        # The table of the document: Lika SMA2-SC1-1-L5 has 24 and 256 = 2^(32 - 24); rotary encoders 4294967295;
+        # 12 turn bits 1048576 = 2^(32 - 12).
+        (
+            "kollmorgen_akd",
+            "SMA21-SC1-0002",
+            {"FB1.SELECT": 34, "FB1.BISSBITS": 24, "FB1.ENCRES": "(pole pitch / 2 µm) * 2^(32 - 24)"},
+        ),
         ("kollmorgen_akd", "AMM5A17/1SC1", {"FB1.SELECT": 34, "FB1.BISSBITS": 17, "FB1.ENCRES": 4294967295}),
         ("kollmorgen_akd", "AMM5A23/65KSC1", {"FB1.BISSBITS": 39, "FB1.ENCRES": 65536}),
         # FB#.BITS is for linear encoders only, FB#.MULTITURNBITS for rotary ones.
         ("kollmorgen_akd2g", "AMM5A23/65KSC1", {"FB#.BITS": None, "FB#.MULTITURNBITS": 16}),
         ("kollmorgen_akd2g", "SMA21-SC1-0050", {"FB#.BITS": 24, "FB#.MULTITURNBITS": None}),
-        ("keb_f5", "AMM5A23/65KSC1", {"inc/r": 2048, "Singleturn resolution": 23, "Multiturn resolution": 16, "Data code": "binary"}),
-        ("keb_f6", "AM3619/4096-GG", {"Singleturn resolution": 19, "Multiturn resolution": 12, "SSI data format": "24 (serial right-justified, Gray, no PFB)"}),
+        (
+            "keb_f5",
+            "AMM5A23/65KSC1",
+            {"inc/r": 2048, "Singleturn resolution": 23, "Multiturn resolution": 16, "Data code": "binary"},
+        ),
+        (
+            "keb_f6",
+            "AM3619/4096-GG",
+            {
+                "Singleturn resolution": 19,
+                "Multiturn resolution": 12,
+                "SSI data format": "24 (serial right-justified, Gray, no PFB)",
+            },
+        ),
         # BiSS: the same two numbers, and none of the two of SSI.
-        ("keb_f6", "AM3616/4096-I7", {"Singleturn resolution": 20, "Multiturn resolution": 16, "SSI data format": None, "SSI clock freq.": None}),
+        (
+            "keb_f6",
+            "AM3616/4096-I7",
+            {"Singleturn resolution": 20, "Multiturn resolution": 16, "SSI data format": None, "SSI clock freq.": None},
+        ),
         # 2^20 steps, 65536 turns, no fill bits; a linear encoder has 4 on the left, ASC85 1 on the right.
-        ("beckhoff_ax8000", "AM3616/4096-I7", {"Measuring steps per revolution": 1048576, "Number of distinguishable revolutions": 65536, "Fill bit count left": 0}),
-        ("beckhoff_ax8000", "SMA21-SC1-0050", {"Measuring step length": "50 µm", "Position bit count": 20, "Fill bit count left": 4, "Fill bit count right": 0}),
-        ("beckhoff_ax8000", "ASC8525/SC1", {"Measuring steps per revolution": 33554432, "Fill bit count right": 1, "CRC polynome": 0x43, "CRC data inverted": True}),
-        # Total 23, of which one status bit after the data; 25 MHz / (2 * 13) = 961.5 kHz is the fastest below 1 MHz, 27 MHz / (2 * 14) = 964.3 kHz.
-        ("galil_ssi", "SMA21-GG1-0010", {"si0": 1, "si1": 23, "si2": 22, "si3": 1, "p (Optima, Econo)": 12, "p (Accelera)": 13, "q": 2}),
+        (
+            "beckhoff_ax8000",
+            "AM3616/4096-I7",
+            {
+                "Measuring steps per revolution": 1048576,
+                "Number of distinguishable revolutions": 65536,
+                "Fill bit count left": 0,
+            },
+        ),
+        (
+            "beckhoff_ax8000",
+            "SMA21-SC1-0050",
+            {
+                "Measuring step length": "50 µm",
+                "Position bit count": 20,
+                "Fill bit count left": 4,
+                "Fill bit count right": 0,
+            },
+        ),
+        (
+            "beckhoff_ax8000",
+            "ASC8525/SC1",
+            {
+                "Measuring steps per revolution": 33554432,
+                "Fill bit count right": 1,
+                "CRC polynome": 0x43,
+                "CRC data inverted": True,
+            },
+        ),
+        # Total 23, of which one status bit after the data; 25 MHz / (2 * 13) = 961.5 kHz is the fastest below 1 MHz,
+        # 27 MHz / (2 * 14) = 964.3 kHz.
+        (
+            "galil_ssi",
+            "SMA21-GG1-0010",
+            {"si0": 1, "si1": 23, "si2": 22, "si3": 1, "p (Optima, Econo)": 12, "p (Accelera)": 13, "q": 2},
+        ),
         ("galil_ssi", "AMM5A21/65KBG1", {"si1": 37, "si2": 21, "si3": 0, "q": 1}),
-        # Bit 0 is the first: 22 bits of position, then the error bit; 12 + 19 = 31 bits, turns first. 1 MHz is 5, 2 MHz is 7.
-        ("omron_nx", "SMA21-GG1-0010", {"Baud Rate": 5, "Valid Data Length": 23, "Single-turn Data Start Bit": 0, "Single-turn Data Length": 22, "Leading Bits": 0}),
-        ("omron_nx", "SMA21-GG1-0010", {"Status Data Start Bit": 22, "Status Data Length": 1, "Coding Method": "gray code", "Encoder Resolution": 0}),
-        ("omron_nx", "AM3619/4096-BG", {"Baud Rate": 7, "Valid Data Length": 31, "Multi-turn Data Start Bit": 0, "Multi-turn Data Length": 12, "Status Data Length": 0}),
-        ("omron_nx", "AM3619/4096-BG", {"Single-turn Data Start Bit": 12, "Single-turn Data Length": 19, "Coding Method": "binary code"}),
+        # Bit 0 is the first: 22 bits of position, then the error bit;
+        # 12 + 19 = 31 bits, turns first. 1 MHz is 5, 2 MHz is 7.
+        (
+            "omron_nx",
+            "SMA21-GG1-0010",
+            {
+                "Baud Rate": 5,
+                "Valid Data Length": 23,
+                "Single-turn Data Start Bit": 0,
+                "Single-turn Data Length": 22,
+                "Leading Bits": 0,
+            },
+        ),
+        (
+            "omron_nx",
+            "SMA21-GG1-0010",
+            {
+                "Status Data Start Bit": 22,
+                "Status Data Length": 1,
+                "Coding Method": "gray code",
+                "Encoder Resolution": 0,
+            },
+        ),
+        (
+            "omron_nx",
+            "AM3619/4096-BG",
+            {
+                "Baud Rate": 7,
+                "Valid Data Length": 31,
+                "Multi-turn Data Start Bit": 0,
+                "Multi-turn Data Length": 12,
+                "Status Data Length": 0,
+            },
+        ),
+        (
+            "omron_nx",
+            "AM3619/4096-BG",
+            {"Single-turn Data Start Bit": 12, "Single-turn Data Length": 19, "Coding Method": "binary code"},
+        ),
         # The position lies above the error bit, bit 0: 1 to 22.
-        ("siemens_posinput", "SMA21-GG1-0010", {"Frame length": 23, "Bit number of LSB of the position value": 1, "Bit number of MSB of the position value": 22}),
+        (
+            "siemens_posinput",
+            "SMA21-GG1-0010",
+            {
+                "Frame length": 23,
+                "Bit number of LSB of the position value": 1,
+                "Bit number of MSB of the position value": 22,
+            },
+        ),
         ("siemens_posinput", "SMA21-GG1-0010", {"Code type": "Gray", "Parity": "none"}),
     ],
 )
@@ -192,7 +382,11 @@ def test_other_masters(told: Told, master: str, code: str, expected: dict[str, A
 def test_example_of_siemens(told: Told) -> None:
     """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0; 16 + 21 bits in one of 37 have 36 and 0."""
     found = told("siemens_posinput", "AMM5A21/65KBG1")
-    assert (found["Frame length"], found["Bit number of MSB of the position value"], found["Bit number of LSB of the position value"]) == (37, 36, 0)
+    assert (
+        found["Frame length"],
+        found["Bit number of MSB of the position value"],
+        found["Bit number of LSB of the position value"],
+    ) == (37, 36, 0)
 
 
 @pytest.mark.parametrize(
@@ -200,29 +394,51 @@ def test_example_of_siemens(told: Told) -> None:
     [
         ("galil_ssi", "SMA21-SC1-0002", "Only SSI is described for this master; SMA21-SC1-0002 sends BiSS C-mode."),
         ("ic_mb", "SMA21-GG1-0010", "Only BiSS C-mode is described for this master; SMA21-GG1-0010 sends SSI."),
-        ("keb_f5", "ASC8525/SC1", "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1."),
-        ("keb_f6", "ASC8525/SC1", "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1."),
+        (
+            "keb_f5",
+            "ASC8525/SC1",
+            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
+        ),
+        (
+            "keb_f6",
+            "ASC8525/SC1",
+            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
+        ),
         # 16 + 23 bits; 16 + 17 are one too many.
         ("omron_nx", "AMM5A23/65KBG1", "All data of a frame together have 32 bits at most. Here: frame bits 39."),
         ("omron_nx", "AMM5A17/65KBG1", "All data of a frame together have 32 bits at most. Here: frame bits 33."),
-        ("keb_f5", "SMA21-SC1-0002", "The data word is made of turns and the position within one. Here: movement linear."),
+        (
+            "keb_f5",
+            "SMA21-SC1-0002",
+            "The data word is made of turns and the position within one. Here: movement linear.",
+        ),
     ],
 )
 def test_refusals(sheet_of: Callable[[str, str], Sheet], master: str, code: str, reason: str) -> None:
     found = sheet_of(master, code)
     assert [item.reason for item in found.refusals] == [reason]
-    assert found.settings == () and found.notes == ()
+    assert found.settings == ()
+    assert found.notes == ()
 
 
 def test_the_example_of_omron(told: Told) -> None:
-    """p. 249, 12 bits of turns and 13 of one: valid 25, single-turn 12 and 13, multi-turn 0 and 12; ours with 12 and 16."""
+    """p. 249, 12 bits of turns, 13 of one: valid 25, single-turn 12 and 13, multi-turn 0 and 12; ours 12 and 16."""
     found = told("omron_nx", "AM3616/4096-BG")
-    names = ("Valid Data Length", "Single-turn Data Start Bit", "Single-turn Data Length", "Multi-turn Data Start Bit", "Multi-turn Data Length")
+    names = (
+        "Valid Data Length",
+        "Single-turn Data Start Bit",
+        "Single-turn Data Length",
+        "Multi-turn Data Start Bit",
+        "Multi-turn Data Length",
+    )
     assert tuple(found[name] for name in names) == (28, 12, 16, 0, 12)
 
 
 def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], Sheet]) -> None:
-    assert any("the iC-MB3 does not carry out a register access of BiSS C by itself" in note for note in sheet_of("ic_mb", "AMM5A17/1SC1").notes)
+    assert any(
+        "the iC-MB3 does not carry out a register access of BiSS C by itself" in note
+        for note in sheet_of("ic_mb", "AMM5A17/1SC1").notes
+    )
 
 
 def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], Sheet]) -> None:

@@ -11,8 +11,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-
-from codewheel.load import load_library
+from codewheel.build.load import load_library
 from codewheel.targets import Library
 
 Generated = tuple[Path, ModuleType]
@@ -28,7 +27,7 @@ def amm5(lika: Any) -> Any:
     return lika.amm5
 
 
-# ------------------------------------------------------------------------------------------------------ the manual's examples
+# ------------------------------------------------------------------------------------------------ the manual's examples
 
 
 def test_preset_of_the_manual(amm5: Any, lika: Any) -> None:
@@ -73,18 +72,28 @@ def test_counts_as_an_angle(amm5: Any) -> None:
 
 
 def test_cable_table(amm5: Any) -> None:
-    assert [amm5.SSI.clock_below_hz(metres) for metres in (10, 50, 199.9, 399, 400)] == [400_000, 300_000, 200_000, 100_000, None]
+    assert [amm5.SSI.clock_below_hz(metres) for metres in (10, 50, 199.9, 399, 400)] == [
+        400_000,
+        300_000,
+        200_000,
+        100_000,
+        None,
+    ]
 
 
 def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
-    for name, byte in (("reset_errors", 0xBA), ("reset_singleturn_and_multiturn", 0xC2), ("reset_multiturn_and_errors", 0x62)):
+    for name, byte in (
+        ("reset_errors", 0xBA),
+        ("reset_singleturn_and_multiturn", 0xC2),
+        ("reset_multiturn_and_errors", 0x62),
+    ):
         send = getattr(amm5, name)()[0]
         # 7.4.2 p.45: ten times in succession, at intervals of 40 µs or more.
-        assert send == lika.Send(bytes([byte]), times=10, every_us=40, meaning="in succession, no other request in between")
+        assert send == lika.Send(bytes([byte]), times=10, every_us=40, in_succession=True)
         assert "stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
 
 
-# ---------------------------------------------------------------------------------------------------------- published vectors
+# ---------------------------------------------------------------------------------------------------- published vectors
 
 
 def test_published_crc_6(amm5: Any, vectors: list[dict[str, Any]]) -> None:
@@ -106,7 +115,8 @@ def test_published_crc_4(amm5: Any, vectors: list[dict[str, Any]]) -> None:
             assert computed == fields["CRC4_expected"] != fields["CRC4_printed"]
             assert amm5.crc_biss_4(fields["DATA"], 8) == fields["DATA_CRC4"]
     data = [row for row in vectors if row["protocol"] == "BiSS-C register data byte"]
-    assert data and all(amm5.crc_biss_4(row["fields"]["DATA"], 8) == row["fields"]["CRC4_inverted"] for row in data)
+    assert data
+    assert all(amm5.crc_biss_4(row["fields"]["DATA"], 8) == row["fields"]["CRC4_inverted"] for row in data)
 
 
 def test_published_control_fields(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
@@ -118,11 +128,12 @@ def test_published_control_fields(amm5: Any, lika: Any, vectors: list[dict[str, 
         facts = next(item for item in amm5.RS485.data_ids if item.id == number)
         assert facts.control == control
         if number in (6, 13):
-            request = amm5.EepromWriteRequest(0, 0) if number == 6 else amm5.EepromReadRequest(0)
+            form = amm5.EepromAddress.AS_PRINTED
+            request = amm5.EepromWriteRequest(form, 0, 0) if number == 6 else amm5.EepromReadRequest(form, 0)
         else:
             request = amm5.DataRequest(amm5.DataId(number))
         assert request.encode()[0] == control
-        assert amm5.decode_request(request.encode(), variant) == request
+        assert amm5.decode_request(request.encode(), variant, eeprom_address=amm5.EepromAddress.AS_PRINTED) == request
     # Data IDs that this encoder does not have, from another device of the same protocol.
     for row in vectors:
         if row["protocol"] == "Panasonic control field" and row["fields"]["data_id"] not in (6, 13):
@@ -138,15 +149,63 @@ def test_published_reply(amm5: Any, vectors: list[dict[str, Any]]) -> None:
     assert (found.status_st_error, found.status_other_error) == (False, True)
 
 
+def test_the_eeprom_address_has_two_forms(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
+    """HPMicro's three frames have the plain address; the manual prints EA 0A E0 for address 5 (7.5 p.46)."""
+    printed, plain = amm5.EepromAddress
+    assert (printed.name, plain.name) == ("AS_PRINTED", "AS_T_FORMAT")
+    encoder = amm5.lookup("AMM5A23/65KJP1")
+    rows = [row for row in vectors if row["protocol"] == "Tamagawa T-format request"]
+    frames = [bytes.fromhex(row["frame_hex_or_bits"]) for row in rows]
+    assert frames == [bytes.fromhex(text) for text in ("32 7F 01 4C", "32 01 5A 69", "EA 01 EB")]
+    for row, frame in zip(rows, frames, strict=True):
+        request = amm5.decode_request(frame, encoder, eeprom_address=plain)
+        assert request.address == row["fields"]["ADF"]
+        assert getattr(request, "data", None) == row["fields"].get("EDF")
+        assert request.encode() == frame
+        with pytest.raises(lika.ConstantError, match="mem_busy"):
+            amm5.decode_request(frame, encoder, eeprom_address=printed)
+    assert amm5.EepromReadRequest(printed, 5).encode() == bytes.fromhex("EA 0A E0")
+    assert amm5.EepromReadRequest(plain, 5).encode() == bytes.fromhex("EA 05 EF")
+    busy = amm5.EepromReadReply(plain, 5, True, 0)
+    assert busy.encode()[1] == 0x85
+    assert encoder.decode(busy.encode(), eeprom_address=plain) == busy
+    assert [report.name for report in busy.reports] == ["eeprom_read_reply_mem_busy"]
+
+
+@pytest.mark.parametrize("wrong", [None, 0, "AS_PRINTED", (1, 0)])
+def test_the_form_of_the_eeprom_address_has_no_default(amm5: Any, wrong: Any) -> None:
+    encoder, printed = amm5.lookup("AMM5A23/65KJP1"), amm5.EepromAddress.AS_PRINTED
+    request, reply = amm5.EepromReadRequest(printed, 5), amm5.EepromReadReply(printed, 5, False, 7)
+    for call in (
+        lambda: amm5.EepromReadRequest(wrong, 5).encode(),
+        lambda: amm5.EepromReadRequest.decode(request.encode(), wrong),
+        lambda: amm5.EepromReadRequest.bit_fields(wrong),
+        lambda: amm5.decode_request(request.encode(), encoder, eeprom_address=wrong),
+        lambda: amm5.decode_reply(reply.encode(), encoder, eeprom_address=wrong),
+        lambda: encoder.decode(reply.encode(), eeprom_address=wrong),
+    ):
+        with pytest.raises(TypeError, match=r"say EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT"):
+            call()
+    # Nor do what is no sound frame, and frames that do not depend on it.
+    for damaged, error in ((reply.encode()[:-1], "LengthError"), (reply.encode()[:-1] + b"\x00", "CrcError")):
+        with pytest.raises(ValueError) as caught:
+            encoder.decode(damaged, eeprom_address=wrong)
+        assert type(caught.value).__name__ == error
+    position = amm5.SingleturnReply(encoder, amm5.DataId.SINGLETURN, False, False, 5)
+    assert encoder.decode(position.encode()) == position
+
+
 def test_another_encoder_id_is_reported_and_the_frame_decoded(amm5: Any, lika: Any) -> None:
-    """7.4 p.43 prints ENID 23h; HPMicro's T-format sample has 17h, with ST A5A5h and MT 8888h. The bytes follow from that."""
+    """7.4 p.43 prints ENID 23h; HPMicro's T-format sample has 17h, ST A5A5h and MT 8888h. The bytes follow."""
     encoder = amm5.lookup("AMM5A23/65KJP1")
     data = bytes.fromhex("1A 00 A5 A5 00 17 88 88 00 00 0D")
     found = encoder.decode(data)
     assert (found.singleturn, found.multiturn, found.encoder_id) == (0xA5A5, 0x8888, 0x17)
-    assert not found.is_as_documented and found.encode() == data
+    assert not found.is_as_documented
+    assert found.encode() == data
     documented = found._replace(encoder_id=0x23)
-    assert documented.is_as_documented and encoder.decode(documented.encode()) == documented
+    assert documented.is_as_documented
+    assert encoder.decode(documented.encode()) == documented
     alone = encoder.decode(bytes.fromhex("92 00 17 85"))
     assert (alone.encoder_id, alone.is_as_documented) == (0x17, False)
     # What a simulator sends unless told otherwise is what the manual prints.
@@ -156,17 +215,6 @@ def test_another_encoder_id_is_reported_and_the_frame_decoded(amm5: Any, lika: A
     for wrong, error in ((0x1B, lika.ConstantError), (0x9A, lika.ConstantError), (0x12, lika.FrameError)):
         with pytest.raises(error):
             encoder.decode(bytes([wrong]) + data[1:-1] + bytes([data[-1] ^ 0x1A ^ wrong]))
-
-
-def test_published_requests_prove_the_crc_only(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
-    rows = [row for row in vectors if row["protocol"] == "Tamagawa T-format request"]
-    assert len(rows) == 3
-    for row in rows:
-        data = bytes.fromhex(row["frame_hex_or_bits"])
-        assert amm5.crc_rs485_8(data[:-1]) == data[-1]
-        with pytest.raises(lika.ConstantError) as caught:
-            amm5.decode_request(data, amm5.lookup("AMM5A23/65KJP1"))
-        assert caught.value.field == "mem_busy"
 
 
 def test_published_single_cycles(
@@ -188,7 +236,7 @@ def test_published_single_cycles(
             variant.decode(word ^ 0x100)
 
 
-# --------------------------------------------------------------------------------------------------------------- order codes
+# ---------------------------------------------------------------------------------------------------------- order codes
 
 
 @pytest.mark.parametrize(
@@ -210,16 +258,20 @@ def test_unknown_order_codes(lika: Any, label: str, part: str, words: str) -> No
     assert caught.value.nearest[0] in str(caught.value)
 
 
-# ------------------------------------------------------------------------------------------------------------ small things
+# --------------------------------------------------------------------------------------------------------- small things
 
 
 def test_errors_can_be_pickled(lika: Any) -> None:
     for error in (
-        lika.LengthError(3, 4), lika.CrcError(1, 2), lika.ConstantError("sync", 1, 2), lika.RangeError("data_id", 5, "1 to 3"),
+        lika.LengthError(3, 4),
+        lika.CrcError(1, 2),
+        lika.ConstantError("sync", 1, 2),
+        lika.RangeError("data_id", 5, "1 to 3"),
         lika.OrderCodeError("X", "", "is none", ("Y",)),
     ):
         copy = pickle.loads(pickle.dumps(error))
-        assert str(copy) == str(error) and vars(copy) == vars(error)
+        assert str(copy) == str(error)
+        assert vars(copy) == vars(error)
 
 
 def test_frames_of_the_wrong_kind(amm5: Any) -> None:
@@ -238,7 +290,7 @@ def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
         lambda: amm5.SingleCycleData.from_position(biss, 1 << 17),
         lambda: amm5.Preset.from_position(biss, -1),
         lambda: amm5.set_preset(biss, 1 << 17),
-        lambda: amm5.EepromReadRequest(128).encode(),
+        lambda: amm5.EepromReadRequest(amm5.EepromAddress.AS_PRINTED, 128).encode(),
         lambda: amm5.DataRequest(amm5.DataId.EEPROM_READ).encode(),
         lambda: amm5.SingleturnReply(rs485, amm5.DataId.MULTITURN, False, False, 0).encode(),
         lambda: amm5.SerialNumber(100, 1, 1).encode(),
@@ -253,7 +305,7 @@ def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
 
 
 def test_readme_examples(generated_python: Generated) -> None:
-    folder, package = generated_python
+    folder, _ = generated_python
     blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     assert blocks
     test = doctest.DocTestParser().get_doctest("\n".join(blocks), {}, "README.md", None, 0)

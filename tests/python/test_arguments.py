@@ -7,18 +7,20 @@ import copy
 import inspect
 import json
 import pickle
+import re
 import subprocess
 import sys
+import textwrap
 import time
 import unittest.mock
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy
 import pytest
-
 from codewheel.model import Device
 
 #: A reply of an AMM5 that is published: control field, status, 7,000,519, CRC (tests/vectors.json).
@@ -85,16 +87,29 @@ def test_any_row_of_bytes_decodes(lika: Any, rs485: Any, made: Any) -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        list(REPLY), tuple(REPLY), REPLY.hex(" "), REPLY.hex(), 2, True, None, 2.0, array.array("H", REPLY),
-        array.array("H", list(REPLY)), numpy.frombuffer(REPLY, numpy.uint8).astype(numpy.uint16),
-        numpy.frombuffer(REPLY, numpy.uint8).reshape(2, 3), numpy.uint8(2),
-        numpy.frombuffer(REPLY, numpy.uint8).astype(bool), memoryview(REPLY).cast("H"), object(),
+        list(REPLY),
+        tuple(REPLY),
+        REPLY.hex(" "),
+        REPLY.hex(),
+        2,
+        True,
+        None,
+        2.0,
+        array.array("H", REPLY),
+        array.array("H", list(REPLY)),
+        numpy.frombuffer(REPLY, numpy.uint8).astype(numpy.uint16),
+        numpy.frombuffer(REPLY, numpy.uint8).reshape(2, 3),
+        numpy.uint8(2),
+        numpy.frombuffer(REPLY, numpy.uint8).astype(bool),
+        memoryview(REPLY).cast("H"),
+        object(),
     ],
 )
 def test_what_is_no_row_of_bytes_is_refused(lika: Any, rs485: Any, wrong: Any) -> None:
     amm5 = lika.amm5
     takers = [rs485.decode, lambda data: amm5.decode_reply(data, rs485)]
-    for take in (*takers, amm5.EepromReadReply.decode, amm5.Command.decode, amm5.crc_rs485_8):
+    takers += [lambda data: amm5.EepromReadReply.decode(data, amm5.EepromAddress.AS_PRINTED)]
+    for take in (*takers, amm5.Command.decode, amm5.crc_rs485_8):
         with pytest.raises(TypeError, match="give bytes"):
             take(wrong)
 
@@ -113,7 +128,7 @@ def test_any_whole_number_is_a_word(lika: Any, biss: Any, made: Any) -> None:
 @pytest.mark.parametrize("wrong", [True, False, None, 3.0, numpy.float64(3), [1], numpy.array([1, 2]), object()])
 def test_what_is_no_number_is_no_word(lika: Any, biss: Any, wrong: Any) -> None:
     for encoder in (biss, lika.lookup("AMM5A23/65KBG1")):
-        with pytest.raises(TypeError, match="the frame is .*; it has to be a whole number"):
+        with pytest.raises(TypeError, match=r"the frame is .*; it has to be a whole number"):
             encoder.decode(wrong)
 
 
@@ -172,7 +187,7 @@ def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping
             layout = next(item for item in device.interface(variant.interface).layouts if item.sender == "encoder")
             if layout.carried_as == "bytes":
                 with pytest.raises(ValueError, match="no frame bits over RS485: frames are made of bytes"):
-                    made.frame_bits
+                    _ = made.frame_bits
                 continue
             assert made.frame_bits == layout.bits.value(variant.parameters)
     encoder = lika.lookup("AM3616/4096-I7")
@@ -189,14 +204,17 @@ def test_numbers_of_any_width_encode_rightly(lika: Any, rs485: Any) -> None:
     biss = lika.lookup("AMM5A23/65KSC1")
     wanted = amm5.SingleCycleData(biss, 5, SINGLETURN)
     made = amm5.SingleCycleData(biss, numpy.uint16(5), numpy.uint32(SINGLETURN), numpy.False_, numpy.False_)
-    assert made.encode() == wanted.encode() and made.position == wanted.position == 5 << 23 | SINGLETURN
-    assert type(made.encode()) is int and type(made.position) is int
+    assert made.encode() == wanted.encode()
+    assert made.position == wanted.position == 5 << 23 | SINGLETURN
+    assert type(made.encode()) is int
+    assert type(made.position) is int
     assert amm5.SingleCycleData.from_position(biss, numpy.uint64(wanted.position)) == wanted
     assert amm5.SsiWord(lika.lookup("AMM5A23/65KBG1"), numpy.uint8(5), numpy.uint32(7)).encode() == 5 << 23 | 7
     made = amm5.SingleturnReply(rs485, numpy.uint8(0), numpy.False_, numpy.True_, numpy.uint32(SINGLETURN))
     assert made.encode() == REPLY
-    made = amm5.EepromWriteRequest(numpy.uint8(0x7F), numpy.uint8(0xFF))
-    assert made.encode() == amm5.EepromWriteRequest(0x7F, 0xFF).encode()
+    printed = amm5.EepromAddress.AS_PRINTED
+    made = amm5.EepromWriteRequest(printed, numpy.uint8(0x7F), numpy.uint8(0xFF))
+    assert made.encode() == amm5.EepromWriteRequest(printed, 0x7F, 0xFF).encode()
     assert amm5.DataRequest(numpy.uint8(12)).encode() == b"\x62"
     small = amm5.SerialNumber(*(numpy.uint8(value) for value in (20, 19, 1)))
     same = amm5.SerialNumber(20, 19, 1)
@@ -210,7 +228,8 @@ def test_numbers_of_any_width_encode_rightly(lika: Any, rs485: Any) -> None:
 def test_numbers_of_any_width_in_procedures(lika: Any) -> None:
     encoder = lika.lookup("AMM5A21/65KSC1")
     assert lika.amm5.set_preset(encoder, numpy.uint32(1_000_003)) == lika.amm5.set_preset(encoder, 1_000_003)
-    assert lika.am36.set_preset(numpy.int32(100_000)) == lika.am36.set_preset(100_000)
+    am36 = lika.lookup("AM3616/4096-I7")
+    assert lika.am36.set_preset(am36, numpy.int32(100_000)) == lika.am36.set_preset(am36, 100_000)
     for module in (lika.am36, lika.sma21):
         assert module.set_configuration(numpy.uint8(0x60)) == module.set_configuration(0x60)
     with pytest.raises(lika.RangeError):
@@ -226,7 +245,8 @@ def test_numbers_of_any_width_as_counts(lika: Any) -> None:
     assert encoder.turns(numpy.uint32(position)) == encoder.turns(position)
     assert encoder.unwrap(numpy.int64(3), numpy.uint32(5)) == 5
     linear = lika.lookup("SMA21-SC1-0050")
-    assert linear.micrometres(numpy.uint16(40_000)) == 2_000_000 and linear.millimetres(numpy.uint16(40_000)) == 2000.0
+    assert linear.micrometres(numpy.uint16(40_000)) == 2_000_000
+    assert linear.millimetres(numpy.uint16(40_000)) == 2000.0
     for method in (encoder.degrees, encoder.turns, linear.micrometres, linear.millimetres):
         for wrong in (numpy.array([1, 2]), 1.5, "1"):
             with pytest.raises(TypeError):
@@ -242,7 +262,8 @@ def test_registers_held_and_read_take_any_whole_number(lika: Any) -> None:
         with pytest.raises(error, match="register 0x56"):
             encoder.with_registers({0x56: wrong})
     codes = lika.identify({"manufacturer_id": b"Li"})
-    assert codes and lika.identify({"manufacturer_id": numpy.frombuffer(b"Li", numpy.uint8)}) == codes
+    assert codes
+    assert lika.identify({"manufacturer_id": numpy.frombuffer(b"Li", numpy.uint8)}) == codes
     assert lika.identify({numpy.uint8(0x7E): numpy.uint8(ord("L")), numpy.uint8(0x7F): numpy.uint8(ord("i"))}) == codes
     for read in ({"manufacturer_id": [76, 105]}, {0x7E: b"L"}, {0x7E: True}, {None: 1}):
         with pytest.raises(TypeError):
@@ -260,7 +281,7 @@ def test_what_is_no_number_is_not_encoded(lika: Any, wrong: Any) -> None:
     for call in (
         lambda: amm5.SingleCycleData(encoder, 0, wrong).encode(),
         lambda: amm5.SingleCycleData.from_position(encoder, wrong),
-        lambda: amm5.EepromReadRequest(wrong).encode(),
+        lambda: amm5.EepromReadRequest(amm5.EepromAddress.AS_PRINTED, wrong).encode(),
         lambda: amm5.DataRequest(wrong).encode(),
         lambda: amm5.set_preset(encoder, wrong),
         lambda: lika.am36.set_configuration(wrong),
@@ -348,7 +369,8 @@ def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices
                 try:
                     _call(function, encoder)
                 except lika.InterfaceError as error:
-                    assert encoder.code in str(error) and error.found is encoder.interface
+                    assert encoder.code in str(error)
+                    assert error.found is encoder.interface
                     refused += 1
                 except (ValueError, TypeError):
                     pass
@@ -371,7 +393,8 @@ def test_what_was_accepted_before_is_refused(lika: Any) -> None:
         lambda: lika.amm5.set_preset(lika.lookup("ASC8525/SC1"), 1),
         lambda: lika.amm5.SingleCycleData(am36, 0, 5).encode(),
         lambda: lika.amm5.SingleCycleData(am36, 0, 5).position,
-        lambda: lika.am36.set_preset(1, variant=biss),
+        lambda: lika.am36.set_preset(biss, 1),
+        lambda: lika.am36.set_configuration(0x60, variant=biss),
     ):
         with pytest.raises(lika.FamilyError):
             call()
@@ -380,8 +403,10 @@ def test_what_was_accepted_before_is_refused(lika: Any) -> None:
     for wrong in ("AMM5A21/65KSC1", None, 5, lika.amm5.FAMILY):
         with pytest.raises(TypeError, match=r"is no encoder; lookup\(\) gives one"):
             lika.amm5.set_preset(wrong, 1)
-    assert not issubclass(lika.FamilyError, lika.FrameError) and not issubclass(lika.InterfaceError, lika.FrameError)
-    assert issubclass(lika.FamilyError, ValueError) and issubclass(lika.InterfaceError, ValueError)
+    assert not issubclass(lika.FamilyError, lika.FrameError)
+    assert not issubclass(lika.InterfaceError, lika.FrameError)
+    assert issubclass(lika.FamilyError, ValueError)
+    assert issubclass(lika.InterfaceError, ValueError)
 
 
 def test_every_procedure_takes_the_encoder(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -406,13 +431,15 @@ def test_a_label_without_end_is_refused_at_once(lika: Any, wrong: str) -> None:
         with pytest.raises(lika.OrderCodeError, match="no label has more than 100") as caught:
             find(wrong)
         assert time.monotonic() - begin < 0.5
-        assert len(str(caught.value)) < 200 and len(caught.value.label) < 50 and caught.value.nearest == ()
+        assert len(str(caught.value)) < 200
+        assert len(caught.value.label) < 50
+        assert caught.value.nearest == ()
 
 
 @pytest.mark.parametrize("wrong", [None, 5, True, b"AMM5A21/65KSC1", ["AMM5A21/65KSC1"]])
 def test_what_is_no_text_is_no_label(lika: Any, wrong: Any) -> None:
     for find in (lika.lookup, lika.amm5.lookup):
-        with pytest.raises(TypeError, match="a label is text, .* this is of the type"):
+        with pytest.raises(TypeError, match=r"a label is text, .* this is of the type"):
             find(wrong)
 
 
@@ -421,21 +448,31 @@ def test_what_is_no_text_is_no_label(lika: Any, wrong: Any) -> None:
 
 def test_frames_of_different_classes_are_never_equal(lika: Any, rs485: Any) -> None:
     amm5, biss, ssi = lika.amm5, lika.lookup("AMM5A21/65KSC1"), lika.lookup("AMM5A21/65KBG1")
+    printed, other = amm5.EepromAddress
     pairs = [
-        (amm5.EepromWriteReply(False, 1, 2), amm5.EepromReadReply(False, 1, 2)),
+        (amm5.EepromWriteReply(printed, 1, False, 2), amm5.EepromReadReply(printed, 1, False, 2)),
+        (amm5.EepromReadReply(printed, 1, False, 2), amm5.EepromReadReply(other, 1, False, 2)),
         (amm5.SsiWord(ssi, 0, 5), amm5.Preset(ssi, 0, 5)),
-        (amm5.DataRequest(amm5.DataId.SINGLETURN), amm5.EepromReadRequest(0)),
+        (amm5.DataRequest(amm5.DataId.SINGLETURN), amm5.EepromReadRequest(printed, 0)),
         (lika.am36.SsiWord(biss, 0, 5), amm5.SsiWord(biss, 0, 5)),
         (lika.Modify(1, 1, "a", 1, 1), lika.Poll(1, 1, "a", 1, 1)),
         (amm5.SsiWord(ssi, 0, 5), (ssi, 0, 5)),
     ]
     for one, other in pairs:
-        assert one != other and other != one and not one == other and not other == one
-        assert len({one, other}) == 2 and hash(one) != hash(other)
+        assert one != other
+        assert other != one
+        assert not one == other  # noqa: SIM201
+        assert not other == one  # noqa: SIM201
+        assert len({one, other}) == 2
+        assert hash(one) != hash(other)
         copied = type(one)(*one)
-        assert one == copied and not one != copied and hash(one) == hash(copied) and len({one, copied}) == 1
+        assert one == copied
+        assert not one != copied  # noqa: SIM202
+        assert hash(one) == hash(copied)
+        assert len({one, copied}) == 1
         assert pickle.loads(pickle.dumps(one)) == one == copy.deepcopy(one)
-    assert amm5.SsiWord(ssi, 0, 5) == unittest.mock.ANY and amm5.SsiWord(ssi, 0, 5) != amm5.SsiWord(ssi, 0, 6)
+    assert amm5.SsiWord(ssi, 0, 5) == unittest.mock.ANY
+    assert amm5.SsiWord(ssi, 0, 5) != amm5.SsiWord(ssi, 0, 6)
 
 
 def test_every_frame_and_register_is_equal_by_class(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -450,15 +487,20 @@ def test_every_frame_and_register_is_equal_by_class(lika: Any, devices: Mapping[
 def test_registers_and_special_labels_show_and_count(lika: Any) -> None:
     encoder = lika.lookup("AM3616/4096-I7")
     smaller = encoder.with_registers({0x56: 16, 0x49: 0x00})
-    assert repr(encoder) == "<AM3616/4096-I7>" and encoder.with_registers({0x56: 20}) == encoder
-    assert repr(smaller).startswith("<AM3616/4096-I7 ") and "used_singleturn_bits=16" in repr(smaller)
-    assert smaller != encoder and hash(smaller) != hash(encoder)
+    assert repr(encoder) == "<AM3616/4096-I7>"
+    assert encoder.with_registers({0x56: 20}) == encoder
+    assert repr(smaller).startswith("<AM3616/4096-I7 ")
+    assert "used_singleturn_bits=16" in repr(smaller)
+    assert smaller != encoder
+    assert hash(smaller) != hash(encoder)
     plain, special, other = (lika.lookup(f"AMM5A21/65KSC1{tail}") for tail in ("", "/S901", "-ABC/s902"))
     shown = [repr(item) for item in (plain, special, other)]
     assert shown == ["<AMM5A21/65KSC1>", "<AMM5A21/65KSC1/S901>", "<AMM5A21/65KSC1/S902>"]
-    assert len({plain, special, other}) == 3 and plain != special != other
+    assert len({plain, special, other}) == 3
+    assert plain != special != other
     assert [item.special for item in (plain, special, other)] == [False, True, True]
-    assert lika.lookup("AMM5A21/65KSC1-ABC") == plain and special == lika.lookup("amm5a21/65ksc1/s901")
+    assert lika.lookup("AMM5A21/65KSC1-ABC") == plain
+    assert special == lika.lookup("amm5a21/65ksc1/s901")
 
 
 def test_as_delivered_nothing_shows(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -475,13 +517,16 @@ def test_no_fact_can_be_changed(lika: Any) -> None:
     for item in (facts.FieldFacts("x"), facts.Alarm("x", "y"), lika.amm5.REGISTERS["preset"]):
         with pytest.raises(TypeError):
             item.names["it"] = "changed"
-        assert not hasattr(item.names, "update") and not hasattr(item.names, "clear")
-    assert facts.FieldFacts("y").names == {} and "changed" not in lika.amm5.REGISTERS["preset"].names.values()
+        assert not hasattr(item.names, "update")
+        assert not hasattr(item.names, "clear")
+    assert facts.FieldFacts("y").names == {}
+    assert "changed" not in lika.amm5.REGISTERS["preset"].names.values()
     for part in lika.sma21.ORDER_CODE.parts:
         with pytest.raises(TypeError):
             part.open_only_with["x"] = ()
     named = next(item for item in lika.sma21.REGISTERS.values() if item.names)
-    assert pickle.loads(pickle.dumps(named)) == named == copy.deepcopy(named) and json.dumps(dict(named.names))
+    assert pickle.loads(pickle.dumps(named)) == named == copy.deepcopy(named)
+    assert json.dumps(dict(named.names))
 
 
 def test_only_their_own_names_are_offered(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -503,8 +548,10 @@ def test_the_version_is_known(lika: Any, library: Any) -> None:
 
 
 def test_a_step_tells_its_byte_order(lika: Any) -> None:
-    step = next(item for item in lika.am36.set_preset(100_000) if isinstance(item, lika.Modify))
-    assert step.length == 1 and step.order == "little"
+    steps = lika.am36.set_preset(lika.lookup("AM3616/4096-I7"), 100_000)
+    step = next(item for item in steps if isinstance(item, lika.Modify))
+    assert step.length == 1
+    assert step.order == "little"
     assert lika.Poll(0, 2, "x", 1, 1, order="big").order == "big"
 
 
@@ -516,16 +563,26 @@ def test_a_reply_does_not_ask(lika: Any) -> None:
 # ------------------------------------------------------------ what is copied
 
 
-def test_the_examples_look_at_the_flags_first(
+def test_the_examples_look_at_the_verdict_first(
     lika: Any, generated_python: tuple[Path, ModuleType], devices: Mapping[str, Device]
 ) -> None:
     readme = (generated_python[0] / "README.md").read_text(encoding="utf-8")
-    first = readme[: readme.index("frame.position")]
-    assert "if not frame.error:" in first
-    assert "frame.multiturn" not in first[: first.index("frame.error")]
+    look = "if frame.verdict is not Verdict.NOT_USABLE:"
+    blocks = [block.partition("```")[0] for block in readme.split("```python")[1:]]
+    shown = [pair for block in blocks for pair in pairwise(block.splitlines())]
+    positions = [(before, line) for before, line in shown if "print(frame." in line]
+    assert len(positions) > 8
+    assert all(before == f">>> {look}" and line.startswith("...     ") for before, line in positions)
     for device in devices.values():
-        sent = [[item for item in interface.layouts if item.sender == "encoder"] for interface in device.interfaces]
-        layouts = [items[0] for items in sent]
-        fields = [field for layout in layouts for field in layout.fields]
-        flags = [field.name for field in fields if field.kind == "flag" and field.implemented]
-        assert not flags or "if not " in (getattr(lika, device.name).__doc__ or ""), device.name
+        lines = [line.strip() for line in (getattr(lika, device.name).__doc__ or "").splitlines()]
+        assert lines[lines.index(look) + 1].startswith("print(frame."), device.name
+
+
+def test_the_examples_of_the_docstrings_run(
+    lika: Any, devices: Mapping[str, Device], capsys: pytest.CaptureFixture[str]
+) -> None:
+    for device in devices.values():
+        text = getattr(lika, device.name).__doc__ or ""
+        code = text[text.index("    from lika_encoders") : text.index("\n\n", text.index("    print(frame."))]
+        exec(textwrap.dedent(code), {})
+        assert re.fullmatch(r"\d+( \d+)*\n", capsys.readouterr().out), device.name

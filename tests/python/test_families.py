@@ -1,21 +1,33 @@
-"""What the generated package holds of every family: worked examples, order codes, meanings of counts, identification, data."""
+"""What the package holds of every family: worked examples, order codes, meanings of counts, identification, data."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
+from codewheel.model import (
+    Biss,
+    CrcExample,
+    Device,
+    Example,
+    FrameExample,
+    Layout,
+    MeasureExample,
+    ProcedureExample,
+    RegisterExample,
+    Text,
+    Unused,
+)
+from codewheel.reference import order_codes
+from codewheel.targets.python.context import Context
+from codewheel.targets.python.names import CLASS_NAMES, attribute
 
-from codewheel import order_codes
-from codewheel.model import Device, Example
-from codewheel.targets.python_expressions import CLASS_NAMES
-from codewheel.targets.python_module import Module
-from codewheel.targets.python_source import attribute
-
+_Kind = TypeVar("_Kind", bound=Example)
 ERRORS = {"length": "LengthError", "crc": "CrcError", "constant": "ConstantError", "range": "RangeError"}
 
 
@@ -24,45 +36,60 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
     return generated_python[1]
 
 
-def examples(lika: Any, devices: Mapping[str, Device], *kinds: str) -> Iterator[tuple[Device, Any, dict[str, str], Example]]:
-    """The worked examples of all families, each with the family, its module and the names of the classes."""
+def examples(
+    lika: Any, devices: Mapping[str, Device], kind: type[_Kind]
+) -> Iterator[tuple[Device, Any, Context, _Kind]]:
+    """The worked examples of a kind in all families, each with the family, its module and the names in it."""
     found = False
     for device in devices.values():
-        classes = Module(device).classes
+        names = Context(device)
         for example in device.examples:
-            if example.kind in kinds:
+            if isinstance(example, kind):
                 found = True
-                yield device, getattr(lika, device.name), classes, example
+                yield device, getattr(lika, device.name), names, example
     assert found
 
 
-def values(found: Any, names: Mapping[str, object]) -> dict[str, object]:
-    """Attributes as the specs write them: a named value by its name."""
-    made = {name: getattr(found, attribute(name, CLASS_NAMES)) for name in names}
-    return {name: value.name.lower() if hasattr(value, "name") and isinstance(names[name], str) else value for name, value in made.items()}
+def values(found: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
+    """Attributes as the specs write them: a named value by its name, and unused bits by those of their field."""
+    unused = {field.name: (field, place) for field, place in layout.unused}
+    made = {name: getattr(found, attribute(name, CLASS_NAMES)) for name in names if name not in unused}
+    for field, place in (unused[name] for name in names if name in unused):
+        assert isinstance(field.kind, Unused)
+        made[field.name] = found.unused >> place & ((1 << field.widest) - 1) ^ field.kind.value
+    return {
+        name: value.name.lower() if hasattr(value, "name") and isinstance(names[name], str) else value
+        for name, value in made.items()
+    }
 
 
-# ----------------------------------------------------------------------------------------------------------- worked examples
+# ------------------------------------------------------------------------------------------------------ worked examples
 
 
 def test_register_examples(lika: Any, devices: Mapping[str, Device]) -> None:
-    for device, module, classes, example in examples(lika, devices, "register"):
-        register = getattr(module, classes[f"register {example.register}"])
+    for device, module, names, example in examples(lika, devices, RegisterExample):
+        register = getattr(module, names.registers[example.register])
         takes_variant = "variant" in getattr(register, "_fields", ())
-        found = register.decode(example.bytes, lika.lookup(example.order_code)) if takes_variant else register.decode(example.bytes)
+        given = [lika.lookup(example.order_code)] if takes_variant else []
+        found = register.decode(example.bytes, *given)
         if hasattr(found, "_fields"):
-            assert values(found, example.values) == example.values, (device.name, example.name)
+            layout = device.register(example.register).layout
+            assert values(found, example.values, layout) == example.values, (device.name, example.name)
         else:
             assert [found.name.lower()] == list(example.values.values()), (device.name, example.name)
         assert found.encode() == example.bytes, (device.name, example.name)
 
 
 def test_procedure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
-    for device, module, _, example in examples(lika, devices, "procedure"):
+    for device, module, _, example in examples(lika, devices, ProcedureExample):
         procedure = getattr(module, example.procedure)
         takes_variant = procedure.__code__.co_varnames[:1] == ("variant",)
         steps = procedure(*([lika.lookup(example.order_code)] if takes_variant else []), *example.arguments.values())
-        held = {item.address + index: byte for item in module.REGISTERS.values() for index, byte in enumerate(item.default or b"")}
+        held = {
+            item.address + index: byte
+            for item in module.REGISTERS.values()
+            for index, byte in enumerate(item.default or b"")
+        }
         writes = []
         for step in steps:
             if isinstance(step, lika.Write):
@@ -75,64 +102,94 @@ def test_procedure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
 
 
 def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
-    for device, module, classes, example in examples(lika, devices, "frame"):
+    for device, module, names, example in examples(lika, devices, FrameExample):
         variant = lika.lookup(example.order_code)
         frame = int(example.bits, 2) if example.bits else example.bytes
-
-        def decode() -> Any:
-            return variant.decode(frame) if example.sender == "encoder" else module.decode_request(frame, variant)
-
+        # One that says nothing of what the manual leaves open has the first answer.
+        first = (
+            {item.name: item.answers[0].name for item in device.alternatives}
+            if variant.interface.name == "RS485"
+            else {}
+        )
+        answers = {
+            name: getattr(module, names.asked[name].kind)[answer.upper()]
+            for name, answer in {**first, **example.alternatives}.items()
+        }
+        decode = variant.decode if example.sender == "encoder" else partial(module.decode_request, variant=variant)
+        decode = partial(decode, **answers)
         if example.refused:
             with pytest.raises(getattr(lika, ERRORS[example.refused])):
-                decode()
+                decode(frame)
             continue
-        found = decode()
-        assert not example.layout or type(found).__name__ == classes[f"layout {example.layout}"]
-        assert values(found, example.values) == example.values, (device.name, example.name)
+        found = decode(frame)
+        layout = next(item for _, item in device.layouts() if names.frames[item.name] == type(found).__name__)
+        assert example.layout in ("", layout.name)
+        assert values(found, example.values, layout) == example.values, (device.name, example.name)
         assert found.encode() == frame, (device.name, example.name)
 
 
 def test_crc_examples(lika: Any, devices: Mapping[str, Device]) -> None:
-    for device, module, _, example in examples(lika, devices, "crc"):
+    for device, module, _, example in examples(lika, devices, CrcExample):
         function = getattr(module, f"crc_{example.crc}")
-        made = function(example.bytes) if device.crc(example.crc).width % 8 == 0 else function(int.from_bytes(example.bytes, "big"), 8 * len(example.bytes))
+        given: list[Any] = [example.bytes]
+        if device.crc(example.crc).width % 8 != 0:
+            given = [int.from_bytes(example.bytes, "big"), 8 * len(example.bytes)]
+        made = function(*given)
         assert made == example.check, (device.name, example.name)
 
 
 def test_measure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
-    for device, _, _, example in examples(lika, devices, "measure"):
+    for device, _, _, example in examples(lika, devices, MeasureExample):
         variant = lika.lookup(example.order_code)
         assert variant.micrometres(example.counts) == example.micrometres, (device.name, example.name)
         assert variant.millimetres(example.counts) == (example.micrometres or 0) / 1000
 
 
-# --------------------------------------------------------------------------------------------------------------- order codes
+# ---------------------------------------------------------------------------------------------------------- order codes
 
 
+@pytest.mark.slow
 def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device]) -> None:
-    """Each is found in any case and with a tail, has what the model says, and with one part wrong or missing is refused."""
+    """Each is found in any case and with a tail, with the model's values, and refused with a part wrong or missing."""
     assert {item.name for item in lika.FAMILIES} == set(devices)
     for device in devices.values():
         module = getattr(lika, device.name)
-        names = {item.name: attribute(item.name, ("class",)) for item in device.parameters}
+        names = {item.name: attribute(item.name, ("class",)) for item in device.parameters if not item.alternative}
         assert list(module.VARIANTS) == [item.code for item in device.variants]
         for variant in device.variants:
-            for label, tail, special in ((variant.code, "", False), (variant.code.lower(), "", False), (f" {variant.code}-ABC/S123 ", "-ABC", True)):
+            for label, tail, special in (
+                (variant.code, "", False),
+                (variant.code.lower(), "", False),
+                (f" {variant.code}-ABC/S123 ", "-ABC", True),
+            ):
                 made = lika.lookup(label)
                 assert (made == module.VARIANTS[variant.code]) is not special
-                assert (made.interface.value, made.tail, made.special, made.unlisted) == (variant.interface, tail, special, ())
-                assert {name: getattr(made, names[name]) for name in variant.parameters} == variant.parameters
+                assert (made.interface.value, made.tail, made.special, made.unlisted) == (
+                    variant.interface,
+                    tail,
+                    special,
+                    (),
+                )
+                assert all(getattr(made, here) == variant.parameters[name] for name, here in names.items())
             for part in device.order_code.parts:
                 for wrong in ("", "ZZ9"):
-                    code = re.sub(r"\{(\w+)\}", lambda brace: wrong if brace[1] == part.name else variant.parts[brace[1]], device.order_code.pattern)
+                    code = spelled(device, {**variant.parts, part.name: wrong})
                     with pytest.raises(lika.OrderCodeError) as caught:
                         lika.lookup(code)
                     assert caught.value.part == part.name, code
-                    assert part.values[0].text in str(caught.value) and caught.value.label == code
-                    assert set(caught.value.nearest) <= set(module.VARIANTS) and len(caught.value.nearest) == 3
+                    assert part.values[0].text in str(caught.value)
+                    assert caught.value.label == code
+                    assert set(caught.value.nearest) <= set(module.VARIANTS)
+                    assert len(caught.value.nearest) == 3
                     assert caught.value.nearest[0] in str(caught.value)
 
 
+def spelled(device: Device, parts: Mapping[str, str]) -> str:
+    """The order code with these texts in its parts."""
+    return re.sub(r"\{(\w+)\}", lambda brace: parts[brace[1]], device.order_code.pattern)
+
+
+@pytest.mark.slow
 def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str, Device]) -> None:
     """Every combination of listed and open values, with what may follow."""
     for device in devices.values():
@@ -140,8 +197,8 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
         labels = []
         for variant in device.variants:
             for part in device.order_code.parts:
-                for text in [value.text for value in part.values] + (["9", "17", "8192", "x"] if part.open else ["x"]):
-                    labels.append(re.sub(r"\{(\w+)\}", lambda brace: text if brace[1] == part.name else variant.parts[brace[1]], device.order_code.pattern))
+                texts = [value.text for value in part.values] + (["9", "17", "8192", "x"] if part.open else ["x"])
+                labels += [spelled(device, {**variant.parts, part.name: text}) for text in texts]
         for label in [text + tail for text in dict.fromkeys(labels) for tail in ("", "-R2", "/S1", "-X/S77")]:
             try:
                 match = order_codes.find(device, label)
@@ -150,7 +207,12 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
                     module.lookup(label)
                 continue
             made = module.lookup(label)
-            assert (made.code, made.unlisted, made.tail, made.special) == (match.variant.code, match.unlisted, match.tail, match.special), label
+            assert (made.code, made.unlisted, made.tail, made.special) == (
+                match.variant.code,
+                match.unlisted,
+                match.tail,
+                match.special,
+            ), label
             assert made.parts == tuple(match.variant.parts.values())
             assert made.interface.value == match.variant.interface
             assert made.written_as_in == match.written_as_in == ""
@@ -159,14 +221,18 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
 @pytest.mark.parametrize(
     ("label", "code"),
     [
-        ("AM3616/4096SC1", "AM3616/4096-I7"), ("AMC3619/4096-SC1-x", "AMC3619/4096-I7"), ("am3616/4096bg2", "AM3616/4096-BG"),
+        ("AM3616/4096SC1", "AM3616/4096-I7"),
+        ("AMC3619/4096-SC1-x", "AMC3619/4096-I7"),
+        ("am3616/4096bg2", "AM3616/4096-BG"),
         ("AM3620/4096SC1", "AM3620/4096-I7"),
     ],
-)  # fmt: skip
+)
 def test_labels_of_edition_1_1(lika: Any, label: str, code: str) -> None:
-    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...; the code is that of edition 1.0, and the label says where it is written so."""
+    """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...
+    The code is that of edition 1.0, and the label says where it is written so."""
     made = lika.lookup(label)
-    assert made.code == code and "edition 1.1" in made.written_as_in
+    assert made.code == code
+    assert "edition 1.1" in made.written_as_in
     assert code not in lika.am36.VARIANTS or made == lika.am36.VARIANTS[code]
     assert lika.am36.lookup(code).written_as_in == ""
 
@@ -179,8 +245,19 @@ def test_blanks_of_a_label_mean_nothing(lika: Any) -> None:
     ("label", "part", "words"),
     [
         ("AM3617/4096-GG", "singleturn", "has singleturn '17' and output 'GG', which do not go together"),
-        ("SMA21-JP4-0050", "output", "has output 'JP' and supply '4', which do not go together; the nearest order codes are SMA21-JP1-0050"),
-        ("ASC8529/SC1", "resolution", "'ASC8529/SC1' has resolution '29'; valid are 20, 21, 22, 23, 24, 25; the nearest order codes are ASC8520/SC1"),
+        (
+            "SMA21-JP4-0050",
+            "output",
+            "has output 'JP' and supply '4', which do not go together; the nearest order codes are SMA21-JP1-0050",
+        ),
+        (
+            "ASC8529/SC1",
+            "resolution",
+            (
+                "'ASC8529/SC1' has resolution '29'; valid are 20, 21, 22, 23, 24, 25; "
+                "the nearest order codes are ASC8520/SC1"
+            ),
+        ),
     ],
 )
 def test_parts_that_do_not_go_together(lika: Any, label: str, part: str, words: str) -> None:
@@ -197,7 +274,7 @@ def test_what_looks_like_a_special_code(lika: Any) -> None:
     assert (found.code, found.tail, found.special) == ("ASC8525/SC2", "-X", True)
 
 
-# ------------------------------------------------------------------------------------------------------- registers at run time
+# ------------------------------------------------------------------------------------------------ registers at run time
 
 
 def test_frames_follow_registers(lika: Any) -> None:
@@ -206,7 +283,8 @@ def test_frames_follow_registers(lika: Any) -> None:
     assert (encoder.used_position_bits, smaller.used_position_bits) == (36, 28)
     assert smaller.with_registers({0x49: 0x00}).used_position_bits == 28
     word = lika.am36.SingleCycleData.from_position(smaller, 0xABCDEF1).encode()
-    assert word < 1 << 36 and smaller.decode(word).position == 0xABCDEF1
+    assert word < 1 << 36
+    assert smaller.decode(word).position == 0xABCDEF1
     with pytest.raises(lika.LengthError):
         smaller.decode(lika.am36.SingleCycleData.from_position(encoder, 1 << 35).encode())
     gray = encoder.with_registers({0x49: 0x00})
@@ -216,7 +294,8 @@ def test_frames_follow_registers(lika: Any) -> None:
 
 
 def test_an_offset_takes_the_whole_position_field(lika: Any) -> None:
-    """F0 00 00h is the highest offset at 50 µm (6.4 p.32); the position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
+    """F0 00 00h is the highest offset at 50 µm (6.4 p.32).
+    The position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
     encoder = lika.lookup("SMA21-SC1-0050")
     word = 0xF0007BE4
     with pytest.raises(lika.ConstantError, match="padding"):
@@ -239,7 +318,7 @@ def test_registers_that_cannot_be(lika: Any) -> None:
     encoder = lika.lookup("AM3616/4096-I7")
     with pytest.raises(lika.RangeError, match="0 to 20"):
         encoder.with_registers({0x56: 21})
-    with pytest.raises(ValueError, match="register 0x42 does not change .* 0x49, 0x4E, 0x56, 0x57"):
+    with pytest.raises(ValueError, match=r"register 0x42 does not change .* 0x49, 0x4B, 0x4E, 0x56, 0x57"):
         encoder.with_registers({0x42: 0})
     with pytest.raises(ValueError, match="those that do: none"):
         lika.lookup("AM3616/4096-GG").with_registers({0x56: 16})
@@ -249,12 +328,48 @@ def test_registers_that_cannot_be(lika: Any) -> None:
 def test_a_register_given_whole(lika: Any) -> None:
     am36 = lika.am36
     as_object = am36.Configuration(am36.EnablePreset.ENABLE, am36.OutputCode.BINARY, am36.CountingDirection.CCW)
-    by_name = am36.Configuration(enable_preset=am36.EnablePreset.ENABLE, output_code=am36.OutputCode.BINARY, counting_direction=am36.CountingDirection.CCW)
+    by_name = am36.Configuration(
+        enable_preset=am36.EnablePreset.ENABLE,
+        output_code=am36.OutputCode.BINARY,
+        counting_direction=am36.CountingDirection.CCW,
+    )
     assert am36.set_configuration(by_name) == am36.set_configuration(0x60)
     assert isinstance(as_object, am36.Configuration)
     for wrong in (0x100, -1):
         with pytest.raises(lika.RangeError):
             am36.set_configuration(wrong)
+
+
+def test_a_preset_is_below_the_product_of_the_resolution(lika: Any) -> None:
+    """Information per revolution x Number of revolutions - 1 (6.5 p.29), as the encoder has them, or gets them."""
+    am36, encoder = lika.am36, lika.lookup("AM3616/4096-I7")
+    small = encoder.with_registers({0x4B: 0, 0x4C: 0x10, 0x4D: 0, 0x4E: 0, 0x4F: 10})
+    assert (am36.Preset.limits(encoder), am36.Preset.limits(small)) == ((0, (1 << 36) - 1), (0, 40_959))
+    assert am36.set_preset(small, 40_959)
+    for call in (
+        lambda: am36.set_preset(small, 40_960),
+        lambda: am36.set_preset(encoder, 1 << 36),
+        lambda: am36.Preset(small, 40_960).encode(),
+        lambda: am36.set_resolution(encoder, 4096, 10, 40_960),
+    ):
+        with pytest.raises(lika.RangeError, match="position is"):
+            call()
+    # The new resolution holds for the preset that is written after it, also where the old one is smaller.
+    steps = am36.set_resolution(small, 8192, 10, 40_960)
+    assert steps[:5] == am36.set_resolution(encoder, 8192, 10, 40_960)[:5]
+    written = bytes(step.value for step in steps if isinstance(step, lika.Write))
+    assert written[:5] == bytes.fromhex("00 20 00 00 0A")
+    assert bytes.fromhex("00 00 00 A0 00") in written[5:]
+
+
+def test_a_procedure_takes_no_more_than_its_register(lika: Any) -> None:
+    """Bits 0, 1, 3, 4 and 7 of AM36's configuration are always 0 (6.5 p.25)."""
+    assert lika.am36.set_configuration(0x64)
+    for bit in (0, 1, 3, 4, 7):
+        with pytest.raises(lika.ConstantError, match="zero_"):
+            lika.am36.set_configuration(0x60 | 1 << bit)
+        with pytest.raises(lika.ConstantError):
+            lika.am36.Configuration.decode(bytes([0x60 | 1 << bit]))
 
 
 def test_limits_by_meaning(lika: Any) -> None:
@@ -264,12 +379,17 @@ def test_limits_by_meaning(lika: Any) -> None:
     assert sma21.PresetOffset.offset_limits(coarse) == (0, 0xF00000)
     assert sma21.PresetOffset.offset_limits(fine) == (0, 0)
     sma21.set_offset(coarse, 0xF00000)
-    for build, variant, value in ((sma21.set_offset, coarse, 0xF00001), (sma21.set_offset, fine, 1), (sma21.set_preset, coarse, 1 << 20)):
+    for build, variant, value in (
+        (sma21.set_offset, coarse, 0xF00001),
+        (sma21.set_offset, fine, 1),
+        (sma21.set_preset, coarse, 1 << 20),
+    ):
         with pytest.raises(lika.RangeError):
             build(variant, value)
     meanings = sma21.REGISTERS["preset_offset"].meanings
     assert [(item.name, item.min, item.max) for item in meanings] == [
-        ("preset", "0", "2^position_bits - 1"), ("offset", "0", "2^scd_position_bits - 2^position_bits"),
+        ("preset", "0", "2^position_bits - 1"),
+        ("offset", "0", "2^scd_position_bits - 2^position_bits"),
     ]
 
 
@@ -280,7 +400,7 @@ def test_powers_of_two(lika: Any) -> None:
             lika.am36.InformationPerRevolution(wrong).encode()
 
 
-# ------------------------------------------------------------------------------------------------------------ what counts mean
+# ----------------------------------------------------------------------------------------------------- what counts mean
 
 
 def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -291,10 +411,16 @@ def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) 
             made, parameters = lika.lookup(variant.code), variant.parameters
             if measurement.step_um is not None:
                 step = measurement.step_um.value(parameters)
-                assert (made.micrometres(1), made.micrometres(-3), made.millimetres(7)) == (step, -3 * step, 7 * step / 1000)
-                assert measurement.steps is not None and made.modulus == measurement.steps.value(parameters)
+                assert (made.micrometres(1), made.micrometres(-3), made.millimetres(7)) == (
+                    step,
+                    -3 * step,
+                    7 * step / 1000,
+                )
+                assert measurement.steps is not None
+                assert made.modulus == measurement.steps.value(parameters)
             else:
-                assert measurement.steps_per_turn is not None and measurement.turns is not None
+                assert measurement.steps_per_turn is not None
+                assert measurement.turns is not None
                 steps, turns = measurement.steps_per_turn.value(parameters), measurement.turns.value(parameters)
                 assert made.modulus == steps * turns
                 assert (made.turns(steps), made.turns(steps // 2), made.turns(-steps)) == (1.0, 0.5, -1.0)
@@ -320,7 +446,7 @@ def test_counts_go_on_where_the_position_starts_again(lika: Any, devices: Mappin
             encoder.unwrap(0, -1)
 
 
-# -------------------------------------------------------------------------------------------------------------- identification
+# ------------------------------------------------------------------------------------------------------- identification
 
 
 def test_encoders_are_known_by_their_registers(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -336,8 +462,10 @@ def test_encoders_are_known_by_their_registers(lika: Any, devices: Mapping[str, 
                     expected = item.field.equals
                     if expected is not None:
                         value = expected if isinstance(expected, (int, str)) else expected.value(variant.parameters)
-                        number |= (int.from_bytes(value.encode(), "big") if isinstance(value, str) else value) << item.low
-                    elif item.field.kind == "text":
+                        number |= (
+                            int.from_bytes(value.encode(), "big") if isinstance(value, str) else value
+                        ) << item.low
+                    elif isinstance(item.field.kind, Text):
                         number |= int.from_bytes(b"0" * (item.width // 8), "big") << item.low
                 data = number.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
                 held |= {register.address + index: byte for index, byte in enumerate(data)}
@@ -360,7 +488,7 @@ def test_identification(lika: Any) -> None:
         lika.identify({"device_id": 5})
 
 
-# ------------------------------------------------------------------------------------------------------------------------ data
+# ----------------------------------------------------------------------------------------------------------------- data
 
 
 def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -369,9 +497,22 @@ def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Devi
         for register in device.registers:
             made = module.REGISTERS[register.name]
             assert getattr(module.Address, register.name.upper()) == made.address == register.address
-            assert (made.length, made.access, made.byte_order, made.default) == (register.length, register.access, register.byte_order, register.default_bytes())
-            assert (made.opened_by, made.opened_by_field, made.opened_by_value) == (register.opened_by, register.opened_by_field, register.opened_by_value)
-            assert (made.above_max, made.write_clears, made.reserved) == (register.above_max, register.write_clears, register.reserved)
+            assert (made.length, made.access, made.byte_order, made.default) == (
+                register.length,
+                register.access,
+                register.byte_order,
+                register.default_bytes(),
+            )
+            assert (made.opened_by, made.opened_by_field, made.opened_by_value) == (
+                register.opened_by,
+                register.opened_by_field,
+                register.opened_by_value,
+            )
+            assert (made.above_max, made.write_clears, made.reserved) == (
+                register.above_max,
+                register.write_clears,
+                register.reserved,
+            )
             if made.fields:
                 check_fields(made.fields, register.layout.fields)
         for _, layout in device.layouts():
@@ -380,9 +521,20 @@ def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Devi
 
 def check_fields(made: Any, fields: Any) -> None:
     assert [item.name for item in made] == [item.name for item in fields]
-    for item, field in zip(made, fields):
-        for name in ("meaning", "unit", "zero_means", "power_of_two", "implemented", "reserved", "explained_by", "default", "signed", "names", "printed_name"):
+    for item, field in zip(made, fields, strict=True):
+        for name in (
+            "meaning",
+            "unit",
+            "implemented",
+            "reserved",
+            "explained_by",
+            "default",
+            "names",
+            "printed_name",
+        ):
             assert getattr(item, name) == getattr(field, name), (field.name, name)
+        for name in ("signed", "zero_means", "power_of_two"):
+            assert getattr(item, name) == getattr(field.number, name), (field.name, name)
 
 
 def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -390,28 +542,40 @@ def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device])
     for device in devices.values():
         module = getattr(lika, device.name)
         for table in tables:
-            assert [item.name for item in getattr(module, table.upper(), ())] == [item.name for item in getattr(device, table)], (device.name, table)
-        assert [item.content for item in getattr(module, "LOST_FIGURES", ())] == [item.content for item in device.lost_figures]
-        for made, alarm in zip(module.ALARMS, device.alarms):
+            assert [item.name for item in getattr(module, table.upper(), ())] == [
+                item.name for item in getattr(device, table)
+            ], (device.name, table)
+        assert [item.content for item in getattr(module, "LOST_FIGURES", ())] == [
+            item.content for item in device.lost_figures
+        ]
+        for made, alarm in zip(module.ALARMS, device.alarms, strict=True):
             assert (made.register, made.field, made.implemented) == (alarm.register, alarm.field, alarm.implemented)
-        timeout = next((item.timeout for item in device.interfaces if item.timeout is not None), None)
-        if timeout is not None:
-            assert module.BISS.timeout.printed == tuple((item.clock_hz, item.timeout_ns) for item in timeout.printed)
-            for item in timeout.printed:
+        biss = device.over(Biss)
+        if biss is not None and biss.timeout is not None:
+            printed = biss.timeout.printed
+            assert module.BISS.timeout.printed == tuple((item.clock_hz, item.timeout_ns) for item in printed)
+            for item in printed:
                 assert module.BISS.timeout.nanoseconds(item.clock_hz) == item.timeout_ns
 
 
 def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Device]) -> None:
     for device in devices.values():
-        module, classes = getattr(lika, device.name), Module(device).classes
+        module, names = getattr(lika, device.name), Context(device)
         for variant in device.variants:
-            views = [(item, classes[f"layout {item.name}"]) for item in device.interface(variant.interface).layouts]
-            views += [(item.layout, classes[f"register {item.name}"]) for item in device.registers if item.interface == variant.interface]
+            views = [(item, names.frames[item.name]) for item in device.interface(variant.interface).layouts]
+            views += [
+                (item.layout, names.registers[item.name])
+                for item in device.registers
+                if item.interface == variant.interface
+            ]
             for layout, name in views:
                 view = getattr(module, name)
                 if not hasattr(view, "bit_fields"):
                     continue
-                fields = view.bit_fields(module.VARIANTS[variant.code]) if "variant" in view._fields else view.bit_fields()
+                given = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
+                # The model has the first answer to what the manual leaves open.
+                given += [next(iter(getattr(module, item.kind))) for item in names.asked_of(layout)]
+                fields = view.bit_fields(*given)
                 assert {item.name: (item.low, item.width) for item in fields if item.width} == {
                     item.name: (item.low, item.width) for item in layout.place(variant.parameters).fields
                 }

@@ -71,7 +71,7 @@ static inline void put_word(uint8_t *to, uint64_t word)
         to[index] = (uint8_t)(word >> (56U - 8U * index));
     }
 }
-@codecs@
+@taken@@codecs@
 typedef struct codec {
     void (*decode)(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to);
     void (*encode)(const @prefix@_variant *variant, const uint8_t *from, uint8_t *to);

@@ -1,14 +1,17 @@
-"""A C program that decodes and encodes by the million: binary in, binary out, for every struct in a header of the C target.
+"""A C program that decodes and encodes by the million: binary in, binary out, for every struct of a header.
 
 It reads chunks until its input ends, and answers each record with one record of a fixed size:
 
-    operation, codec, count, variant     one byte; two and two bytes; eight bytes for each member of the variant
+    operation, codec, count, variant     one byte; two and two bytes; eight bytes for each member of the variant, and
+                                         for each answer to what the manual leaves open
     count records                        of ``Batch.record`` bytes to be decoded, of ``Codec.size`` bytes to be encoded
 
-A record to be decoded is a length and so many bytes, or eight bytes with a word; the answer is the result, the members, and what encoding
-them again gives: a result and the bytes or the word. A record to be encoded is the members; the answer is a result and the bytes or the word.
-Numbers are low byte first, words and frames as they are sent. Where there is a fault, everything after the result is 0; the highest bit of
-the result tells of a struct that has changed nevertheless.
+A record to be decoded is a length and so many bytes, or eight bytes with a word;
+the answer is the result, the members, and what encoding them again gives: a result and the bytes or the word;
+then what the frame tells: the verdict in one byte, 255 where there is none, and the mask of reports in eight.
+A record to be encoded is the members; the answer is a result and the bytes or the word.
+Numbers are low byte first, words and frames as they are sent. Where there is a fault, everything after the result is 0;
+the highest bit of the result tells of a struct that has changed nevertheless.
 """
 
 from __future__ import annotations
@@ -18,17 +21,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from c_harness import Member, codecs, members, short
-from codewheel.model import Device, Layout, PlacedLayout, Variant
-from codewheel.targets.c_device import DeviceView
-from codewheel.targets.c_source import c_name
-from codewheel.targets.c_views import CodecView
+from c_harness import Member, answers, codecs, members, short
+from codewheel.model import Alternative, Choice, Device, Layout, PlacedLayout, Variant
+from codewheel.targets.c.codec import StructCodec
+from codewheel.targets.c.device import DeviceView
+from codewheel.targets.c.reserved import c_name
 
 HERE = Path(__file__).resolve().parent
 
 DECODE, ENCODE = 0, 1
 
-_FORMATS = {"bool": "?", "uint8_t": "B", "uint16_t": "H", "uint32_t": "I", "uint64_t": "Q", "int8_t": "b", "int16_t": "h", "int32_t": "i", "int64_t": "q"}
+_FORMATS = {
+    "bool": "?",
+    "uint8_t": "B",
+    "uint16_t": "H",
+    "uint32_t": "I",
+    "uint64_t": "Q",
+    "int8_t": "b",
+    "int16_t": "h",
+    "int32_t": "i",
+    "int64_t": "q",
+}
 
 
 def member_format(member: Member) -> str:
@@ -44,7 +57,7 @@ class Codec:
     name: str
     interface: str
     layout: Layout
-    view: CodecView
+    view: StructCodec
     members: tuple[Member, ...]
 
     @property
@@ -58,12 +71,15 @@ class Codec:
     @property
     def sent(self) -> int:
         """Bytes of an encoded word or frame in an answer."""
-        return 8 if self.view.carried_as == "bits" else self.view.length
+        return 8 if not self.view.plan.in_bytes else self.view.plan.length
 
     @property
     def answer(self) -> str:
-        """The answer to a record to be decoded: result, members, result of encoding them again, word or frame."""
-        return f"<B{self.format}B{self.sent}s"
+        """The answer to a record to be decoded.
+
+        Result, members, result of encoding them again, word or frame, verdict, reports.
+        """
+        return f"<B{self.format}B{self.sent}sBQ"
 
 
 class Batch:
@@ -72,14 +88,21 @@ class Batch:
     def __init__(self, device: Device) -> None:
         self.device = device
         self.view = DeviceView(device)
-        layouts = {layout.name: (interface.kind, layout) for interface, layout in device.layouts()}
+        layouts = {layout.name: (interface.name, layout) for interface, layout in device.layouts()}
         layouts |= {f"reg_{item.name}": (item.interface, item.layout) for item in device.registers}
         self.codecs = [
-            Codec(number, short(self.view, item), *layouts[short(self.view, item)], item, tuple(members(item))) for number, item in enumerate(codecs(self.view))
+            Codec(number, short(self.view, item), *layouts[short(self.view, item)], item, tuple(members(item)))
+            for number, item in enumerate(codecs(self.view))
         ]
-        assert all(item.value < 256 for entry in self.codecs for field in entry.layout.fields if field.kind == "choice" for item in field.values)
+        assert all(
+            item.value < 256
+            for entry in self.codecs
+            for field in entry.layout.fields
+            if isinstance(field.kind, Choice)
+            for item in field.values
+        )
         #: A length, and room for the longest frame and two bytes more.
-        self.record = 1 + max(8, *(item.view.length + 2 for item in self.codecs))
+        self.record = 1 + max(8, *(item.view.plan.length + 2 for item in self.codecs))
         self._parameters = [item.name for item in device.set_parameters]
 
     def chunk(self, operation: int, codec: Codec, variant: Variant, records: Sequence[bytes] | bytes) -> bytes:
@@ -87,6 +110,7 @@ class Batch:
         text = records if isinstance(records, bytes) else b"".join(records)
         size = self.record if operation == DECODE else codec.size
         values = [variant.parameters.get(name, 0) for name in self._parameters]
+        values += [answer_of(item, variant) for item in self.device.alternatives]
         return struct.pack(f"<BHH{len(values)}Q", operation, codec.number, len(text) // size, *values) + text
 
     def frame(self, placed: PlacedLayout, wire: bytes) -> bytes:
@@ -94,17 +118,41 @@ class Batch:
         return bytes([len(wire)]) + wire.ljust(self.record - 1, b"\0")
 
     def source(self, entry: str) -> str:
-        """The program; ``entry`` is the text of a ``main`` that calls ``work()`` and has ``feed`` and ``emit`` before it."""
+        """The program; ``entry`` is the text of a ``main`` that calls ``work()``, ``feed`` and ``emit`` before it."""
         view, prefix, maker = self.view, self.view.prefix, self.view.maker.name
         pieces = "".join(self._codec(item, maker, prefix) for item in self.codecs)
-        rows = ",\n".join(f"    {{ decode_{item.name}, encode_{item.name}, {item.size + 2 + item.sent}U, {item.size}U, {1 + item.sent}U }}" for item in self.codecs)
-        sets = "".join(
-            f"    variant->{c_name(item.name)} = ({view.member_type(item)})number(&bytes[{8 * index}], 8U);\n" for index, item in enumerate(view.parameters)
+        rows = ",\n".join(
+            f"    {{ decode_{item.name}, encode_{item.name}, "
+            f"{struct.calcsize(item.answer)}U, {item.size}U, {1 + item.sent}U }}"
+            for item in self.codecs
         )
-        values = {"maker": maker, "device": self.device.name, "prefix": prefix, "entry": entry, "codecs": pieces, "rows": rows, "sets": sets}
-        values |= {"record": str(self.record), "parameters": str(8 * max(1, len(view.parameters))), "given": str(8 * len(view.parameters))}
-        largest = max(item.size + 2 + item.sent for item in self.codecs)
-        return _fill((HERE / "batch.c").read_text(encoding="utf-8"), values | {"largest": str(max(largest, self.record))})
+        targets = [
+            (f"variant->{c_name(item.name)}", view.context.member_type(item)) for item in self.device.set_parameters
+        ]
+        targets += [(f"{item.type}_taken", item.type) for item in view.alternatives]
+        sets = "".join(
+            f"    {target} = ({type_})number(&bytes[{8 * index}], 8U);\n"
+            for index, (target, type_) in enumerate(targets)
+        )
+        values = {
+            "maker": maker,
+            "device": self.device.name,
+            "prefix": prefix,
+            "entry": entry,
+            "codecs": pieces,
+            "rows": rows,
+            "sets": sets,
+        }
+        values |= {
+            "record": str(self.record),
+            "parameters": str(8 * max(1, len(targets))),
+            "given": str(8 * len(targets)),
+            "taken": "".join(f"static {item.type} {item.type}_taken;\n" for item in view.alternatives),
+        }
+        largest = max(struct.calcsize(item.answer) for item in self.codecs)
+        return _fill(
+            (HERE / "batch.c").read_text(encoding="utf-8"), values | {"largest": str(max(largest, self.record))}
+        )
 
     @staticmethod
     def _codec(codec: Codec, maker: str, prefix: str) -> str:
@@ -118,15 +166,35 @@ class Batch:
                 puts += f"    put(&to[{at}], (uint64_t)out.{member.name}, {size}U);\n"
                 gets += f"    in.{member.name} = {_from_number(member, f'number(&from[{at}], {size}U)', 8 * size)};\n"
             at += size
-        bits = view.carried_as == "bits"
+        bits = not view.plan.in_bytes
         values = {
-            "maker": maker, "MAKER": maker.upper(), "prefix": prefix, "name": codec.name, "struct": view.name, "puts": puts, "gets": gets,
-            "size": str(at), "sent": str(codec.sent),
-            "decode": "word_of(from), &out" if bits else "&from[1], from[0], &out",
-            "encode": "&word" if bits else f"to, {view.length}U", "before": "uint64_t word = 0U;" if bits else "",
+            "maker": maker,
+            "MAKER": maker.upper(),
+            "prefix": prefix,
+            "name": codec.name,
+            "struct": view.name,
+            "puts": puts,
+            "gets": gets,
+            "size": str(at),
+            "sent": str(codec.sent),
+            "decode": answers(view) + ("word_of(from), &out" if bits else "&from[1], from[0], &out"),
+            "answers": answers(view),
+            "verdict": f"{view.reports.verdict}(&out)" if view.reports and view.reports.verdict else "255U",
+            "reports": f"{view.reports.reports}(&out)" if view.reports and view.reports.reports else "0U",
+            "encode": "&word" if bits else f"to, {view.plan.length}U",
+            "before": "uint64_t word = 0U;" if bits else "",
             "after": "put_word(to, word);" if bits else "",
-        }  # fmt: skip
+        }
         return _fill(_CODEC, values)
+
+
+def answer_of(alternative: Alternative, variant: Variant) -> int:
+    """Which answer a variant has, by its parameters."""
+    return next(
+        index
+        for index, answer in enumerate(alternative.answers)
+        if all(variant.parameters[name] == value for name, value in answer.sets.items())
+    )
 
 
 def _from_number(member: Member, text: str, bits: int) -> str:
@@ -166,7 +234,7 @@ static void encode_@name@(const @prefix@_variant *variant, const uint8_t *from, 
     @maker@_result result;
     @before@
     wipe((uint8_t *)&in, sizeof in, 0U);
-@gets@    result = @struct@_encode(variant, &in, @encode@);
+@gets@    result = @struct@_encode(variant, @answers@&in, @encode@);
     to[-1] = (uint8_t)result;
     if (result == @MAKER@_OK) {
         @after@
@@ -185,5 +253,7 @@ static void decode_@name@(const @prefix@_variant *variant, const uint8_t *from, 
         return;
     }
 @puts@    encode_@name@(variant, to, &to[@size@ + 1]);
+    to[@size@ + 1 + @sent@] = (uint8_t)@verdict@;
+    put(&to[@size@ + 2 + @sent@], (uint64_t)@reports@, 8U);
 }
 """

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
+from c_harness import MADE_UP, devices_of, write
+from codewheel.model import Device
 from proof import Told
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "c"))
-
 
 _TOLD = pytest.StashKey[list[Told]]()
 
@@ -20,10 +18,19 @@ def told(pytestconfig: pytest.Config) -> list[Told]:
     return pytestconfig.stash.setdefault(_TOLD, [])
 
 
+@pytest.fixture(scope="session")
+def headers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
+    """All headers, of the families and of specs that use the language's other words, and how each is included."""
+    groups: list[tuple[Device, ...]] = [devices_of(), *(devices_of(path) for path in MADE_UP.values())]
+    folder = tmp_path_factory.mktemp("headers")
+    include = write(folder, tuple(device for group in groups for device in group))
+    return include, sorted(str(path.relative_to(include)) for path in include.rglob("*.h"))
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     told = terminalreporter.config.stash.get(_TOLD, [])
     if told:
         terminalreporter.section("proofs")
-        total = Told("all", *(sum(numbers) for numbers in zip(*(item[1:] for item in told))))
+        total = Told("all", *(sum(numbers) for numbers in zip(*(item[1:] for item in told), strict=True)))
         for item in (*told, total):
             terminalreporter.write_line(str(item))

@@ -1,8 +1,8 @@
 """Which lines and branches of the headers the tests of the C target reach, by the counters of clang.
 
-The tests are run as they are; only ``gcc`` is another program for them, which compiles what they link with counters in place of sanitizers. A header
-is known by its bytes, wherever a test has written it. Counts of all programs are added up: a region or branch counts as reached when one has
-reached it.
+The tests are run as they are; only ``gcc`` is another program for them, which compiles
+what they link with counters in place of sanitizers. A header is known by its bytes, wherever a test has written it.
+Counts of all programs are added up: a region or branch counts as reached when one has reached it.
 """
 
 from __future__ import annotations
@@ -62,7 +62,11 @@ def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Pa
     shims.mkdir(parents=True)
     (shims / "gcc").write_text(_SHIM.replace("@gcc@", gcc).replace("@clang@", clang), encoding="utf-8")
     (shims / "gcc").chmod(0o755)
-    environment = {**os.environ, "PATH": f"{shims}{os.pathsep}{os.environ['PATH']}", "COVERED_PROGRAMS": str(folder / "programs")}
+    environment = {
+        **os.environ,
+        "PATH": f"{shims}{os.pathsep}{os.environ['PATH']}",
+        "COVERED_PROGRAMS": str(folder / "programs"),
+    }
     environment.pop("LLVM_PROFILE_FILE", None)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--basetemp={folder / 'tests'}", *tests]
     done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
@@ -73,17 +77,28 @@ def measured(folders: Iterable[Path], headers: Iterable[Path], llvm_profdata: st
     """What the programs listed in ``folders`` have counted in these headers."""
     wanted = {_digest(path): path.name for path in headers}
     found = Coverage()
-    for program in dict.fromkeys(line for folder in folders for line in (folder / "programs").read_text(encoding="utf-8").split("\n")):
-        raw = sorted(str(path) for path in Path(program).parent.glob(f"{Path(program).name}.*.profraw")) if program else []
+    for program in dict.fromkeys(
+        line for folder in folders for line in (folder / "programs").read_text(encoding="utf-8").split("\n")
+    ):
+        if not program:
+            continue
+        raw = sorted(str(path) for path in Path(program).parent.glob(f"{Path(program).name}.*.profraw"))
         if raw:
             profile = f"{program}.profdata"
             subprocess.run([llvm_profdata, "merge", "-o", profile, *raw], check=True, capture_output=True)
-            done = subprocess.run([llvm_cov, "export", "-format=text", f"-instr-profile={profile}", program], check=True, capture_output=True, text=True)
+            done = subprocess.run(
+                [llvm_cov, "export", "-format=text", f"-instr-profile={profile}", program],
+                check=True,
+                capture_output=True,
+                text=True,
+            )
             _add(found, json.loads(done.stdout)["data"][0]["functions"], wanted, {})
     return found
 
 
-def _add(found: Coverage, functions: Iterable[dict[str, list[list[int]]]], wanted: dict[str, str], known: dict[str, str]) -> None:
+def _add(
+    found: Coverage, functions: Iterable[dict[str, list[list[int]]]], wanted: dict[str, str], known: dict[str, str]
+) -> None:
     for function in functions:
         names = [_header(str(path), wanted, known) for path in function["filenames"]]
         shown = str(function["name"]).rpartition(":")[2]

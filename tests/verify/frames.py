@@ -1,7 +1,7 @@
 """Frames by the million: sound, disturbed and random ones, from few that the model makes.
 
-CRCs, parities and constants are sums modulo 2 of the bits of a frame. The sum of three sound frames is therefore a fourth one, so that from
-a small pool as many follow as are wanted, in bulk; what is added to them disturbs some.
+CRCs, parities and constants are sums modulo 2 of the bits of a frame. The sum of three sound frames is therefore a
+fourth one, so that from a small pool as many follow as are wanted, in bulk; what is added to them disturbs some.
 """
 
 from __future__ import annotations
@@ -21,7 +21,11 @@ POOL = 256
 
 def variants(device: Device, codec: Codec) -> list[Variant]:
     """The order codes that differ in something, and some states of the registers at run time."""
-    found = {tuple(sorted(item.parameters.items())): item for item in (*device.variants, *run_time_variants(device)) if item.interface == codec.interface}
+    found = {
+        tuple(sorted(item.parameters.items())): item
+        for item in (*device.variants, *run_time_variants(device))
+        if item.interface == codec.interface
+    }
     return list(found.values())
 
 
@@ -44,7 +48,7 @@ class Frames:
         return self.batch.frame(self.placed, on_the_wire(self.codec.layout, number, self.placed.bits))
 
     def _changes(self) -> Iterator[bytes]:
-        """What is added to sound frames: nothing, one to three bits, the same with the CRC made good, another length, everything."""
+        """What is added to sound frames: nothing, one to three bits, these with a good CRC, another length, all."""
         bits, random_ = self.placed.bits, self.random
         nothing = self._record(0)
         sound = next(self._sound_numbers())
@@ -61,7 +65,7 @@ class Frames:
             yield _added(nothing, self._record(random_.getrandbits(bits)))
 
     def _longer_or_shorter(self) -> bytes:
-        if self.codec.view.carried_as == "bits":
+        if not self.codec.view.plan.in_bytes:
             excess = self.random.getrandbits(64 - self.placed.bits) << self.placed.bits if self.placed.bits < 64 else 0
             return self.batch.frame(self.placed, excess.to_bytes(8, "big"))
         length = self.random.choice([size for size in range(self.batch.record) if 8 * size != self.placed.bits])
@@ -80,7 +84,7 @@ def _some_bits(bits: int, random_: random.Random) -> int:
 
 
 def _added(one: bytes, other: bytes) -> bytes:
-    return bytes(a ^ b for a, b in zip(one, other))
+    return bytes(a ^ b for a, b in zip(one, other, strict=True))
 
 
 def chunks(batch: Batch, codec: Codec, total: int, seed: str, size: int = CHUNK) -> Iterator[tuple[Variant, bytes]]:
@@ -99,7 +103,7 @@ def chunks(batch: Batch, codec: Codec, total: int, seed: str, size: int = CHUNK)
 def wires(batch: Batch, codec: Codec, records: bytes) -> list[int] | list[bytes]:
     """The words or frames in records."""
     size = batch.record
-    if codec.view.carried_as == "bits":
+    if not codec.view.plan.in_bytes:
         return [int.from_bytes(records[at + 1 : at + 9], "big") for at in range(0, len(records), size)]
     return [records[at + 1 : at + 1 + records[at]] for at in range(0, len(records), size)]
 

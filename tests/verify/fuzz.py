@@ -1,8 +1,9 @@
-"""A libFuzzer target over a header: the first byte of an input chooses what is called, the second the order code, the rest are the arguments.
+"""A libFuzzer target over a header: byte 0 of an input chooses the call, byte 1 the order code, the rest are arguments.
 
-Every struct is decoded, encoded and decoded again; every other function of the header is called with whatever its types allow, by a text made
-from its declaration, so that none can be forgotten. Buffers lie on the heap and are exactly as long as a function is told. Positions are
-of 56 bits, which is more than any encoder has: what they are in micrometres has to fit.
+Every struct is decoded, encoded and decoded again;
+every other function of the header is called with whatever its types allow, by a text made from its declaration,
+so that none can be forgotten. Buffers lie on the heap and are exactly as long as a function is told.
+Positions are of 56 bits, which is more than any encoder has: what they are in micrometres has to fit.
 """
 
 from __future__ import annotations
@@ -23,7 +24,20 @@ HERE = Path(__file__).resolve().parent
 _STRUCT = re.compile(r"^typedef struct (\w+) \{(.*?)^\} \w+;", re.MULTILINE | re.DOTALL)
 _TABLE = re.compile(r"^#ifdef \w+_CRC_TABLE\n(.*?)(?:^#else\n(.*?))?^#endif\n", re.MULTILINE | re.DOTALL)
 _MEMBER = re.compile(r"^\s*(?:const )?([\w ]+?) ?(\*?)(\w+)(?:\[(\w+)\])?;", re.MULTILINE)
-_NUMBERS = {"bool": 1, "char": 1, "uint8_t": 1, "int8_t": 1, "uint16_t": 2, "int16_t": 2, "uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "size_t": 8, "double": 8}
+_NUMBERS = {
+    "bool": 1,
+    "char": 1,
+    "uint8_t": 1,
+    "int8_t": 1,
+    "uint16_t": 2,
+    "int16_t": 2,
+    "uint32_t": 4,
+    "int32_t": 4,
+    "uint64_t": 8,
+    "int64_t": 8,
+    "size_t": 8,
+    "double": 8,
+}
 
 #: Helpers of the shared header whose arguments have to fit each other; the functions that call them see to that.
 PRECONDITIONS = {
@@ -44,7 +58,10 @@ class Header:
 
     def __init__(self, batch: Batch, include: Path) -> None:
         self.maker, self.prefix = batch.view.maker.name, batch.view.prefix
-        texts = [folded((include / self.maker / f"{name}.h").read_text(encoding="ascii")) for name in ("encoder", batch.device.name)]
+        texts = [
+            folded((include / self.maker / f"{name}.h").read_text(encoding="ascii"))
+            for name in ("encoder", batch.device.name)
+        ]
         found = declared(texts)
         self.structs = {name: body for text in texts for name, body in _STRUCT.findall(text)}
         own = {f"{item.view.name}_{verb}" for item in batch.codecs for verb in ("decode",)}
@@ -57,15 +74,17 @@ class Header:
     def _call(self, kind: str, name: str, given: str) -> str:
         before, arguments, after = [], [], []
         items = [] if given == "void" else [self._split(item) for item in given.split(", ")]
-        for index, (type_, pointer, constant, argument) in enumerate(items):
+        for index, (type_, pointer, argument) in enumerate(items):
             local = f"a{index}"
-            following = items[index + 1][3] if index + 1 < len(items) else ""
+            following = items[index + 1][2] if index + 1 < len(items) else ""
             arguments.append(local)
             if not pointer:
                 if argument in ("length", "capacity", "count") and index and items[index - 1][1]:
                     arguments[-1] = f"n{index - 1}"
                 else:
-                    number = "(int64_t)take(7U) - INT64_C(0x80000000000000)" if (type_, argument) == ("int64_t", "position") else self._number(type_)
+                    number = self._number(type_)
+                    if (type_, argument) == ("int64_t", "position"):
+                        number = "(int64_t)take(7U) - INT64_C(0x80000000000000)"
                     before.append(f"const {type_} {local} = {number};")
             elif type_ == "char":
                 before.append(f"char *const {local} = text();")
@@ -73,10 +92,20 @@ class Header:
             elif type_.endswith("_transport"):
                 arguments[-1] = "fuzzed_transport()"
             elif type_.endswith("_failure"):
-                before.append(f"{type_} f{index};\n    {type_} *const {local} = (take(1U) & 1U) != 0U ? &f{index} : NULL;")
+                before.append(
+                    f"{type_} f{index};\n    {type_} *const {local} = (take(1U) & 1U) != 0U ? &f{index} : NULL;"
+                )
             elif following in ("length", "capacity", "count") and not items[index + 1][1]:
-                before.append(f"const size_t n{index} = (size_t)(take(1U) % 24U);\n    {type_} *const {local} = malloc(n{index} * sizeof(*{local}) + (n{index} == 0U));")
-                before.append(f"{{\n        size_t i;\n        for (i = 0U; i < n{index}; i++) {{\n            {self._fill(type_, f'{local}[i]')}\n        }}\n    }}")
+                before.append(
+                    f"""const size_t n{index} = (size_t)(take(1U) % 24U);
+    {type_} *const {local} = malloc(n{index} * sizeof(*{local}) + (n{index} == 0U));
+    {{
+        size_t i;
+        for (i = 0U; i < n{index}; i++) {{
+            {self._fill(type_, f"{local}[i]")}
+        }}
+    }}"""
+                )
                 after.append(f"free({local});")
             elif type_ == f"{self.prefix}_variant":
                 before.append(f"{type_} {local} = *variant;")
@@ -84,14 +113,18 @@ class Header:
             else:
                 before.append(f"{type_} {local};\n    {self._fill(type_, local)}")
                 arguments[-1] = f"&{local}"
-        lines = "".join(f"    {line}\n" for line in before) + f"    (void){name}({', '.join(arguments)});\n" + "".join(f"    {line}\n" for line in after)
+        lines = (
+            "".join(f"    {line}\n" for line in before)
+            + f"    (void){name}({', '.join(arguments)});\n"
+            + "".join(f"    {line}\n" for line in after)
+        )
         return f"\nstatic void call_{name}(const {self.prefix}_variant *variant)\n{{\n    (void)variant;\n{lines}}}\n"
 
     @staticmethod
-    def _split(item: str) -> tuple[str, bool, bool, str]:
-        match = re.fullmatch(r"(const )?([\w ]+?) ?(\*?)(?:const )?(\w+)(?:\[\w*\])?", item)
+    def _split(item: str) -> tuple[str, bool, str]:
+        match = re.fullmatch(r"(?:const )?([\w ]+?) ?(\*?)(?:const )?(\w+)(?:\[\w*\])?", item)
         assert match is not None, item
-        return match[2], bool(match[3]) or "[" in item, bool(match[1]), match[4]
+        return match[1], bool(match[2]) or "[" in item, match[3]
 
     def _number(self, type_: str) -> str:
         if type_ == "bool":
@@ -109,7 +142,11 @@ class Header:
             if type_.endswith("_step") and name == "times":
                 lines.append(f"{place}.{name} = (uint16_t)(take(1U) % 16U);")
             elif length:
-                lines.append(f"{{ size_t j; for (j = 0U; j < sizeof({place}.{name}) / sizeof({place}.{name}[0]); j++) {{ {place}.{name}[j] = {self._number(member)}; }} }}")
+                array = f"{place}.{name}"
+                lines.append(
+                    f"{{ size_t j; for (j = 0U; j < sizeof({array}) / sizeof({array}[0]); j++) "
+                    f"{{ {array}[j] = {self._number(member)}; }} }}"
+                )
             else:
                 lines.append(self._fill(member, f"{place}.{name}"))
         return " ".join(lines)
@@ -118,15 +155,32 @@ class Header:
 def source(batch: Batch, include: Path) -> str:
     """The text of the target."""
     header = Header(batch, include)
-    takers = "".join(f"    {{ uint8_t held[8]; size_t i; for (i = 0U; i < 8U; i++) {{ held[i] = (uint8_t)take(1U); }} (void){item.name}(variant, held, {item.length}); }}\n" for item in batch.view.takers)
+    takers = "".join(
+        "    { uint8_t held[8]; size_t i; for (i = 0U; i < 8U; i++) { held[i] = (uint8_t)take(1U); } "
+        f"(void){item.name}(variant, held, {item.access.stem}_LENGTH); }}\n"
+        for item in batch.view.takers
+    )
     values = {
-        "maker": header.maker, "MAKER": header.maker.upper(), "prefix": header.prefix, "spelled": "1" if batch.device.order_code.also_written else "0", "calls": header.calls(), "takers": takers,
+        "maker": header.maker,
+        "MAKER": header.maker.upper(),
+        "prefix": header.prefix,
+        "spelled": "1" if batch.device.order_code.also_written else "0",
+        "calls": header.calls(),
+        "takers": takers,
         "rows": ", ".join(f"call_{name}" for _, name, _ in header.functions),
         "exact": ", ".join(str(int(is_exact(batch, item))) for item in batch.codecs),
         "refuse": ", ".join(str(int(may_be_refused(batch, item))) for item in batch.codecs),
-        "bools": ", ".join('"' + "".join("1" if member.type == "bool" else "0" * struct.calcsize(f"<{member_format(member)}") for member in item.members) + '"' for item in batch.codecs),
-        "bits": ", ".join(str(int(item.view.carried_as == "bits")) for item in batch.codecs),
-    }  # fmt: skip
+        "bools": ", ".join(
+            '"'
+            + "".join(
+                "1" if member.type == "bool" else "0" * struct.calcsize(f"<{member_format(member)}")
+                for member in item.members
+            )
+            + '"'
+            for item in batch.codecs
+        ),
+        "bits": ", ".join(str(int(not item.view.plan.in_bytes)) for item in batch.codecs),
+    }
     return batch.source(_replaced((HERE / "fuzz.c").read_text(encoding="utf-8"), values))
 
 
@@ -138,25 +192,32 @@ def _replaced(text: str, values: Mapping[str, str]) -> str:
 
 def is_exact(batch: Batch, codec: Codec) -> bool:
     """Whether every bit belongs to a field, for every order code: encoding what was decoded has to give it again."""
-    placed = [codec.layout.place(item.parameters) for item in batch.device.variants if item.interface == codec.interface]
+    placed = [
+        codec.layout.place(item.parameters) for item in batch.device.variants if item.interface == codec.interface
+    ]
     return all(sum(field.width for field in item.fields) == item.bits for item in placed)
 
 
 def may_be_refused(batch: Batch, codec: Codec) -> bool:
     """Whether a sound value may lie outside the limits within which a register is written."""
     register = next((item for item in batch.device.registers if f"reg_{item.name}" == codec.name), None)
-    powers = any(field.power_of_two for field in codec.layout.fields)
-    return powers or (register is not None and (register.min is not None or register.max is not None or bool(register.meanings)))
+    powers = any(field.number.power_of_two for field in codec.layout.fields)
+    return powers or (
+        register is not None and (register.min is not None or register.max is not None or bool(register.meanings))
+    )
 
 
 def seeds(batch: Batch) -> Iterable[bytes]:
-    """Inputs to begin with: sound frames and members of each layout for order codes of its interface, and the order codes."""
+    """Inputs to begin with: sound frames and members of each layout for its interface's order codes, and these."""
     random_ = random.Random("seeds")
     for codec in batch.codecs:
         for index, variant in enumerate(batch.device.variants):
             if variant.interface == codec.interface:
                 placed = codec.layout.place(variant.parameters)
                 numbers = list(islice(sound_numbers(batch.device, placed, random_), 0, 60, 15))
-                yield from (bytes([codec.number, index, 0]) + on_the_wire(codec.layout, number, placed.bits) for number in numbers)
+                yield from (
+                    bytes([codec.number, index, 0]) + on_the_wire(codec.layout, number, placed.bits)
+                    for number in numbers
+                )
     for index, variant in enumerate(batch.device.variants):
         yield bytes([0xFF, index, len(variant.code)]) + variant.code.encode("ascii")

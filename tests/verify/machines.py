@@ -1,4 +1,5 @@
-"""Machines that the generated C runs on: the host, in both forms of the CRCs, Cortex-M under system emulation, a big-endian one under user emulation."""
+"""Machines that the generated C runs on: the host, with either form of the CRCs,
+Cortex-M under system emulation, a big-endian one under user emulation."""
 
 from __future__ import annotations
 
@@ -13,15 +14,29 @@ from tools import tool
 
 HERE = Path(__file__).resolve().parent
 _BARE = ["-mthumb", "-std=gnu99", "-nostartfiles", "--specs=nosys.specs", "-T", str(HERE / "cortex_m.ld")]
-_EMULATE = ["-nographic", "-semihosting-config", "enable=on,target=native", "-monitor", "none", "-serial", "none", "-kernel"]
+_EMULATE = [
+    "-nographic",
+    "-semihosting-config",
+    "enable=on,target=native",
+    "-monitor",
+    "none",
+    "-serial",
+    "none",
+    "-kernel",
+]
 
 #: A program with a ``main`` in place of ``work``.
-_MAIN = "\nstatic size_t feed(uint8_t *to, size_t count);\nstatic void emit(const uint8_t *from, size_t count);\nstatic int work(void) { return main(); }\n"
+_MAIN = """
+static size_t feed(uint8_t *to, size_t count);
+static void emit(const uint8_t *from, size_t count);
+static int work(void) { return main(); }
+"""
 
 
 @dataclass(frozen=True)
 class Machine:
-    """How to compile for it and how to run a program; ``bare`` has no system, so that a start file is needed; ``table`` asks for CRCs by table."""
+    """How to compile for it and how to run a program; ``bare`` has no system, so that a start file is needed;
+    ``table`` asks for CRCs by table."""
 
     name: str
     compiler: tuple[str, ...]
@@ -37,7 +52,11 @@ class Machine:
         path, made = folder / f"{stem}.c", folder / f"{stem}-{self.name}"
         path.write_text(text, encoding="utf-8")
         compiler = [tool(self.compiler[0]), *self.compiler[1:], *(crc_tables(include) if self.table else ())]
-        done = subprocess.run([*compiler, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(path), "-o", str(made)], capture_output=True, text=True)
+        done = subprocess.run(
+            [*compiler, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(path), "-o", str(made)],
+            capture_output=True,
+            text=True,
+        )
         assert done.returncode == 0, done.stderr[:4000]
         emulator = [tool(name) for name in self.emulator[:1]] + list(self.emulator[1:])
         return Program((*emulator, str(made)))
@@ -73,8 +92,23 @@ class Program:
 HOST = Machine("host", ("gcc", "-std=c99", "-O2"))
 MACHINES = (
     Machine("crc-table", ("gcc", "-std=c99", "-O2"), table=True),
-    Machine("cortex-m0", ("arm-none-eabi-gcc", "-mcpu=cortex-m0", "-Os", *_BARE), ("qemu-system-arm", "-M", "microbit", *_EMULATE), bare=True),
-    Machine("cortex-m3", ("arm-none-eabi-gcc", "-mcpu=cortex-m3", "-O2", *_BARE), ("qemu-system-arm", "-M", "lm3s6965evb", *_EMULATE), bare=True),
-    Machine("cortex-m4", ("arm-none-eabi-gcc", "-mcpu=cortex-m4", "-O3", *_BARE), ("qemu-system-arm", "-M", "netduinoplus2", *_EMULATE), bare=True),
+    Machine(
+        "cortex-m0",
+        ("arm-none-eabi-gcc", "-mcpu=cortex-m0", "-Os", *_BARE),
+        ("qemu-system-arm", "-M", "microbit", *_EMULATE),
+        bare=True,
+    ),
+    Machine(
+        "cortex-m3",
+        ("arm-none-eabi-gcc", "-mcpu=cortex-m3", "-O2", *_BARE),
+        ("qemu-system-arm", "-M", "lm3s6965evb", *_EMULATE),
+        bare=True,
+    ),
+    Machine(
+        "cortex-m4",
+        ("arm-none-eabi-gcc", "-mcpu=cortex-m4", "-O3", *_BARE),
+        ("qemu-system-arm", "-M", "netduinoplus2", *_EMULATE),
+        bare=True,
+    ),
     Machine("powerpc", ("powerpc-linux-gnu-gcc", "-std=c99", "-O2", "-static"), ("qemu-ppc-static",)),
 )

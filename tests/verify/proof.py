@@ -1,7 +1,8 @@
-"""What a proof by the model checker CBMC needs: the header read as text, the parameters of all order codes at once, and the run itself.
+"""What a proof by CBMC, the model checker, needs: the header as text, the parameters of all order codes, and the run.
 
-A harness is a C file whose functions claim something with ``__CPROVER_assert`` about values that may be anything. The parameters of the variant
-are such values too, restricted to those of the order codes (and to what registers can hold at run time), so that one proof holds for all of them.
+A harness is a C file whose functions claim something with ``__CPROVER_assert`` about values that may be anything.
+The parameters of the variant are such values too, restricted to those of the order codes (and to what registers can
+hold at run time), so that one proof holds for all of them.
 """
 
 from __future__ import annotations
@@ -16,17 +17,19 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from codewheel.expressions import Expression
-from codewheel.model import Device, Variant
+from codewheel.model import Alternative, Device, Variant
+from codewheel.model.expressions import Expression
 
 #: Undefined behaviour of every kind that the checker knows, overflow of floating point left out.
 UNDEFINED = (
     "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check"
     " --signed-overflow-check --undefined-shift-check --div-by-zero-check"
 ).split()
-#: For a loop that keeps nothing from one round to the next but a place that may be any: a few rounds from anywhere show all of them.
+#: For a loop that keeps nothing from one round to the next but a place that may be any:
+#: a few rounds from anywhere show all of them.
 PARTLY = "--no-unwinding-assertions"
-#: Seconds of processor time, far above what any proof here takes; one that does not end is no proof. How busy the machine is does not matter.
+#: Seconds of processor time, far above what any proof here takes; one that does not end is no proof.
+#: How busy the machine is does not matter.
 LIMIT_S = 300
 
 
@@ -47,7 +50,8 @@ class Member:
 
 @dataclass(frozen=True)
 class Header:
-    """The functions and structs of a header, found by its text alone; ``options`` are macros that a user may define to have other code."""
+    """The functions and structs of a header, found by its text alone;
+    ``options`` are macros that a user may define to have other code."""
 
     functions: Mapping[str, Function]
     structs: Mapping[str, tuple[Member, ...]]
@@ -56,18 +60,30 @@ class Header:
     @classmethod
     def read(cls, *texts: str) -> Header:
         text = re.sub(r"/\*.*?\*/", "", "\n".join(texts), flags=re.DOTALL)
-        options = tuple(dict.fromkeys(item for item in re.findall(r"^#ifdef (\w+)$", text, re.MULTILINE) if item != "__cplusplus"))
+        options = tuple(
+            dict.fromkeys(item for item in re.findall(r"^#ifdef (\w+)$", text, re.MULTILINE) if item != "__cplusplus")
+        )
         # As it is when nothing is defined that a header asks for.
-        text = re.sub(r"^#ifdef \w+\n(.*?)(?:^#else\n(.*?))?^#endif\n", lambda found: found[2] or "", text, flags=re.DOTALL | re.MULTILINE)
+        text = re.sub(
+            r"^#ifdef \w+\n(.*?)(?:^#else\n(.*?))?^#endif\n",
+            lambda found: found[2] or "",
+            text,
+            flags=re.DOTALL | re.MULTILINE,
+        )
         functions = {}
-        for found in re.finditer(r"^static inline ([^;{}]*?)(\w+)\(([^{}]*?)\)\n\{\n(.*?)^\}", text, re.DOTALL | re.MULTILINE):
+        for found in re.finditer(
+            r"^static inline ([^;{}]*?)(\w+)\(([^{}]*?)\)\n\{\n(.*?)^\}", text, re.DOTALL | re.MULTILINE
+        ):
             given = " ".join(found[3].split())
-            arguments = [re.fullmatch(r"(.*?)(\w+)", item.strip()) for item in given.split(",") if item.strip() != "void"]
+            arguments = [
+                re.fullmatch(r"(.*?)(\w+)", item.strip()) for item in given.split(",") if item.strip() != "void"
+            ]
             pairs = tuple((item[1].strip(), item[2]) for item in arguments if item)
             functions[found[2]] = Function(found[2], " ".join(found[1].split()), pairs, found[4])
         structs = {
             found[1]: tuple(
-                Member(item[1].strip(), item[2], int(item[3] or 0)) for item in re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", found[2])
+                Member(item[1].strip(), item[2], int(item[3] or 0))
+                for item in re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", found[2])
             )
             for found in re.finditer(r"^typedef struct (\w+) \{\n(.*?)^\} \1;", text, re.DOTALL | re.MULTILINE)
         }
@@ -109,10 +125,12 @@ class Variants:
     names: tuple[str, ...]
     combinations: tuple[Mapping[str, int], ...]
     ranges: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    alternatives: tuple[Alternative, ...] = ()
 
     @classmethod
     def of(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
-        """Over all order codes of an interface, or of all where it is empty. ``used`` names parameters; those they follow from are added."""
+        """Over all order codes of an interface, or of all where it is empty.
+        ``used`` names parameters; those they follow from are added."""
         definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
         names: list[str] = []
 
@@ -125,16 +143,30 @@ class Variants:
 
         for name in used:
             add(name)
-        variants: Sequence[Variant] = [item for item in device.variants if item.interface == interface or not interface] or device.variants
+        variants: Sequence[Variant] = [
+            item for item in device.variants if item.interface == interface or not interface
+        ] or device.variants
         held = {item.name: item for item in device.run_time_parameters}
-        fixed = [item for item in names if item not in definitions and item not in held]
+        asked = tuple(item for item in device.alternatives if not set(names).isdisjoint(item.answers[0].sets))
+        answered = {name for item in asked for name in item.answers[0].sets}
+        fixed = [item for item in names if item not in definitions and item not in held and item not in answered]
         found = {tuple(item.parameters[name] for name in fixed) for item in variants}
-        ranges = {name: (held[name].min or 0, held[name].largest if (most := held[name].max) is None else most) for name in names if name in held}
-        return cls(device, tuple(names), tuple(dict(zip(fixed, item)) for item in sorted(found)), ranges)
+        ranges = {
+            name: (held[name].min or 0, held[name].largest if (most := held[name].max) is None else most)
+            for name in names
+            if name in held
+        }
+        combinations = tuple(dict(zip(fixed, item, strict=True)) for item in sorted(found))
+        return cls(device, tuple(names), combinations, ranges, asked)
 
     def fixed(self, values: Mapping[str, int]) -> Variants:
         """The same with what registers hold at run time fixed to these values."""
-        return replace(self, ranges={name: (values[name], values[name]) if name in values else both for name, both in self.ranges.items()})
+        return replace(
+            self,
+            ranges={
+                name: (values[name], values[name]) if name in values else both for name, both in self.ranges.items()
+            },
+        )
 
     @property
     def count(self) -> int:
@@ -142,24 +174,52 @@ class Variants:
         count = len(self.combinations)
         for low, high in self.ranges.values():
             count *= high - low + 1
+        for item in self.alternatives:
+            count *= len(item.answers)
         return count
 
+    @property
+    def answers(self) -> str:
+        """The answers as arguments, to be handed over after the variant."""
+        return "".join(f"answer_{item.name}, " for item in self.alternatives)
+
     def declare(self, prefix: str, header: Header) -> str:
-        """C that makes ``variant`` and the parameters ``p_…`` any of them; members of the variant that do not matter may hold anything."""
+        """C that makes ``variant`` and the parameters ``p_…`` any of them;
+        members of the variant that do not matter may hold anything."""
         definitions = {item.name: item.equals for item in self.device.parameters if item.equals is not None}
         lines = "".join(f"static long long p_{name};\n" for name in self.names)
-        lines += f"static {prefix}_variant variant;\nstatic void any_variant(void)\n{{\n    {prefix}_variant anything;\n    variant = anything;\n"
+        lines += "".join(f"static {prefix}_{item.name} answer_{item.name};\n" for item in self.alternatives)
+        lines += f"""static {prefix}_variant variant;
+static void any_variant(void)
+{{
+    {prefix}_variant anything;
+    variant = anything;
+"""
         lines += "".join(f"    p_{name} = nondet_number();\n" for name in self.names if name not in definitions)
         if self.combinations and self.combinations[0]:
             sets = (" && ".join(f"p_{name} == {value}" for name, value in item.items()) for item in self.combinations)
             choices = " ||\n        ".join(f"({item})" for item in sets)
             lines += f"    __CPROVER_assume({choices});\n"
-        lines += "".join(f"    __CPROVER_assume(p_{name} >= {low} && p_{name} <= {high});\n" for name, (low, high) in self.ranges.items())
+        for item in self.alternatives:
+            lines += f"    answer_{item.name} = ({prefix}_{item.name})nondet_number();\n"
+            cases = (
+                " && ".join(
+                    [f"answer_{item.name} == {prefix.upper()}_{item.name.upper()}_{answer.name.upper()}"]
+                    + [f"p_{name} == {value}" for name, value in answer.sets.items() if name in self.names]
+                )
+                for answer in item.answers
+            )
+            lines += f"    __CPROVER_assume({' || '.join(f'({case})' for case in cases)});\n"
+        answered = {name for item in self.alternatives for name in item.answers[0].sets}
+        lines += "".join(
+            f"    __CPROVER_assume(p_{name} >= {low} && p_{name} <= {high});\n"
+            for name, (low, high) in self.ranges.items()
+        )
         for name in self.names:
             equals = definitions.get(name)
             if equals is not None:
                 lines += f"    p_{name} = {in_c(equals)};\n"
-            else:
+            elif name not in answered:
                 member = header.member(f"{prefix}_variant", name)
                 lines += f"    variant.{member.name} = ({member.type})p_{name};\n"
         return lines + "}\n"
@@ -167,8 +227,8 @@ class Variants:
 
 @dataclass(frozen=True)
 class Proof:
-    """A function of a harness whose claims are to hold, for how many sets of parameters of what; ``reached`` asks that a claim fails instead,
-    which shows that the others are not about nothing."""
+    """A function of a harness whose claims are to hold, for how many sets of parameters of what;
+    ``reached`` asks that a claim fails instead, which shows that the others are not about nothing."""
 
     name: str
     harness: str
@@ -193,7 +253,7 @@ def limited(command: Sequence[str]) -> list[str]:
 
 
 class Told(NamedTuple):
-    """How many proofs there were of something, how many of them failed, and for how many sets of parameters they are."""
+    """How many proofs of something there were, how many failed, and for how many sets of parameters they are."""
 
     what: str
     proofs: int
@@ -201,7 +261,9 @@ class Told(NamedTuple):
     covered: int
 
     def __str__(self) -> str:
-        return f"{self.what}: {self.proofs} proofs, {self.failed} failed" + (f", over {self.covered} sets of parameters" if self.covered else "")
+        return f"{self.what}: {self.proofs} proofs, {self.failed} failed" + (
+            f", over {self.covered} sets of parameters" if self.covered else ""
+        )
 
 
 @dataclass(frozen=True)
@@ -216,9 +278,13 @@ class Checker:
         command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
         with tempfile.TemporaryDirectory(dir=folder) as own:
             Path(own, "harness.c").write_text(proof.harness, encoding="utf-8")
-            done = subprocess.run(limited(command), capture_output=True, text=True, cwd=own, env={**os.environ, "TMPDIR": own})
+            done = subprocess.run(
+                limited(command), capture_output=True, text=True, cwd=own, env={**os.environ, "TMPDIR": own}
+            )
         holds = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
-        refuted = done.returncode == 10 and "VERIFICATION FAILED" in done.stdout and "unwinding assertion" not in done.stdout
+        refuted = (
+            done.returncode == 10 and "VERIFICATION FAILED" in done.stdout and "unwinding assertion" not in done.stdout
+        )
         proved = refuted if proof.reached else holds
         silent = f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
         why = "REFUTED" if refuted else "never reached" if holds else silent

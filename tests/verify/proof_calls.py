@@ -1,5 +1,6 @@
-"""Proofs of every other function: called with anything that its arguments may be, it does nothing that C leaves undefined, and it keeps what the
-headers promise of all functions: one that returns a fault has left its results as they were, and a fault of the transport is handed on.
+"""Proofs of every other function: called with anything that its arguments may be,
+it does nothing that C leaves undefined, and it keeps what the headers promise of all functions:
+one that returns a fault has left its results as they were, and a fault of the transport is handed on.
 
 The harness of a function is built from its signature, so that a new function is proved as soon as it is in a header.
 """
@@ -11,18 +12,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from codewheel.model import Device
-
 from proof import PARTLY, PRELUDE, UNDEFINED, Function, Header, Proof, Variants
 
 TRANSPORT, UNSUPPORTED = 5, 7
 #: Bounds of what is given: bytes of a buffer, steps of a procedure, characters of a label, repetitions of a step.
 BYTES, STEPS, LABEL, TIMES = 16, 2, 12, 2
-#: How far a position goes in either direction: times a step of one byte it still fits into 64 bits, as the headers ask for.
+#: How far a position goes in either direction:
+#: times a step of one byte it still fits into 64 bits, as the headers ask for.
 POSITION = "(1LL << 55)"
-#: How often a loop goes round at most, and one more: over order codes, over steps that may be anything, every other, and one whose rounds may be any.
+#: How often a loop goes round at most, and one more: over order codes, over steps that may be anything, every other,
+#: and one whose rounds may be any.
 CODES_ROUNDS, STEPS_ROUNDS, ROUNDS, ANY_ROUNDS = 70, 4, 24, 3
 
-#: A transport of which every function may be missing or may fail at any call, with any number but 0. None may be called after one has failed.
+#: A transport of which every function may be missing or may fail at any call, with any number but 0.
+#: None may be called after one has failed.
 _TRANSPORT = """\
 static int32_t failed_with;
 static int32_t fails(void)
@@ -59,11 +62,12 @@ static @maker@_transport any_transport(void)
 }
 """
 
-#: What stands for running steps where a device's procedures are proved: it reads and writes all that it is given and may end in any way that is
-#: open to it. That running steps is so, is proved with the shared header.
+#: What stands for running steps where a device's procedures are proved: it reads and writes all that it is given and
+#: may end in any way that is open to it. That running steps is so, is proved with the shared header.
 _RUN = """\
 static @maker@_result any_run(
-    const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length, @maker@_failure *failure)
+    const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
+    @maker@_failure *failure)
 {
     size_t reads = 0;
     __CPROVER_assert(failed_with == 0, "nothing is run after a failure");
@@ -94,7 +98,7 @@ class _Given:
         self._of, self._any_steps = of, _any_steps(of.maker, function)
         kinds = [kind for kind, _ in function.arguments]
         counted = ""
-        for (kind, name), follows in zip(function.arguments, [*kinds[1:], ""]):
+        for (kind, name), follows in zip(function.arguments, [*kinds[1:], ""], strict=True):
             plain, local = kind.removeprefix("const ").rstrip(" *"), f"a_{name}"
             if counted and kind == "size_t":
                 self.passed.append(counted)
@@ -112,7 +116,9 @@ class _Given:
 
     def _several(self, plain: str, kind: str, local: str, count: str) -> None:
         """A buffer and how many there are in it."""
-        most = STEPS if self._any_steps or kind == f"const {self._of.maker}_step *" else BYTES if plain == "uint8_t" else 4 * BYTES
+        most = BYTES if plain == "uint8_t" else 4 * BYTES
+        if self._any_steps or kind == f"const {self._of.maker}_step *":
+            most = STEPS
         self.lines.append(f"size_t {count} = nondet_size(); __CPROVER_assume({count} <= {most});")
         if self._any_steps:
             # Memory of a size that may be anything is too hard here.
@@ -120,7 +126,9 @@ class _Given:
         else:
             self.lines.append(f"{plain} *{local} = malloc({count} * sizeof({plain})); __CPROVER_assume({local} != 0);")
         if plain != "uint8_t" and kind.startswith("const"):
-            self.lines.append(f"for (size_t at = 0; at < {count}; at++) __CPROVER_assume({local}[at].times <= {TIMES});")
+            self.lines.append(
+                f"for (size_t at = 0; at < {count}; at++) __CPROVER_assume({local}[at].times <= {TIMES});"
+            )
         self.passed.append(local)
 
     def _pointer(self, plain: str, kind: str, local: str) -> None:
@@ -161,14 +169,18 @@ class CallProof:
 
     @cached_property
     def variants(self) -> Variants | None:
-        return Variants.of(self.device, "", [item.name for item in self.device.set_parameters]) if self.device is not None else None
+        if self.device is None:
+            return None
+        return Variants.of(self.device, "", [item.name for item in self.device.set_parameters])
 
     @cached_property
     def harness(self) -> str:
         text = f'#include "{self.maker}/encoder.h"\n{PRELUDE}{_TRANSPORT}'
         if self.device is not None:
-            # Comparing labels, too, is proved with the shared header; here it may find anything, so that the search holds whatever the label.
-            text += "static size_t any_match(const char *label, const char *code) { return nondet_size(); }\n#define @maker@_label_match any_match\n"
+            # Comparing labels, too, is proved with the shared header; here it may find anything,
+            # so that the search holds whatever the label.
+            text += "static size_t any_match(const char *label, const char *code) { return nondet_size(); }\n"
+            text += "#define @maker@_label_match any_match\n"
             text += f'{_RUN}#include "{self.include}"\n'
         text = text.replace("@maker@", self.maker).replace("@MAKER@", self.maker.upper()).replace("@times@", str(TIMES))
         if self.variants is not None:
@@ -190,22 +202,35 @@ class CallProof:
     def _claims(self, given: _Given) -> Iterator[str]:
         for kind, name in given.results:
             members = self.header.structs.get(kind, ())
-            places = [f".{item.name}{at}" for item in members for at in ([f"[{index}]" for index in range(item.count)] or [""])] or [""]
+            places = [
+                f".{item.name}{at}"
+                for item in members
+                for at in ([f"[{index}]" for index in range(item.count)] or [""])
+            ] or [""]
             same = " && ".join(f"{name}{place} == before_{name}{place}" for place in places)
             yield f'__CPROVER_assert(found == 0 || ({same}), "a fault leaves the result as it was");'
         if given.transport:
-            yield f'__CPROVER_assert(failed_with == 0 || found == {TRANSPORT}, "a failure of the transport is reported");'
-            yield '__CPROVER_assert(failed_with == 0 || failure.error == failed_with, "with the number of the function that failed");'
+            yield f'__CPROVER_assert(failed_with == 0 || found == {TRANSPORT}, "a failure is reported");'
+            yield '__CPROVER_assert(failed_with == 0 || failure.error == failed_with, "with its function\'s number");'
             yield f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");'
 
     def proofs(self, together: int = 10) -> Iterable[Proof]:
-        """Several functions in one run; those that go through the list of order codes one by one, because they take longest."""
+        """Several functions in one run; those that go through all order codes run alone, for they take longest."""
         text = self.harness
         anywhere = [item for item in self.functions if ("size_t *", "next") in item.arguments]
-        codes = [item for item in self.functions if "order_codes(" in item.body or "label" in item.name if item not in anywhere]
+        codes = [
+            item
+            for item in self.functions
+            if "order_codes(" in item.body or "label" in item.name
+            if item not in anywhere
+        ]
         steps = [item for item in self.functions if _any_steps(self.maker, item)]
         rest = [item for item in self.functions if item not in (*codes, *steps, *anywhere)]
-        groups = [([item], CODES_ROUNDS) for item in codes] + [([item], ANY_ROUNDS) for item in anywhere] + [([item], STEPS_ROUNDS) for item in steps]
+        groups = (
+            [([item], CODES_ROUNDS) for item in codes]
+            + [([item], ANY_ROUNDS) for item in anywhere]
+            + [([item], STEPS_ROUNDS) for item in steps]
+        )
         groups += [(rest[at : at + together], ROUNDS) for at in range(0, len(rest), together)]
         for group, rounds in groups:
             body = "".join(f"    call_{item.name}();\n" for item in group)

@@ -1,14 +1,14 @@
-"""Proofs of a decoder and an encoder: the claims that both are equal to the plain reference, and inverse to each other."""
+"""Proofs of a decoder and an encoder: both equal the plain reference and are inverse to each other."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from codewheel.expressions import Expression
-
+from codewheel.model.expressions import Expression
 from proof import PRELUDE, UNDEFINED, Proof, in_c
 from proof_layout import LENGTH, RANGE, Codec
 from proof_reference import layout_crc, reference
+from proof_reports import told_of
 from proof_values import limits, one_bit, valid
 
 #: Entries that end in a CRC; each is proved by itself, because sums of bits are what is hard to prove.
@@ -16,7 +16,11 @@ _WITH_CRC = ("decode_result", "encode_crc", "decode_of_encode", "encode_of_decod
 
 
 def _function(name: str, *lines: str) -> str:
-    return f"void {name}(void)\n{{\n    any_variant();\n" + "".join(f"    {line.strip()}\n" if line.strip() else "" for line in lines) + "}\n"
+    return (
+        f"void {name}(void)\n{{\n    any_variant();\n"
+        + "".join(f"    {line.strip()}\n" if line.strip() else "" for line in lines)
+        + "}\n"
+    )
 
 
 def _claim(condition: str, words: str) -> str:
@@ -47,9 +51,10 @@ def _harness(codec: Codec) -> str:
     text = f'#include "{codec.prefix.replace("_", "/", 1)}.h"\n{PRELUDE}'
     text += f"typedef unsigned __CPROVER_bitvector[{max(codec.layout.widest, 64) + 8}] number;\n"
     text += codec.variants.declare(codec.prefix, codec.header) + reference(codec)
-    text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected(codec)
+    text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected(codec) + _tells(codec)
     calls = ["decode_members", "encode_members", *(["length"] if not codec.by_word else []), *_set_names(codec)]
     calls += ["expected"] if _has_expected(codec) else []
+    calls += ["tells"] if any(told_of(codec)) else []
     if codec.crc is None:
         calls += [name for name in _WITH_CRC if name != "encode_crc"]
     return text + "void everything(void)\n{\n" + "".join(f"    {name}();\n" for name in calls) + "}\n"
@@ -59,7 +64,11 @@ def _codec(codec: Codec) -> str:
     """Decoder and encoder on the same frame, which may be any, and on the same values, which may be any."""
     name, result = codec.name, codec.prefix.partition("_")[0] + "_result"
     if codec.by_word:
-        wire, before_wire, same_wire = "unsigned long long wire = nondet_word();", "unsigned long long before = wire;", "wire == before"
+        wire, before_wire, same_wire = (
+            "unsigned long long wire = nondet_word();",
+            "unsigned long long before = wire;",
+            "wire == before",
+        )
         passed, sent, number = "wire", "&wire", "(number)wire"
         again, again_sent = "unsigned long long again = nondet_word();", "&again"
     else:
@@ -70,39 +79,78 @@ def _codec(codec: Codec) -> str:
         number = " | ".join(f"((number)wire[{at}] << {8 * place})" for place, at in enumerate(codec.bytes_upwards))
         again, again_sent = f"uint8_t again[{codec.size}];", f"again, {codec.size}"
     out, given = codec.header.anything(name, "out"), codec.header.anything(name, "in")
-    members = [_claim(item.same("out", f"({item.type})({item.value})"), "same member as the reference") for item in codec.items]
-    read_back = [_claim(item.same("in", f"({item.type})({item.value})"), "the reference reads the member back") for item in codec.items]
+    answers = codec.variants.answers
+    members = [
+        _claim(item.same("out", f"({item.type})({item.value})"), "same member as the reference") for item in codec.items
+    ]
+    read_back = [
+        _claim(item.same("in", f"({item.type})({item.value})"), "the reference reads the member back")
+        for item in codec.items
+    ]
     plain = [item for item in codec.items if item.type != "digits"]
     places = (place for item in plain for place in _places(item.member.name, item.characters))
     equal_in = [_claim(f"out.{place} == in.{place}", "decode(encode(x)) = x") for place in places]
     takes = _all(f"({item})" for item in valid(codec))
-    decoded = (out, wire, f"{name} before = out;", f"{result} found = {name}_decode(&variant, {passed}, &out);")
-    text = _function("decode_result", *decoded, _claim(f"(int)found == reference({number})", "same result as the reference"))
+    decoded = (
+        out,
+        wire,
+        f"{name} before = out;",
+        f"{result} found = {name}_decode(&variant, {answers}{passed}, &out);",
+    )
+    text = _function(
+        "decode_result", *decoded, _claim(f"(int)found == reference({number})", "same result as the reference")
+    )
     text += _function(
-        "decode_members", *decoded, f"(void)check({number});",
+        "decode_members",
+        *decoded,
+        f"(void)check({number});",
         f"if (found == 0) {{ {' '.join(members)} }}",
         f"else {{ {_claim(_same(codec, _every_name(codec)), 'a fault leaves the result as it was')} }}",
     )
-    encoded = (given, wire, before_wire, f"{result} found = {name}_encode(&variant, &in, {sent});")
+    encoded = (given, wire, before_wire, f"{result} found = {name}_encode(&variant, {answers}&in, {sent});")
     text += _function(
-        "encode_members", *encoded, _claim(f"(int)found == (({takes}) ? 0 : {RANGE})", "takes exactly the values in range"),
+        "encode_members",
+        *encoded,
+        _claim(f"(int)found == (({takes}) ? 0 : {RANGE})", "takes exactly the values in range"),
         f"if (found != 0) {{ {_claim(same_wire, 'a fault leaves the result as it was')} return; }}",
         _claim(f"check({number}) == 0", "constants, parity and choices as the layout has them"),
-        _claim(f"({number}) >> {in_c(codec.layout.bits)} == 0", "as many bits as the layout has") if codec.by_word else "",
-        _claim(f"uncovered({number}) == 0", "bits without a field are 0"), *read_back,
+        _claim(f"({number}) >> {in_c(codec.layout.bits)} == 0", "as many bits as the layout has")
+        if codec.by_word
+        else "",
+        _claim(f"uncovered({number}) == 0", "bits without a field are 0"),
+        *read_back,
     )
     text += _function(
-        "decode_of_encode", *encoded, "if (found != 0) return;", out, f"found = {name}_decode(&variant, {passed}, &out);",
-        _claim("found == 0", "what was encoded can be decoded"), *equal_in,
+        "decode_of_encode",
+        *encoded,
+        "if (found != 0) return;",
+        out,
+        f"found = {name}_decode(&variant, {answers}{passed}, &out);",
+        _claim("found == 0", "what was encoded can be decoded"),
+        *equal_in,
     )
     text += _function(
-        "reached", *encoded, "if (found != 0) return;", out, f"found = {name}_decode(&variant, {passed}, &out);",
+        "reached",
+        *encoded,
+        "if (found != 0) return;",
+        out,
+        f"found = {name}_decode(&variant, {answers}{passed}, &out);",
         f"if (found == 0) {_claim('0', 'something comes through')}",
     )
     text += _function(
-        "encode_of_decode", *decoded, "if (found != 0) return;", again, f"found = {name}_encode(&variant, &out, {again_sent});",
-        _claim("1" if codec.has_digits else f"(found == 0) == ({_all(_writable(codec))})", "what was decoded can be encoded"),
-        _claim(f"found != 0 || {number.replace('wire', 'again')} == (({number}) & ~uncovered({number}))", "encode(decode(f)) = f"),
+        "encode_of_decode",
+        *decoded,
+        "if (found != 0) return;",
+        again,
+        f"found = {name}_encode(&variant, {answers}&out, {again_sent});",
+        _claim(
+            "1" if codec.has_digits else f"(found == 0) == ({_all(_writable(codec))})",
+            "what was decoded can be encoded",
+        ),
+        _claim(
+            f"found != 0 || {number.replace('wire', 'again')} == (({number}) & ~uncovered({number}))",
+            "encode(decode(f)) = f",
+        ),
     )
     if codec.crc is not None:
         right = f"found != 0 || crc_of({number}) == {layout_crc(codec, number)}"
@@ -112,32 +160,48 @@ def _codec(codec: Codec) -> str:
 
 def _writable(codec: Codec) -> Iterator[str]:
     """What has to hold beyond being decoded for a value to be encoded."""
+
     def out(name: str) -> str:
         return f"((number)out.{codec.member(name).name})"
 
     yield from (f"({item})" for item in limits(codec, out))
-    yield from (f"({one_bit(field, out(field.name))})" for field in codec.fields if field.power_of_two)
+    yield from (f"({one_bit(field, out(field.name))})" for field in codec.fields if field.number.power_of_two)
 
 
 def _length(codec: Codec) -> str:
     if codec.by_word:
         return ""
     out, given = codec.header.anything(codec.name, "out"), codec.header.anything(codec.name, "in")
-    refused = f"{codec.name}_decode(&variant, none, length, &out) == {LENGTH}"
+    refused = f"{codec.name}_decode(&variant, {codec.variants.answers}none, length, &out) == {LENGTH}"
     return _function(
-        "length", out, f"{codec.name} before = out;",
-        "size_t length = nondet_size();", f"__CPROVER_assume(length != {codec.size});", "uint8_t none[1];",
-        _claim(f"{refused} && {_same(codec, _every_name(codec))}", "another length is refused before a byte is read"), given,
-        _claim(f"{codec.name}_encode(&variant, &in, none, length) == {LENGTH}", "another length is refused before a byte is written"),
+        "length",
+        out,
+        f"{codec.name} before = out;",
+        "size_t length = nondet_size();",
+        f"__CPROVER_assume(length != {codec.size});",
+        "uint8_t none[1];",
+        _claim(f"{refused} && {_same(codec, _every_name(codec))}", "another length is refused before a byte is read"),
+        given,
+        _claim(
+            f"{codec.name}_encode(&variant, {codec.variants.answers}&in, none, length) == {LENGTH}",
+            "another length is refused before a byte is written",
+        ),
     )
 
 
 def _set_names(codec: Codec) -> list[str]:
-    return [f"set_{item}" for item in (*(join.name for join in codec.layout.joins), *(field.name for field in codec.fields if field.digits))]
+    return [
+        f"set_{item}"
+        for item in (
+            *(join.name for join in codec.layout.joins),
+            *(field.name for field in codec.fields if field.runs),
+        )
+    ]
 
 
 def _setters(codec: Codec) -> Iterator[str]:
-    """A number and its parts: the setter takes exactly the numbers that fit, and the parts are those that the reference would read."""
+    """A number and its parts: the setter takes exactly the numbers that fit,
+    and the parts are those that the reference would read."""
     for join in codec.layout.joins:
         low, parts = Expression(0), {}
         for name in reversed(join.fields):
@@ -146,17 +210,30 @@ def _setters(codec: Codec) -> Iterator[str]:
             low += width
         yield _setter(codec, join.name, f"((number)given >> {in_c(low)}) == 0", parts)
     for field in codec.fields:
-        if field.digits:
-            yield _setter(codec, field.name, f"given < {10 ** sum(run.digits for run in field.digits)}ULL", {run.name: "" for run in field.digits})
+        if field.runs:
+            yield _setter(
+                codec,
+                field.name,
+                f"given < {10 ** sum(run.digits for run in field.runs)}ULL",
+                {run.name: "" for run in field.runs},
+            )
 
 
 def _setter(codec: Codec, name: str, fits: str, parts: dict[str, str]) -> str:
     """``parts`` names the members that belong to the number, and what each is where the checker can tell."""
     whole = codec.member(name)
     touched = {whole.name, *(codec.member(part).name for part in parts)}
-    equal = _all([f"out.{whole.name} == given", *(f"(number)out.{codec.member(part).name} == {value}" for part, value in parts.items() if value)])
+    equal = _all(
+        [
+            f"out.{whole.name} == given",
+            *(f"(number)out.{codec.member(part).name} == {value}" for part, value in parts.items() if value),
+        ]
+    )
     return _function(
-        f"set_{name}", codec.header.anything(codec.name, "out"), f"{codec.name} before = out;", f"{whole.type} given = ({whole.type})nondet_word();",
+        f"set_{name}",
+        codec.header.anything(codec.name, "out"),
+        f"{codec.name} before = out;",
+        f"{whole.type} given = ({whole.type})nondet_word();",
         f"int found = (int){codec.name}_set_{name}(&variant, given, &out);",
         _claim(f"found == (({fits}) ? 0 : {RANGE})", "takes exactly the numbers that fit"),
         _claim(_same(codec, set(_every_name(codec)) - touched), "sets nothing else"),
@@ -176,13 +253,22 @@ def _expected(codec: Codec) -> str:
     for field in codec.fields:
         member = codec.member(field.name).name
         if isinstance(field.equals, str):
-            conditions += [f"(unsigned char)in.{member}[{at}] == {byte}" for at, byte in enumerate(field.equals.encode("ascii"))]
+            conditions += [
+                f"(unsigned char)in.{member}[{at}] == {byte}" for at, byte in enumerate(field.equals.encode("ascii"))
+            ]
         elif isinstance(field.equals, Expression):
             conditions.append(f"(number)in.{member} == {in_c(field.equals)}")
         elif field.equals is not None:
             conditions.append(f"(number)in.{member} == {field.equals}")
+    conditions += ["in.unused == 0"] if codec.layout.unused else []
     test = f"{codec.name}_is_expected(&variant, &in) == ({_all(conditions)})"
     return _function("expected", codec.header.anything(codec.name, "in"), _claim(test, "reads as the manual states"))
+
+
+def _tells(codec: Codec) -> str:
+    """The verdict and the mask of reports, of a frame with any values."""
+    claims = [_claim(f"{function}(&in) == ({value})", words) for function, value, words in told_of(codec)]
+    return _function("tells", codec.header.anything(codec.name, "in"), *claims) if claims else ""
 
 
 def functions(codec: Codec) -> Iterator[str]:
@@ -190,6 +276,7 @@ def functions(codec: Codec) -> Iterator[str]:
     yield from (f"{codec.name}_{item}" for item in ("decode", "encode", *_set_names(codec)))
     if _has_expected(codec):
         yield f"{codec.name}_is_expected"
+    yield from (name for name, _, _ in told_of(codec))
 
 
 def proofs(codec: Codec) -> Iterable[Proof]:
@@ -198,10 +285,20 @@ def proofs(codec: Codec) -> Iterable[Proof]:
     of = codec.name + state
     unwind = max(66, codec.layout.widest + 2)
     yield Proof(f"{codec.name} everything{state}", text, "everything", unwind, tuple(UNDEFINED), covers, of)
-    yield Proof(f"{codec.name} reached{state}", text, "reached", unwind, ("--no-standard-checks",), covers, of, reached=True)
+    yield Proof(
+        f"{codec.name} reached{state}", text, "reached", unwind, ("--no-standard-checks",), covers, of, reached=True
+    )
     if codec.crc is not None:
         for entry in _WITH_CRC:
             yield Proof(f"{codec.name} {entry}{state}", text, entry, unwind, ("--no-standard-checks",), covers, of)
         for option in codec.header.options:
             for entry in ("decode_result", "encode_crc"):
-                yield Proof(f"{codec.name} {entry} with {option}{state}", text, entry, unwind, (f"-D{option}", *UNDEFINED), covers, of)
+                yield Proof(
+                    f"{codec.name} {entry} with {option}{state}",
+                    text,
+                    entry,
+                    unwind,
+                    (f"-D{option}", *UNDEFINED),
+                    covers,
+                    of,
+                )

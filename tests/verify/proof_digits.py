@@ -1,6 +1,7 @@
-"""Decimal digits inside a binary number: shown by going through every number, because division is beyond a model checker.
+"""Decimal digits inside a binary number: every number is tried, because division is beyond a model checker.
 
-The reference does not divide either: it counts, and carries as an odometer does. Every value that an encoder may be given comes by on the way.
+The reference does not divide either: it counts, and carries as an odometer does.
+Every value that an encoder may be given comes by on the way.
 """
 
 from __future__ import annotations
@@ -9,18 +10,23 @@ from proof_layout import RANGE, Codec
 
 
 def program(codec: Codec) -> str:
-    """A C program for a register whose only field is a number of at most 32 bits with digits; it returns 0 when it is right for all of them."""
+    """A C program for a register whose only field is a number of at most 32 bits with digits;
+    it returns 0 when it is right for all of them."""
     (field,) = codec.fields
-    assert field.digits and field.widest <= 32 and codec.size * 8 == field.widest and not codec.by_word
-    limit = 10 ** sum(run.digits for run in field.digits)
-    names = [codec.header.member(codec.name, run.name).name for run in field.digits]
+    assert field.runs
+    assert field.widest <= 32
+    assert codec.size * 8 == field.widest
+    assert not codec.by_word
+    limit = 10 ** sum(run.digits for run in field.runs)
+    names = [codec.header.member(codec.name, run.name).name for run in field.runs]
     whole = codec.header.member(codec.name, field.name)
     places = range(codec.size) if codec.layout.byte_order == "low_byte_first" else range(codec.size - 1, -1, -1)
     writes = " ".join(f"sent[{at}] = (uint8_t)(number >> {8 * place});" for place, at in enumerate(places))
     right_bytes = " && ".join(f"again[{at}] == sent[{at}]" for at in places)
     odometer = ""
-    for run, name in zip(field.digits, names):
-        odometer = f"if (++count.{name} == {run.modulus}U) {{ count.{name} = 0U; {odometer}}}" if odometer else f"count.{name}++;"
+    for run, name in zip(field.runs, names, strict=True):
+        carries = f"if (++count.{name} == {run.modulus}U) {{ count.{name} = 0U; {odometer}}}"
+        odometer = carries if odometer else f"count.{name}++;"
 
     def same(struct: str) -> str:
         return " && ".join(f"{struct}.{name} == count.{name}" for name in (*names, whole.name))

@@ -1,17 +1,18 @@
-"""What the proofs need to know of a layout: its parameters, its members as the header declares them, and what each is said to be.
+"""What the proofs need to know of a layout: its parameters, its members as declared, and what each is said to be.
 
-Nothing here or in the reference looks at how the C target reads or writes a field; from the header come only the names and types of struct members.
+Nothing here or in the reference looks at how the C target reads or writes a field;
+from the header come only the names and types of struct members.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field as attribute
+from dataclasses import dataclass
+from dataclasses import field as attribute
 from functools import cached_property
 
-from codewheel.expressions import Expression
-from codewheel.model import Crc, Device, Field, Join, Layout, Register
-
+from codewheel.model import Choice, Crc, Device, Field, Flag, Join, Layout, Register, Text
+from codewheel.model.expressions import Expression
 from proof import Header, Member, Variants, in_c
 
 #: The documented order of faults.
@@ -20,7 +21,8 @@ LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
 
 @dataclass(frozen=True)
 class Item:
-    """A member that users see: a field of the layout, a run of digits, or a join. ``value`` is what the reference says that it is."""
+    """A member that users see: a field of the layout, a run of digits, or a join.
+    ``value`` is what the reference says that it is."""
 
     name: str
     member: Member
@@ -33,7 +35,8 @@ class Item:
             return "1"  # division is beyond the checker: proof_digits.py goes through all numbers
         if self.characters:
             parts = (
-                f"(unsigned char){struct}.{self.member.name}[{at}] == (unsigned char)({expected} >> {8 * (self.characters - 1 - at)})"
+                f"(unsigned char){struct}.{self.member.name}[{at}] == "
+                f"(unsigned char)({expected} >> {8 * (self.characters - 1 - at)})"
                 for at in range(self.characters)
             )
             return "(" + " && ".join(parts) + ")"
@@ -42,7 +45,8 @@ class Item:
 
 @dataclass(frozen=True)
 class Codec:
-    """One layout with the decoder and the encoder of it. ``name`` is the struct's name in C; ``held`` fixes what registers hold at run time."""
+    """One layout with its decoder and encoder. ``name`` is the struct's name in C;
+    ``held`` fixes what registers hold at run time."""
 
     device: Device
     interface: str
@@ -60,11 +64,19 @@ class Codec:
 
     @cached_property
     def variants(self) -> Variants:
-        limits = [item for item in (self.register.min, self.register.max) if item is not None] if self.register is not None else []
+        ends = () if self.register is None else (self.register.min, self.register.max)
+        limits = [item for item in ends if item is not None]
         equals = [item.equals for item in self.layout.fields if isinstance(item.equals, Expression)]
-        expressions = [self.layout.bits, *(part for item in self.layout.fields for part in (item.low, item.width)), *limits, *equals]
+        expressions = [
+            self.layout.bits,
+            *(part for item in self.layout.fields for part in (item.low, item.width)),
+            *limits,
+            *equals,
+        ]
         used = dict.fromkeys(name for item in expressions for name in item.parameters)
-        return Variants.of(self.device, self.interface, [*used, *([self.layout.gray_when] if self.layout.gray_when else [])]).fixed(self.held)
+        return Variants.of(
+            self.device, self.interface, [*used, *([self.layout.gray_when] if self.layout.gray_when else [])]
+        ).fixed(self.held)
 
     @property
     def by_word(self) -> bool:
@@ -73,7 +85,8 @@ class Codec:
     @property
     def size(self) -> int:
         """Bytes of a layout that is carried as bytes."""
-        assert self.layout.bits.is_constant and self.layout.bits.constant % 8 == 0
+        assert self.layout.bits.is_constant
+        assert self.layout.bits.constant % 8 == 0
         return self.layout.bits.constant // 8
 
     @property
@@ -85,17 +98,17 @@ class Codec:
 
     @property
     def has_digits(self) -> bool:
-        return any(field.digits for field in self.fields)
+        return any(field.runs for field in self.fields)
 
     @property
     def crc(self) -> Crc | None:
-        return self.device.crc(self.layout.crc_field.crc) if self.layout.crc_field is not None else None
+        return self.device.crc_of(self.layout)
 
     def allowed(self, field: Field) -> tuple[int, ...]:
         """The only values that a field may have; nothing where it may have any."""
         if field.name == self.layout.selector:
             return tuple(self.layout.selects)
-        return tuple(item.value for item in field.values) if field.kind == "choice" else ()
+        return tuple(item.value for item in field.values) if isinstance(field.kind, Choice) else ()
 
     def member(self, name: str) -> Member:
         return self.header.member(self.name, name)
@@ -106,7 +119,7 @@ class Codec:
     def joined(self, join: Join, *parts: str) -> str:
         """The number of which these are the parts, the highest first."""
         value = "0"
-        for name, part in zip(join.fields, parts):
+        for name, part in zip(join.fields, parts, strict=True):
             value = part if value == "0" else f"(({value}) << {in_c(self.layout.field(name).width)} | {part})"
         return value
 
@@ -115,17 +128,20 @@ class Codec:
         items: list[Item] = []
         for field in self.fields:
             raw, member = f"r_{field.name}", self.member(field.name)
-            if field.kind == "text":
+            if isinstance(field.kind, Text):
                 items.append(Item(field.name, member, "number", raw, field.widest // 8))
-            elif field.kind == "flag":
-                items.append(Item(field.name, member, "unsigned", f"({raw} {'==' if field.active_low else '!='} 0)"))
-            elif field.signed:
+            elif isinstance(field.kind, Flag):
+                sign = "==" if field.kind.active_low else "!="
+                items.append(Item(field.name, member, "unsigned", f"({raw} {sign} 0)"))
+            elif field.number.signed:
                 items.append(Item(field.name, member, "long long", f"signed_number({raw}, {in_c(field.width)})"))
             else:
-                value = f"({raw} == 0 ? (number){field.zero_means} : {raw})" if field.zero_means else raw
+                zero = field.number.zero_means
+                value = f"({raw} == 0 ? (number){zero} : {raw})" if zero else raw
                 items.append(Item(field.name, member, "number", value))
-            items += [Item(run.name, self.member(run.name), "digits", field.name) for run in field.digits]
+            items += [Item(run.name, self.member(run.name), "digits", field.name) for run in field.runs]
         items += [Item(join.name, self.member(join.name), "number", f"r_{join.name}") for join in self.layout.joins]
+        items += [Item("unused", self.member("unused"), "number", "r_unused")] if self.layout.unused else []
         return tuple(items)
 
     def check_members(self) -> None:

@@ -1,15 +1,15 @@
-"""The plain reference that a decoder and an encoder are compared with, in C: written from the layout, bit by bit, in integers that hold any frame.
+"""The plain reference for a decoder and an encoder, in C: written from the layout, bit by bit, in wide integers.
 
-``check`` reads every field into ``r_…`` and gives the fault in the values, ``crc_of`` is the shift register of the CRC's definition,
-``reference`` gives the first fault in the documented order, and ``uncovered`` the bits that no field is in.
+``check`` reads every field into ``r_…`` and gives the fault in the values,
+``crc_of`` is the shift register of the CRC's definition, ``reference`` gives the first fault in the documented order,
+and ``uncovered`` the bits that no field is in.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from codewheel.model import Crc, Join
-
+from codewheel.model import Constant, Crc, Field, Join, Parity, Unused
 from proof import in_c
 from proof_layout import CONSTANT, CRC, LENGTH, RANGE, Codec
 
@@ -33,10 +33,18 @@ def shifted_out(crc: Crc) -> tuple[str, ...]:
 
 def reference(codec: Codec) -> str:
     layout, crc, check = codec.layout, codec.crc, layout_crc(codec)
-    lines = [f"static number r_{name};" for name in (*(item.name for item in layout.fields), *(join.name for join in layout.joins))]
+    lines = [
+        f"static number r_{name};"
+        for name in (*(item.name for item in layout.fields), *(join.name for join in layout.joins))
+    ]
+    lines += ["static number r_unused;"] if layout.unused else []
     lines += ["static number received(number word, long long low, long long width)", "{", "    number value = 0;"]
-    lines += [f"    for (int i = 0; i < {layout.widest}; i++) if (i < width) value |= ((word >> low) & ((number)1 << i));", "    return value;", "}"]
-    if any(item.signed for item in layout.fields):
+    lines += [
+        f"    for (int i = 0; i < {layout.widest}; i++) if (i < width) value |= ((word >> low) & ((number)1 << i));",
+        "    return value;",
+        "}",
+    ]
+    if any(item.number.signed for item in layout.fields):
         lines += ["static long long signed_number(number raw, long long width)", "{"]
         lines += ["    return (raw >> (width - 1)) & 1 ? (long long)raw - (1LL << width) : (long long)raw;", "}"]
     lines += _out_of_gray(codec)
@@ -44,17 +52,38 @@ def reference(codec: Codec) -> str:
         lines += _crc_of(codec, crc)
     lines += ["static int check(number word)", "{", "    number plain = out_of_gray(word);"]
     for field in layout.fields:
-        lines.append(f"    r_{field.name} = received({'word' if field.kind == 'parity' else 'plain'}, {in_c(field.low)}, {in_c(field.width)});")
-    lines += [f"    r_{join.name} = {codec.joined(join, *(f'r_{name}' for name in join.fields))};" for join in layout.joins]
+        of = "word" if isinstance(field.kind, Parity) else "plain"
+        lines.append(f"    r_{field.name} = received({of}, {in_c(field.low)}, {in_c(field.width)});")
+    lines += [
+        f"    r_{join.name} = {codec.joined(join, *(f'r_{name}' for name in join.fields))};" for join in layout.joins
+    ]
+    # A bit is 1 where it is not as documented; where the field is narrower, so is what is documented.
+    lines += [
+        f"    r_unused {'|=' if index else '='} (r_{field.name} ^ ({documented(field)}ULL & {ones(field)})) << {place};"
+        for index, (field, place) in enumerate(layout.unused)
+    ]
     for fault, conditions in ((CONSTANT, _constants(codec)), (RANGE, _ranges(codec))):
         lines += [f"    if ({condition}) return {fault};" for condition in conditions]
     lines += ["    return 0;", "}", "static number uncovered(number word)", "{"]
-    lines += [f"    word &= ~(received(~(number)0, 0, {in_c(field.width)}) << {in_c(field.low)});" for field in layout.fields]
+    lines += [
+        f"    word &= ~(received(~(number)0, 0, {in_c(field.width)}) << {in_c(field.low)});" for field in layout.fields
+    ]
     lines += [f"    return received(word, 0, {in_c(layout.bits)});", "}"]
     lines += ["static int reference(number word)", "{"]
     lines += [f"    if (word >> {in_c(layout.bits)}) return {LENGTH};"] if codec.by_word else []
     lines += [f"    if (crc_of(word) != {check}) return {CRC};"] if check else []
     return "\n".join([*lines, "    return check(word);", "}", ""])
+
+
+def documented(field: Field) -> int:
+    """What the manual has in unused bits."""
+    assert isinstance(field.kind, Unused)
+    return field.kind.value
+
+
+def ones(field: Field) -> str:
+    """The bits of a field, all 1."""
+    return f"received(~(number)0, 0, {in_c(field.width)})"
 
 
 def layout_crc(codec: Codec, word: str = "word") -> str:
@@ -64,13 +93,18 @@ def layout_crc(codec: Codec, word: str = "word") -> str:
 
 
 def _out_of_gray(codec: Codec) -> Iterator[str]:
-    """The word with the part that is in Gray code, if any, in binary: every bit is the sum of the bits from the top of the number down to it."""
+    """The word with the part that is in Gray code, if any, in binary:
+    every bit is the sum of the bits from the top of the number down to it."""
     layout = codec.layout
     yield from ("static number out_of_gray(number word)", "{")
     if layout.gray_of:
         join = next((item for item in layout.joins if item.name == layout.gray_of), Join("", (layout.gray_of,)))
         lowest = layout.field(join.fields[-1]).low
-        yield from (f"    if (p_{layout.gray_when} != 0) {{", "        number sum = 0;", f"        for (int i = {layout.widest - 1}; i >= 0; i--)")
+        yield from (
+            f"    if (p_{layout.gray_when} != 0) {{",
+            "        number sum = 0;",
+            f"        for (int i = {layout.widest - 1}; i >= 0; i--)",
+        )
         yield f"            if (i >= {in_c(lowest)} && i < {in_c(lowest + codec.join_width(join))}) {{"
         yield "                sum ^= (word >> i) & 1;"
         yield from ("                word = (word & ~((number)1 << i)) | (sum << i);", "            }", "    }")
@@ -91,15 +125,20 @@ def _crc_of(codec: Codec, crc: Crc) -> Iterator[str]:
         byte = "i / 8" if layout.byte_order == "low_byte_first" else f"{codec.size - 1} - i / 8"
         bit = f"(word >> (8 * ({byte}) + ({'i % 8' if crc.refin else '7 - i % 8'}))) & 1"
     yield from (f"        {line}" for line in shift_in(crc, bit))
-    yield from ("    }", *(f"    {line}" for line in shifted_out(crc)), f"    return shift_register ^ {crc.xorout}ULL;", "}")
+    yield from (
+        "    }",
+        *(f"    {line}" for line in shifted_out(crc)),
+        f"    return shift_register ^ {crc.xorout}ULL;",
+        "}",
+    )
 
 
 def _constants(codec: Codec) -> Iterator[str]:
     for field in codec.layout.fields:
-        if field.kind == "constant":
-            yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.constant}ULL"
-        if field.kind == "parity":
-            of = codec.layout.field(field.parity_of)
+        if isinstance(field.kind, Constant):
+            yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.kind.value}ULL"
+        if isinstance(field.kind, Parity):
+            of = codec.layout.field(field.kind.of)
             yield f"r_{field.name} != ({' ^ '.join(f'((r_{of.name} >> {bit}) & 1)' for bit in range(of.widest))})"
 
 
@@ -108,5 +147,5 @@ def _ranges(codec: Codec) -> Iterator[str]:
         allowed = codec.allowed(field)
         if allowed:
             yield " && ".join(f"r_{field.name} != {value}" for value in allowed)
-        if field.digits:
-            yield f"r_{field.name} >= {10 ** sum(run.digits for run in field.digits)}ULL"
+        if field.runs:
+            yield f"r_{field.name} >= {10 ** sum(run.digits for run in field.runs)}ULL"

@@ -1,11 +1,10 @@
-"""Proofs of what all decoders share: the functions on bits of the shared header, and the CRC functions of the devices."""
+"""Proofs of what all decoders share: the shared header's functions on bits, and the CRC functions of the devices."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 from codewheel.model import Crc, Device
-
 from proof import PRELUDE, UNDEFINED, Header, Proof
 from proof_reference import shift_in, shifted_out
 
@@ -18,7 +17,8 @@ POWERS = 8
 
 _BITS = """\
 typedef __int128 wide;
-/* Gray code of a number: each bit is the sum of the bit and the one above it. As that gives back every word, the other way is its inverse. */
+/* Gray code of a number: each bit is the sum of the bit and the one above it.
+   As that gives back every word, the other way is its inverse. */
 static unsigned long long in_gray(unsigned long long plain, unsigned low, unsigned bits)
 {
     unsigned long long gray = plain;
@@ -31,14 +31,16 @@ void to_gray(void)
     unsigned long long word = nondet_word();
     unsigned low = nondet_byte(), bits = nondet_byte();
     __CPROVER_assume(low + bits <= 64);
-    __CPROVER_assert(@_to_gray(word, low, bits) == in_gray(word, low, bits), "each bit is the sum of it and the one above");
+    __CPROVER_assert(@_to_gray(word, low, bits) == in_gray(word, low, bits),
+        "each bit is the sum of it and the one above");
 }
 void from_gray(void)
 {
     unsigned long long word = nondet_word();
     unsigned low = nondet_byte(), bits = nondet_byte();
     __CPROVER_assume(low + bits <= 64);
-    __CPROVER_assert(in_gray(@_from_gray(word, low, bits), low, bits) == word, "the number of which this is the Gray code");
+    __CPROVER_assert(in_gray(@_from_gray(word, low, bits), low, bits) == word,
+        "the number of which this is the Gray code");
 }
 void numbers(void)
 {
@@ -46,12 +48,15 @@ void numbers(void)
     unsigned low = nondet_byte(), bits = nondet_byte();
     __CPROVER_assume(bits <= 64);
     __CPROVER_assert(@_mask(bits) == (unsigned long long)(((wide)1 << bits) - 1), "so many ones");
-    __CPROVER_assert(@_field(word, low, bits) == (low < 64 ? (unsigned long long)((wide)(word >> low) & (((wide)1 << bits) - 1)) : 0), "the field");
+    __CPROVER_assert(@_field(word, low, bits)
+        == (low < 64 ? (unsigned long long)((wide)(word >> low) & (((wide)1 << bits) - 1)) : 0), "the field");
     long long number = nondet_number();
     __CPROVER_assume(bits >= 1);
-    __CPROVER_assert(@_fits_signed(number, bits) == (number >= -((wide)1 << (bits - 1)) && number < ((wide)1 << (bits - 1))), "fits");
+    __CPROVER_assert(@_fits_signed(number, bits)
+        == (number >= -((wide)1 << (bits - 1)) && number < ((wide)1 << (bits - 1))), "fits");
     __CPROVER_assume((wide)word < ((wide)1 << bits));
-    __CPROVER_assert(@_signed(word, bits) == ((word >> (bits - 1)) & 1 ? (wide)word - ((wide)1 << bits) : (wide)word), "two's complement");
+    __CPROVER_assert(@_signed(word, bits) == ((word >> (bits - 1)) & 1 ? (wide)word - ((wide)1 << bits) : (wide)word),
+        "two's complement");
 }
 void parity(void)
 {
@@ -67,7 +72,8 @@ void difference(void)
         unsigned long long modulus = 1ULL << power, now = nondet_word(), before = nondet_word();
         long long moved = @_difference(now, before, modulus);
         __CPROVER_assert(((now - before - (unsigned long long)moved) & (modulus - 1)) == 0, "from before to now");
-        __CPROVER_assert((wide)2 * moved < (wide)modulus && (wide)2 * moved >= -(wide)modulus, "the shorter way, half way round backwards");
+        __CPROVER_assert((wide)2 * moved < (wide)modulus && (wide)2 * moved >= -(wide)modulus,
+            "the shorter way, half way round backwards");
     }
 }
 #endif
@@ -89,7 +95,15 @@ void difference_of_anything(void) { (void)@_difference(nondet_word(), nondet_wor
 
 def shared_proofs(maker: str) -> Iterable[Proof]:
     text = f'#include "{maker}/encoder.h"\n{PRELUDE}' + _BITS.replace("@powers@", str(POWERS)).replace("@", maker)
-    for entry in ("to_gray", "from_gray", "numbers", "parity", "difference_without_modulus", "difference_of_bytes", "difference_of_anything"):
+    for entry in (
+        "to_gray",
+        "from_gray",
+        "numbers",
+        "parity",
+        "difference_without_modulus",
+        "difference_of_bytes",
+        "difference_of_anything",
+    ):
         yield Proof(f"{maker} {entry}", text, entry, 66, tuple(UNDEFINED))
     for power in range(0, 64, POWERS):
         yield Proof(f"{maker} difference by 2^{power} and on", text, "difference", 66, (f"-DPOWER={power}", *UNDEFINED))
@@ -118,7 +132,8 @@ def _crc(crc: Crc, name: str, kinds: list[str]) -> str:
         call, rounds, before = f"{name}(data, length)", 8 * BYTES, "i / 8 < length"
         bit = f"(data[i / 8] >> ({'i % 8' if crc.refin else '7 - i % 8'})) & 1"
     else:
-        assert kinds == ["uint64_t"] and crc.init == 0, f"{name}: a CRC function of {kinds} has no proof yet"
+        assert kinds == ["uint64_t"], f"{name}: a CRC function of {kinds} has no proof yet"
+        assert crc.init == 0, f"{name}: a CRC function of {kinds} has no proof yet"
         given = "unsigned long long data = nondet_word();"
         call, rounds, before, bit = f"{name}(data)", 64, "1", "(data >> (63 - i)) & 1"
     shift, turn = "\n            ".join(shift_in(crc, bit)), "\n    ".join(shifted_out(crc))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from codewheel.limits import bounded
-from codewheel.model import Field
-
+from codewheel.model import Field, Flag, Text
+from codewheel.reference.limits import bounded
 from proof import in_c
 from proof_layout import Codec
+from proof_reference import ones
 
 
 def valid(codec: Codec) -> Iterator[str]:
@@ -16,6 +16,9 @@ def valid(codec: Codec) -> Iterator[str]:
         yield from _valid_field(codec, field)
     for join in codec.layout.joins:
         yield f"{_given(codec, join.name)} == {codec.joined(join, *(_given(codec, name) for name in join.fields))}"
+    if codec.layout.unused:
+        mask = " | ".join(f"({ones(field)} << {place})" for field, place in codec.layout.unused)
+        yield f"({_given(codec, 'unused')} & ~({mask})) == 0"
     yield from limits(codec, lambda name: _given(codec, name))
 
 
@@ -25,23 +28,23 @@ def _given(codec: Codec, name: str) -> str:
 
 def _valid_field(codec: Codec, field: Field) -> Iterator[str]:
     given, width = _given(codec, field.name), in_c(field.width)
-    if field.kind in ("flag", "text"):
+    if isinstance(field.kind, (Flag, Text)):
         return
-    if field.signed:
+    if field.number.signed:
         member = f"(long long)in.{codec.member(field.name).name}"
         yield f"{member} >= -(1LL << ({width} - 1)) && {member} <= (1LL << ({width} - 1)) - 1"
         return
     fits = f"({given} >> {width}) == 0"
-    yield f"(({given} != 0 && {fits}) || {given} == {field.zero_means})" if field.zero_means else fits
+    yield f"(({given} != 0 && {fits}) || {given} == {field.number.zero_means})" if field.number.zero_means else fits
     allowed = codec.allowed(field)
     if allowed:
         yield " || ".join(f"{given} == {value}" for value in allowed)
-    if field.power_of_two:
+    if field.number.power_of_two:
         yield one_bit(field, given)
-    for run in field.digits:
+    for run in field.runs:
         yield f"{_given(codec, run.name)} < {run.modulus}"
-    if field.digits:
-        yield f"{given} == {' + '.join(f'{_given(codec, run.name)} * {run.divisor}' for run in field.digits)}"
+    if field.runs:
+        yield f"{given} == {' + '.join(f'{_given(codec, run.name)} * {run.divisor}' for run in field.runs)}"
 
 
 def one_bit(field: Field, given: str) -> str:

@@ -1,6 +1,7 @@
-"""What the tests of the C target ask the program of the harness, and what it answers: the tests are run once, to be repeated elsewhere.
+"""What the C target's tests ask the harness's program and what it answers: run once, to be repeated elsewhere.
 
-They hold the answers against the manuals' examples, public vectors and the model. Whatever answers the same lines alike passes them as well.
+They hold the answers against the manuals' examples, public vectors and the model.
+Whatever answers the same lines alike passes them as well.
 """
 
 from __future__ import annotations
@@ -15,18 +16,16 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from c_harness import FAMILIES, SPECS, Run, devices_of
+from c_harness import FAMILIES, MADE_UP, Run, devices_of
 from codewheel.model import Device
 from tree import library
 
 TESTS = Path(__file__).resolve().parents[1]
-#: Specs that use what no family does.
-_MADE_UP = (SPECS / "bits22.yaml", TESTS.parent / "docs" / "example", TESTS / "c" / "specs" / "words.yaml")
 
 
 def every_device() -> dict[str, Device]:
     """The families and the made-up devices of the C tests."""
-    return {**library(), **{device.name: device for path in _MADE_UP for device in devices_of(path)}}
+    return {**library(), **{device.name: device for path in MADE_UP.values() for device in devices_of(path)}}
 
 
 @dataclass
@@ -39,14 +38,19 @@ class Recording:
     def __call__(self, lines: Iterable[str]) -> list[str]:
         asked = list(lines)
         given = self.run(asked)
-        self.answers.update(zip(asked, given))
+        self.answers.update(zip(asked, given, strict=True))
         return given
 
 
 def run_tests(devices: Mapping[str, Device], programs: Mapping[str, Run]) -> list[str]:
-    """Calls every test of ``tests/c`` that needs nothing but devices, programs and public vectors; gives the names of those tests."""
+    """Calls every test of ``tests/c`` that needs only devices, programs and public vectors; gives their names."""
     vectors = json.loads((TESTS / "vectors.json").read_text(encoding="utf-8"))
-    shared: dict[str, Any] = {"every_device": devices, "programs": programs, "vectors": vectors, "c_devices": tuple(devices[name] for name in FAMILIES)}
+    shared: dict[str, Any] = {
+        "every_device": devices,
+        "programs": programs,
+        "vectors": vectors,
+        "c_devices": tuple(devices[name] for name in FAMILIES),
+    }
     shared |= {name: devices[name] for name in ("amm5", "bits22", "words")} | {"run": programs["amm5"]}
     shared |= {f"run_{name}": programs[name] for name in ("bits22", "words")}
     called = []
@@ -62,8 +66,11 @@ def _tests(module: ModuleType) -> list[Callable[..., None]]:
     return [item for name, item in vars(module).items() if name.startswith("test_") and inspect.isfunction(item)]
 
 
-def _arguments(function: Callable[..., None], shared: Mapping[str, Any], devices: Mapping[str, Device], programs: Mapping[str, Run]) -> Iterable[dict[str, Any]]:
-    """What a test is called with: the fixtures of the C tests, and the rows of one ``parametrize``. Nothing, where it needs more or has no program."""
+def _arguments(
+    function: Callable[..., None], shared: Mapping[str, Any], devices: Mapping[str, Device], programs: Mapping[str, Run]
+) -> Iterable[dict[str, Any]]:
+    """What a test is called with: the fixtures of the C tests, and the rows of one ``parametrize``.
+    Nothing, where it needs more or has no program."""
     names = list(inspect.signature(function).parameters)
     if not any(name in ("machine", "family", "run", "programs") or name.startswith("run_") for name in names):
         return
@@ -82,4 +89,4 @@ def _arguments(function: Callable[..., None], shared: Mapping[str, Any], devices
 def _rows(mark: pytest.Mark) -> Iterable[dict[str, Any]]:
     names = [name.strip() for name in mark.args[0].split(",")] if isinstance(mark.args[0], str) else list(mark.args[0])
     for values in mark.args[1]:
-        yield dict(zip(names, [values] if len(names) == 1 else values))
+        yield dict(zip(names, [values] if len(names) == 1 else values, strict=True))

@@ -1,4 +1,4 @@
-"""Register access over BiSS, proved by CBMC for every state that a machine can be in and every bit that can come over the line."""
+"""Register access over BiSS, proved by CBMC for every state of a machine and every bit that comes over the line."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from tools import tool
 HARNESS = Path(__file__).with_name("proof_biss.c")
 #: Undefined behaviour, and besides it every unsigned overflow and every number that a smaller type cannot hold.
 CHECKS = (
-    "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check --signed-overflow-check --unsigned-overflow-check"
-    " --conversion-check --undefined-shift-check --div-by-zero-check --unwind 130 --unwinding-assertions"
+    "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check"
+    " --signed-overflow-check --unsigned-overflow-check --conversion-check --undefined-shift-check --div-by-zero-check"
+    " --unwind 130 --unwinding-assertions"
 ).split()
 CLAIMS = re.findall(r"^void (\w+)\(void\)$", HARNESS.read_text(encoding="utf-8"), re.MULTILINE)
 
@@ -30,8 +31,16 @@ def verdict(include: Path, folder: Path, claim: str) -> str:
     (header,) = include.glob("*/biss.h")
     maker = header.parent.name
     harness = folder / "harness.c"
-    harness.write_text(HARNESS.read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper()), encoding="utf-8")
-    done = subprocess.run([checker, str(harness), f"-I{include}", "--function", claim, *CHECKS], capture_output=True, text=True, timeout=400)
+    harness.write_text(
+        HARNESS.read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper()),
+        encoding="utf-8",
+    )
+    done = subprocess.run(
+        [checker, str(harness), f"-I{include}", "--function", claim, *CHECKS],
+        capture_output=True,
+        text=True,
+        timeout=400,
+    )
     # A function without a body may give anything: that is what the harness is for.
     failed = [line for line in done.stdout.splitlines() if line.endswith(": FAILURE") and ".no-body." not in line]
     assert failed or "0 of " in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]

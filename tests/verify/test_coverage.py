@@ -1,4 +1,4 @@
-"""The tests of the C target reach every line and every branch of the headers: each condition was true once and false once.
+"""The tests of the C target reach every line and branch of the headers: each condition was once true, once false.
 
 What cannot be reached is listed here with its reason.
 """
@@ -17,8 +17,12 @@ from tools import tool
 from tree import generated_tree
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Those that run programs over the headers, in both forms of the CRCs; the others only compile them, or are about headers of made-up devices.
-TESTS = {"functions": [f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "families", "transport")], "codecs": ["tests/c/test_c_codec.py"]}
+#: Those that run programs over the headers, in both forms of the CRCs; the others only compile them,
+#: or are about headers of made-up devices.
+TESTS = {
+    "functions": [f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "families", "transport")],
+    "codecs": ["tests/c/test_c_codec.py"],
+}
 
 
 @dataclass(frozen=True)
@@ -31,13 +35,33 @@ class Unreached:
     reason: str
 
 
-#: Results of functions that can only refuse a length, and get that of an array of their own size. They are looked at all the same (MISRA C:2012 Dir 4.7):
-#: with a spec whose values can be refused, the same lines are needed.
+#: Results of functions that can only refuse a length, and get that of an array of their own size. They are looked at
+#: all the same (MISRA C:2012 Dir 4.7): with a spec whose values can be refused, the same lines are needed.
 UNREACHED = (
-    Unreached(r"lika_\w+_could_be", r"\(lika_\w+_reg_\w+_decode\(.*", 11, "every value of the registers that identify an encoder decodes; what it says is looked at next"),
-    Unreached(r"lika_(am36|sma21)_read_state", r"result != LIKA_OK|\{", 6, "every configuration, and every number of revolutions, is one that an encoder can have"),
-    Unreached(r"lika_(am36|sma21)_set_configuration", r"result != LIKA_OK|\{", 4, "every byte is a configuration, and there is a place for each step"),
-    Unreached(r"lika_sma21_(write_preset_offset|set_preset_steps|set_offset_steps)", r"result != LIKA_OK|\{", 6, "every value of 32 bits fits the register; limits are checked before"),
+    Unreached(
+        r"lika_\w+_could_be",
+        r"\(lika_\w+_reg_\w+_decode\(.*",
+        11,
+        "every value of the registers that identify an encoder decodes; what it says is looked at next",
+    ),
+    Unreached(
+        r"lika_(am36|sma21)_read_state",
+        r"result != LIKA_OK|\{",
+        6,
+        "every configuration, and every number of revolutions, is one that an encoder can have",
+    ),
+    Unreached(
+        r"lika_(am36|sma21)_set_configuration",
+        r"result != LIKA_OK|\{",
+        4,
+        "every byte is a configuration, and there is a place for each step",
+    ),
+    Unreached(
+        r"lika_sma21_(write_preset_offset|set_preset_steps|set_offset_steps)",
+        r"result != LIKA_OK|\{",
+        6,
+        "every value of 32 bits fits the register; limits are checked before",
+    ),
 )
 
 
@@ -52,19 +76,25 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
     folder = tmp_path_factory.mktemp("coverage")
     gcc, clang = tool("gcc"), tool("clang")
     with ThreadPoolExecutor(2) as pool:
-        for status, said in pool.map(lambda name: run_tests(folder / name, [*TESTS[name], "-k", "not no_warning"], gcc, clang, ROOT), TESTS):
+        for status, said in pool.map(
+            lambda name: run_tests(folder / name, [*TESTS[name], "-k", "not no_warning"], gcc, clang, ROOT), TESTS
+        ):
             assert status == 0, said
     return measured([folder / name for name in TESTS], headers.values(), tool("llvm-profdata"), tool("llvm-cov"))
 
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
     assert {place[0] for place in coverage.regions} == set(headers)
-    assert len(coverage.regions) > 2_000 and len(coverage.true) > 500
+    assert len(coverage.regions) > 2_000
+    assert len(coverage.true) > 500
     lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
     missing, known = [], Counter[Unreached]()
     for (name, line, column, end, last), function, what in coverage.unreached():
         text = lines[name][line - 1][column - 1 : last - 1 if line == end else None].strip()
-        item = next((item for item in UNREACHED if re.fullmatch(item.function, function) and re.fullmatch(item.text, text)), None)
+        item = next(
+            (item for item in UNREACHED if re.fullmatch(item.function, function) and re.fullmatch(item.text, text)),
+            None,
+        )
         if item is None:
             missing.append(f"{name}:{line} {function}: {text[:80]} {what}")
         else:

@@ -1,6 +1,7 @@
-"""The generated decoders stay as small and as quick as recorded: bytes, instructions and cycles are exact, so that one too many shows.
+"""The generated decoders stay as small and quick as recorded: bytes, instructions and cycles are exact.
 
-``python benchmarks/footprint.py --write`` records them anew; the page docs/footprint.md has the same figures beside those of others.
+``python benchmarks/footprint.py --write`` records them anew;
+the page docs/footprint.md has the same figures beside those of others.
 """
 
 from __future__ import annotations
@@ -24,7 +25,10 @@ RECORDED: dict[str, Any] = json.loads((BENCHMARKS / "footprint.json").read_text(
 def footprint(monkeypatch: pytest.MonkeyPatch) -> Any:
     """The script that measures; it needs the emulator of the extra ``bench``."""
     if importlib.util.find_spec("unicorn") is None:
-        words = "no Python package unicorn here, so the instructions are not counted; pip install 'codewheel[bench]' or make bench"
+        words = (
+            "no Python package unicorn here, so the instructions are not counted; "
+            "pip install 'codewheel[bench]' or make bench"
+        )
         if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
             pytest.fail(words)
         pytest.skip(words)
@@ -42,9 +46,17 @@ def test_no_byte_and_no_instruction_more_than_recorded(name: str, footprint: Any
         tool("simavr")
     recorded = RECORDED[name]
     if board.version() != recorded["compiler"]:
-        pytest.skip(f"the figures were recorded with {recorded['compiler']}, here is {board.version()}; make bench BENCH=--write records them anew")
-    measured = {frame: {key: list(pair) for key, pair in rows.items()} for frame, rows in footprint.measure_ours(board, tmp_path).items()}
-    assert {frame: set(rows) for frame, rows in measured.items()} == {frame: set(rows) for frame, rows in recorded["figures"].items()}
+        pytest.skip(
+            f"the figures were recorded with {recorded['compiler']}, here is {board.version()}; "
+            "make bench BENCH=--write records them anew"
+        )
+    measured = {
+        frame: {key: list(pair) for key, pair in rows.items()}
+        for frame, rows in footprint.measure_ours(board, tmp_path).items()
+    }
+    assert {frame: set(rows) for frame, rows in measured.items()} == {
+        frame: set(rows) for frame, rows in recorded["figures"].items()
+    }
     more = [
         f"{frame}, {key}: {pair} where {recorded['figures'][frame][key]} are recorded (bytes, {board.unit})"
         for frame, rows in measured.items()

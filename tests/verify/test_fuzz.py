@@ -1,4 +1,4 @@
-"""A fuzzer with address and undefined-behaviour sanitizers finds no fault in any function of any header, nor a frame that is not encoded as it was decoded.
+"""A fuzzer with sanitizers finds no fault in any function of any header, nor a frame that is not encoded as decoded.
 
 The targets are made from the headers, see ``fuzz.py``. ``CODEWHEEL_FUZZ_SECONDS`` says how long each is run.
 """
@@ -19,9 +19,15 @@ from tools import tool
 from tree import generated_tree, library, number_from_environment
 
 SECONDS = number_from_environment("CODEWHEEL_FUZZ_SECONDS", 20)
-#: Wrap-around of unsigned numbers and shifts that lose bits are what the code means; every other loss of a number's value is watched.
-SANITIZERS = ["-fsanitize=fuzzer,address,undefined,integer", "-fno-sanitize=unsigned-integer-overflow,unsigned-shift-base", "-fno-sanitize-recover=all"]
-#: Register access over BiSS is a header of the manufacturer's, not of a family. The other form of the CRCs is tried for a quarter of the time.
+#: Wrap-around of unsigned numbers and shifts that lose bits are what the code means;
+#: every other loss of a number's value is watched.
+SANITIZERS = [
+    "-fsanitize=fuzzer,address,undefined,integer",
+    "-fno-sanitize=unsigned-integer-overflow,unsigned-shift-base",
+    "-fno-sanitize-recover=all",
+]
+#: Register access over BiSS is a header of the manufacturer's, not of a family.
+#: The other form of the CRCs is tried for a quarter of the time.
 TARGETS = (*FAMILIES, "biss", *(f"{name}-crc-table" for name in FAMILIES))
 
 
@@ -48,36 +54,70 @@ def fuzzed(compiler: list[str], text: str, inputs: Iterable[bytes], folder: Path
     (folder / "target.c").write_text(text, encoding="utf-8")
     done = subprocess.run([*compiler, str(folder / "target.c"), "-o", str(program)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:4000]
-    options = [f"-max_total_time={seconds(folder.name)}", "-max_len=1200" if folder.name == "biss" else "-max_len=96", "-seed=1", "-rss_limit_mb=1024", "-print_final_stats=1", "-verbosity=1"]
-    done = subprocess.run([str(program), *options, f"-artifact_prefix={folder}/", str(corpus)], capture_output=True, text=True, errors="replace", timeout=SECONDS + 120)
+    options = [
+        f"-max_total_time={seconds(folder.name)}",
+        "-max_len=1200" if folder.name == "biss" else "-max_len=96",
+        "-seed=1",
+        "-rss_limit_mb=1024",
+        "-print_final_stats=1",
+        "-verbosity=1",
+    ]
+    done = subprocess.run(
+        [str(program), *options, f"-artifact_prefix={folder}/", str(corpus)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=SECONDS + 120,
+    )
     return done.returncode, done.stderr
 
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> None:
     name, _, table = target.partition("-")
-    compiler = [tool("clang"), "-std=c99", "-O1", "-g", *SANITIZERS, f"-I{include}", *(crc_tables(include) if table else ())]
+    compiler = [
+        tool("clang"),
+        "-std=c99",
+        "-O1",
+        "-g",
+        *SANITIZERS,
+        f"-I{include}",
+        *(crc_tables(include) if table else ()),
+    ]
     if name in FAMILIES:
         batch = Batch(library()[name])
         text, inputs = source(batch, include), seeds(batch)
     else:
         maker = Batch(library()[FAMILIES[0]]).view.maker.name
-        text, inputs = (HERE / "fuzz_biss.c").read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper()), iter(())
+        text, inputs = (
+            (HERE / "fuzz_biss.c")
+            .read_text(encoding="utf-8")
+            .replace("@maker@", maker)
+            .replace("@MAKER@", maker.upper()),
+            iter(()),
+        )
     status, log = fuzzed(compiler, text, inputs, folder / target)
     said = [line for line in log.splitlines() if not re.match(r"#\d|INFO|\s+NEW_FUNC", line)]
     assert status == 0, "\n".join(said[-60:])
     runs = re.search(r"number_of_executed_units:\s+(\d+)", log)
-    assert runs is not None and int(runs[1]) > 500 * seconds(target), said[-10:]
+    assert runs is not None, said[-10:]
+    assert int(runs[1]) > 500 * seconds(target), said[-10:]
 
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_every_function_is_called(name: str, include: Path) -> None:
-    """All but the helpers that are named with a reason: a function that the expressions overlook would not be fuzzed."""
+    """All but the helpers that are named with a reason: what the expressions overlook would not be fuzzed."""
     batch = Batch(library()[name])
     header = Header(batch, include)
     called = re.findall(r"\(void\)(\w+)\(", header.calls())
     own = [f"{item.view.name}_decode" for item in batch.codecs]
     declared = [
-        found for file in ("encoder", name) for found in re.findall(r"^static inline [^;{]*?(\w+)\(", folded((include / batch.view.maker.name / f"{file}.h").read_text(encoding="ascii")), re.MULTILINE)
+        found
+        for file in ("encoder", name)
+        for found in re.findall(
+            r"^static inline [^;{]*?(\w+)\(",
+            folded((include / batch.view.maker.name / f"{file}.h").read_text(encoding="ascii")),
+            re.MULTILINE,
+        )
     ]
     assert sorted([*called, *own, *(f"{header.maker}_{item}" for item in PRECONDITIONS)]) == sorted(declared)

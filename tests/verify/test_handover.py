@@ -1,7 +1,8 @@
 """The C folder alone, handed over: from an empty folder each way of building prints what the manual prints.
 
-The expected lines are the worked examples of the AMM5 manual, 6.4: the preset 1,000,003 of a 21-bit model stands in 11h to 17h as 00 30 24 F4 00 00 00
-and is written with 40h open, saved and activated with 77h; the serial number 0A E8 69 EE is year 18, week 30, number 3630.
+The expected lines are the worked examples of the AMM5 manual, 6.4:
+the preset 1,000,003 of a 21-bit model stands in 11h to 17h as 00 30 24 F4 00 00 00 and is written with 40h open,
+saved and activated with 77h; the serial number 0A E8 69 EE is year 18, week 30, number 3630.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ target_link_libraries(user PRIVATE lika::encoders)
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """The C folder as it is handed over, and nothing else of this project; in a path with a space, as people have them."""
+    """The C folder as it is handed over, without the rest of this project; in a path with a space, as people have."""
     return Path(shutil.copytree(ROOT / "generated" / "c", tmp_path / "handed over" / "c"))
 
 
@@ -67,7 +68,14 @@ def user(folder: Path) -> Path:
 
 
 def run(*command: str | Path, cwd: Path, **environment: str) -> str:
-    done = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, timeout=300, env={"PATH": os.environ["PATH"], **environment})
+    done = subprocess.run(
+        [str(part) for part in command],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env={"PATH": os.environ["PATH"], **environment},
+    )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     return done.stdout
 
@@ -115,8 +123,14 @@ def test_cmake_with_the_folder_as_it_is(folder: Path, user: Path) -> None:
 def test_cmake_refuses_a_version_to_come(folder: Path, user: Path) -> None:
     cmake = tool("cmake")
     (user / "CMakeLists.txt").write_text(CMAKE.format(lines="find_package(lika-encoders 9.0 REQUIRED)"))
-    done = subprocess.run([cmake, "-S", str(user), "-B", str(user / "build"), f"-DCMAKE_PREFIX_PATH={folder}"], capture_output=True, text=True, timeout=300)
-    assert done.returncode != 0 and "version: 0.1.0" in done.stderr
+    done = subprocess.run(
+        [cmake, "-S", str(user), "-B", str(user / "build"), f"-DCMAKE_PREFIX_PATH={folder}"],
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode != 0
+    assert "version: 0.1.0" in done.stderr
 
 
 def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:
@@ -124,7 +138,8 @@ def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:
     run(cmake, "-S", folder, "-B", tmp_path / "b", "-DLIKA_ENCODERS_EXAMPLES=ON", cwd=tmp_path)
     run(cmake, "--build", tmp_path / "b", cwd=tmp_path)
     programs = sorted(path.stem for path in (folder / "examples").glob("*.c"))
-    assert {name.rpartition("_")[2] for name in programs} == {"biss", "rs485", "ssi"} and len(programs) == 10
+    assert {name.rpartition("_")[2] for name in programs} == {"biss", "rs485", "ssi"}
+    assert len(programs) == 10
     for name in programs:
         run(tmp_path / "b" / name, cwd=tmp_path)
     prints(tmp_path / "b" / "amm5_biss")
@@ -137,20 +152,43 @@ def test_pkg_config(installed: bool, folder: Path, user: Path, tmp_path: Path) -
         cmake, where = tool("cmake"), tmp_path / "prefix"
         run(cmake, "-S", folder, "-B", tmp_path / "b", cwd=tmp_path)
         run(cmake, "--install", tmp_path / "b", "--prefix", where, cwd=tmp_path)
-    flags = run(tool("pkg-config"), "--cflags", "--print-errors", "lika-encoders >= 0.1", cwd=user, PKG_CONFIG_PATH=str(where / "share" / "pkgconfig"))
+    flags = run(
+        tool("pkg-config"),
+        "--cflags",
+        "--print-errors",
+        "lika-encoders >= 0.1",
+        cwd=user,
+        PKG_CONFIG_PATH=str(where / "share" / "pkgconfig"),
+    )
     # The flags come quoted for a shell.
     run("sh", "-c", f"eval cc -std=c99 '{flags.strip()}' main.c -o user", cwd=user)
     prints(user / "user")
-    assert run(tool("pkg-config"), "--modversion", "lika-encoders", cwd=user, PKG_CONFIG_PATH=str(where / "share" / "pkgconfig")) == "0.1.0\n"
+    assert (
+        run(
+            tool("pkg-config"),
+            "--modversion",
+            "lika-encoders",
+            cwd=user,
+            PKG_CONFIG_PATH=str(where / "share" / "pkgconfig"),
+        )
+        == "0.1.0\n"
+    )
 
 
 def test_cpp_takes_the_headers(folder: Path, tmp_path: Path) -> None:
     """A C++ program on the same headers, with the manual's serial number."""
     (tmp_path / "main.cpp").write_text(
-        '#include "lika/amm5.h"\n#include <cstdio>\nint main()\n{\n    const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;\n'
-        "    const uint8_t bytes[] = { 0x0A, 0xE8, 0x69, 0xEE };\n    lika_amm5_reg_serial_number serial;\n"
-        "    const lika_result result = lika_amm5_reg_serial_number_decode(&encoder, bytes, sizeof bytes, &serial);\n"
-        '    std::printf("%d %d %d %d\\n", (int)result, serial.year, serial.week, (int)serial.number);\n}\n'
+        r"""#include "lika/amm5.h"
+#include <cstdio>
+int main()
+{
+    const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;
+    const uint8_t bytes[] = { 0x0A, 0xE8, 0x69, 0xEE };
+    lika_amm5_reg_serial_number serial;
+    const lika_result result = lika_amm5_reg_serial_number_decode(&encoder, bytes, sizeof bytes, &serial);
+    std::printf("%d %d %d %d\n", (int)result, serial.year, serial.week, (int)serial.number);
+}
+"""
     )
     run("c++", "-std=c++11", "-I", folder / "include", tmp_path / "main.cpp", "-o", tmp_path / "program", cwd=tmp_path)
     assert run(tmp_path / "program", cwd=tmp_path) == "0 18 30 3630\n"

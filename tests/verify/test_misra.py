@@ -8,7 +8,6 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from test_warnings import headers  # noqa: F401
 from tools import tool
 from uses import use_everything
 
@@ -23,8 +22,13 @@ PLATFORMS = ("avr8", "arm32-wchar_t4", "unix64")
 def deviations() -> set[str]:
     """The rules of the first table, which is the one of what the add-on finds."""
     table = DEVIATIONS.read_text(encoding="utf-8").partition("These deviations are known besides")[0]
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("|")][2:]
-    assert rows and all(len(row) == 4 and all(row) for row in rows), "each deviation has a rule, a category, a place and a reason"
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("|")
+    ][2:]
+    assert rows, "each deviation has a rule, a category, a place and a reason"
+    assert all(len(row) == 4 and all(row) for row in rows), (
+        "each deviation has a rule, a category, a place and a reason"
+    )
     assert {row[1] for row in rows} == {"advisory"}, "no required rule is deviated from"
     return {row[0] for row in rows}
 
@@ -34,18 +38,30 @@ def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple
     unit = folder / "unit.c"
     unit.write_text(code, encoding="ascii")
     command = [
-        tool("cppcheck"), f"--platform={platform}", "--addon=misra", "--std=c99", f"-I{include}", "--enable=warning,style,performance,portability",
-        "--inconclusive", "--quiet", "--error-exitcode=0", "--template={file}:{line}: [{id}] {message}", str(unit),
-    ]  # fmt: skip
+        tool("cppcheck"),
+        f"--platform={platform}",
+        "--addon=misra",
+        "--std=c99",
+        f"-I{include}",
+        "--enable=warning,style,performance,portability",
+        "--inconclusive",
+        "--quiet",
+        "--error-exitcode=0",
+        "--template={file}:{line}: [{id}] {message}",
+        str(unit),
+    ]
     done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0 and "Bailing out" not in done.stderr, done.stdout + done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Bailing out" not in done.stderr, done.stdout + done.stderr
     found = re.findall(r"^(.+?):(\d+): \[(?:misra-c2012-)?(.+?)\]", done.stderr, re.MULTILINE)
     assert len(found) == len(done.stderr.splitlines()), done.stderr[:2000]
     return {(rule, f"{Path(path).relative_to(include)}:{line}") for path, line, rule in found if Path(path) != unit}
 
 
 @pytest.mark.parametrize("platform", PLATFORMS)
-def test_headers_that_are_included_have_no_finding_without_a_reason(platform: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
+def test_headers_that_are_included_have_no_finding_without_a_reason(
+    platform: str, headers: tuple[Path, list[str]], tmp_path: Path
+) -> None:
     include, every = headers
     # One by one: the add-on compares all names of a unit with each other, and all headers at once take minutes.
     found = {item for header in every for item in findings(f'#include "{header}"\n', include, tmp_path, platform)}
@@ -54,7 +70,9 @@ def test_headers_that_are_included_have_no_finding_without_a_reason(platform: st
     assert {rule for rule, _ in found} == allowed, "a deviation that nothing needs"
 
 
-def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
+def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
+    headers: tuple[Path, list[str]], tmp_path: Path
+) -> None:
     include, every = headers
     for header in every:
         found = findings(use_everything([header], include), include, tmp_path, "unix64")
@@ -66,12 +84,25 @@ def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(headers: 
     [
         ("return (0x6996U >> (v & 0x0FU)) & 1U;", "return v & value >> 31U;", "12.1"),
         ("    uint32_t v = value;\n", "    uint32_t v = value;\n    v = v << 1U, v >> 1U;\n", "12.3"),
-        ("static inline bool lika_is_digit(char letter)\n{\n", "static inline bool lika_is_digit(char letter)\n{\n    letter++;\n", "17.8"),
+        (
+            "static inline bool lika_is_digit(char letter)\n{\n",
+            "static inline bool lika_is_digit(char letter)\n{\n    letter++;\n",
+            "17.8",
+        ),
         ("return (0x6996U >> (v & 0x0FU)) & 1U;", "goto done;\ndone:\n    return v & 1U;", "15.1"),
-        ("        index += done;\n", "        if (done > 2U) {\n            index += done;\n        } else if (done > 1U) {\n            index += 2U;\n        }\n", "15.7"),
+        (
+            "        index += done;\n",
+            (
+                "        if (done > 2U) {\n            index += done;\n"
+                "        } else if (done > 1U) {\n            index += 2U;\n        }\n"
+            ),
+            "15.7",
+        ),
     ],
 )
-def test_what_is_planted_is_found(sound: str, planted: str, rule: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:  # noqa: F811
+def test_what_is_planted_is_found(
+    sound: str, planted: str, rule: str, headers: tuple[Path, list[str]], tmp_path: Path
+) -> None:
     shutil.copytree(headers[0], tmp_path / "include")
     header = tmp_path / "include" / "lika" / "encoder.h"
     text = header.read_text(encoding="ascii")
@@ -81,6 +112,8 @@ def test_what_is_planted_is_found(sound: str, planted: str, rule: str, headers: 
     assert rule in {item for item, _ in found} - deviations()
 
 
-def test_nothing_is_switched_off(headers: tuple[Path, list[str]]) -> None:  # noqa: F811
+def test_nothing_is_switched_off(headers: tuple[Path, list[str]]) -> None:
     include, every = headers
-    assert not [header for header in every if re.search(r"cppcheck-suppress|NOLINT|lint ?[-!]e", (include / header).read_text())]
+    assert not [
+        header for header in every if re.search(r"cppcheck-suppress|NOLINT|lint ?[-!]e", (include / header).read_text())
+    ]

@@ -1,12 +1,13 @@
 """Proof by a bounded model checker, for all inputs and for every order code.
 
-For every decoder and encoder: no undefined behaviour; the same result and the same members as a plain reference written from the layout;
-exactly the values in range are encoded; decode(encode(x)) = x and encode(decode(f)) = f. For every other function: no undefined behaviour, a fault
-leaves the results as they were, and a failure of the transport is reported. The faults at the end show that the proofs can fail.
+For every decoder and encoder: no undefined behaviour; the same result and the same members as a plain reference written
+from the layout; exactly the values in range are encoded; decode(encode(x)) = x and encode(decode(f)) = f.
+For every other function: no undefined behaviour, a fault leaves the results as they were,
+and a failure of the transport is reported. The faults at the end show that the proofs can fail.
 
-Parameters that registers set at run time may be anything, together with every order code. Where those are too many for the solver at once, which
-they are for the single cycle data of AM36, one width is fixed: to its least, its middle and its largest value, or to each in turn where
-``CODEWHEEL_PROVE_ALL=1`` is set, which takes some minutes more.
+Parameters that registers set at run time may be anything, together with every order code. Where those are too many for
+the solver at once, which they are for the single cycle data of AM36, one width is fixed: to its least, its middle and
+its largest value, or to each in turn where ``CODEWHEEL_PROVE_ALL=1`` is set, which takes some minutes more.
 """
 
 from __future__ import annotations
@@ -63,16 +64,18 @@ def codecs(device: Device, header: Header) -> Iterator[Codec]:
     """Every frame, and every register that is more than one number in one byte."""
     prefix = f"{device.manufacturer.name}_{device.name}"
     for interface, layout in device.layouts():
-        yield Codec(device, interface.kind, layout, header, prefix, f"{prefix}_{layout.name}")
+        yield Codec(device, interface.name, layout, header, prefix, f"{prefix}_{layout.name}")
     for register in device.registers:
         plain = register.length == 1 and [item.width.render() for item in register.layout.fields] == ["8"]
         if not plain:
-            yield Codec(device, register.interface, register.layout, header, prefix, f"{prefix}_reg_{register.name}", register)
+            yield Codec(
+                device, register.interface, register.layout, header, prefix, f"{prefix}_reg_{register.name}", register
+            )
 
 
 def states(codec: Codec) -> Iterator[Mapping[str, int]]:
-    """What is proved one by one: nothing where all parameters go at once; else the first width that a register holds, at either end and between or
-    everywhere, and what is on or off. The other widths stay anything."""
+    """What is proved one by one: nothing where all parameters go at once; else the first width that a register holds,
+    at either end and between or everywhere, and what is on or off. The other widths stay anything."""
     if codec.variants.count <= AT_ONCE:
         yield {}
         return
@@ -80,7 +83,7 @@ def states(codec: Codec) -> Iterator[Mapping[str, int]]:
     switches = [name for name, both in codec.variants.ranges.items() if both == (0, 1)]
     for value in range(low, high + 1) if ALL else (low, (low + high) // 2, high):
         for state in itertools.product((0, 1), repeat=len(switches)):
-            yield {first: value, **dict(zip(switches, state))}
+            yield {first: value, **dict(zip(switches, state, strict=True))}
 
 
 Prove = Callable[[str, Iterable[Proof]], None]
@@ -95,7 +98,8 @@ def prove(checker: Checker, include: Path, tmp_path: Path, told: list[Told]) -> 
         bad = [item.words for item in results if not item.proved]
         covered = {item.proof.of: item.proof.covers for item in results}
         told.append(Told(what, len(results), len(bad), sum(covered.values())))
-        assert results and not bad, "\n\n".join(bad)
+        assert results, "\n\n".join(bad)
+        assert not bad, "\n\n".join(bad)
 
     return run
 
@@ -103,7 +107,10 @@ def prove(checker: Checker, include: Path, tmp_path: Path, told: list[Told]) -> 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_codecs_are_equal_to_their_layout(family: str, include: Path, prove: Prove) -> None:
     found = codecs(library()[family], header_of(library()[family], include))
-    prove(f"{family}, decoders and encoders", [proof for codec in found for held in states(codec) for proof in proofs(replace(codec, held=held))])
+    prove(
+        f"{family}, decoders and encoders",
+        [proof for codec in found for held in states(codec) for proof in proofs(replace(codec, held=held))],
+    )
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -115,7 +122,7 @@ def test_shared_functions_on_bits(maker: str, prove: Prove) -> None:
     prove("bits and positions", shared_proofs(maker))
 
 
-@pytest.mark.parametrize("stem", ("encoder", *FAMILIES))
+@pytest.mark.parametrize("stem", ["encoder", *FAMILIES])
 def test_other_functions_keep_what_the_headers_promise(stem: str, maker: str, include: Path, prove: Prove) -> None:
     device = library().get(stem)
     own = Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
@@ -125,7 +132,9 @@ def test_other_functions_keep_what_the_headers_promise(stem: str, maker: str, in
         proved = {name for codec in codecs(device, header) for name in functions(codec)}
     assert proved <= own.functions.keys()
     rest = [item for item in own.functions.values() if item.name not in proved]
-    prove(f"{stem}.h, {len(rest)} other functions", CallProof(maker, header, f"{maker}/{stem}.h", rest, device).proofs())
+    prove(
+        f"{stem}.h, {len(rest)} other functions", CallProof(maker, header, f"{maker}/{stem}.h", rest, device).proofs()
+    )
 
 
 def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None:
@@ -137,29 +146,116 @@ def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None
             found += 1
             file = tmp_path / f"{codec.name}.c"
             file.write_text(program(codec), encoding="utf-8")
-            subprocess.run([os.environ.get("CC", "cc"), "-O2", "-I", str(include), str(file), "-o", str(tmp_path / codec.name)], check=True)
+            subprocess.run(
+                [os.environ.get("CC", "cc"), "-O2", "-I", str(include), str(file), "-o", str(tmp_path / codec.name)],
+                check=True,
+            )
             assert subprocess.run(limited([str(tmp_path / codec.name)])).returncode == 0, codec.name
     assert found
 
 
-#: Faults as a slip of the generator would make them: header, function, what is found in it, what takes its place, and the proof that has to see it.
+#: Faults as a slip of the generator would make them: header, function, what is found in it, what takes its place,
+#: and the proof that has to see it.
 SEEDED = {
-    "mask": ("amm5", "lika_amm5_single_cycle_data_crc", r"& 0xFFFU", "& 0xFFEU", "amm5_single_cycle_data decode_result"),
-    "polynomial bit": ("amm5", "lika_amm5_single_cycle_data_crc", r"(?s)<< 1U\)(?=;\s+return)", "<< 2U)", "amm5_single_cycle_data encode_crc"),
-    "table entry": ("amm5", "lika_amm5_crc_biss_6_entry", r"0x30U", "0x31U", "amm5_single_cycle_data decode_result with LIKA_CRC_TABLE"),
-    "shift": ("asc85", "lika_asc85_single_cycle_data_decode", r"word >> 9U", "word >> 8U", "asc85_single_cycle_data everything"),
-    "byte order": ("asc85", "lika_asc85_reg_serial_number_decode", r"bytes\[3\]", "bytes[2]", "asc85_reg_serial_number everything"),
-    "byte order of an encoder": ("asc85", "lika_asc85_reg_serial_number_encode", r"bytes\[0\]", "bytes[1]", "asc85_reg_serial_number everything"),
-    "limit": (
-        "am36", "lika_am36_reg_information_per_revolution_encode", r"> \w+MAX\)", "> 0x200000U)", "am36_reg_information_per_revolution everything"
+    "mask": (
+        "amm5",
+        "lika_amm5_single_cycle_data_crc",
+        r"& 0xFFFU",
+        "& 0xFFEU",
+        "amm5_single_cycle_data decode_result",
     ),
-    "level of a flag": ("asc85", "lika_asc85_single_cycle_data_encode", r"\? 0U : 1U", "? 1U : 0U", "asc85_single_cycle_data everything"),
-    "choice left out": ("sma21", "lika_sma21_data_request_decode", r"return \w+RANGE", "return LIKA_OK", "sma21_data_request everything"),
+    "polynomial bit": (
+        "amm5",
+        "lika_amm5_single_cycle_data_crc",
+        r"(?s)<< 1U\)(?=;\s+return)",
+        "<< 2U)",
+        "amm5_single_cycle_data encode_crc",
+    ),
+    "table entry": (
+        "amm5",
+        "lika_amm5_crc_biss_6_entry",
+        r"0x30U",
+        "0x31U",
+        "amm5_single_cycle_data decode_result with LIKA_CRC_TABLE",
+    ),
+    "shift": (
+        "asc85",
+        "lika_asc85_single_cycle_data_decode",
+        r"word >> 9U",
+        "word >> 8U",
+        "asc85_single_cycle_data everything",
+    ),
+    "byte order": (
+        "asc85",
+        "lika_asc85_reg_serial_number_decode",
+        r"bytes\[3\]",
+        "bytes[2]",
+        "asc85_reg_serial_number everything",
+    ),
+    "byte order of an encoder": (
+        "asc85",
+        "lika_asc85_reg_serial_number_encode",
+        r"bytes\[0\]",
+        "bytes[1]",
+        "asc85_reg_serial_number everything",
+    ),
+    "limit": (
+        "am36",
+        "lika_am36_reg_information_per_revolution_encode",
+        r"> \w+MAX\)",
+        "> 0x200000U)",
+        "am36_reg_information_per_revolution everything",
+    ),
+    "level of a flag": (
+        "asc85",
+        "lika_asc85_single_cycle_data_encode",
+        r"\? 0U : 1U",
+        "? 1U : 0U",
+        "asc85_single_cycle_data everything",
+    ),
+    "choice left out": (
+        "sma21",
+        "lika_sma21_data_request_decode",
+        r"return \w+RANGE",
+        "return LIKA_OK",
+        "sma21_data_request everything",
+    ),
+    "unused bits at another place": (
+        "amm5",
+        "lika_amm5_complete_reply_decode",
+        r"<< 8U;(?=\s+out->unused)",
+        "<< 7U;",
+        "amm5_complete_reply everything",
+    ),
+    "flag left out of a verdict": (
+        "amm5",
+        "lika_amm5_complete_reply_verdict",
+        r" \|\| frame->mt_error",
+        "",
+        "amm5_complete_reply everything",
+    ),
+    "report of another flag": (
+        "sma21",
+        "lika_sma21_position_reply_reports",
+        r"frame->overspeed",
+        "frame->hardware_error",
+        "sma21_position_reply everything",
+    ),
     "undefined shift": ("encoder", "lika_to_gray", r"low < 64U", "low <= 64U", "call lika_to_gray"),
     "result touched by a fault": (
-        "amm5", "lika_amm5_singleturn_reply_decode", r"if \(length", "out->singleturn = 0U; if (length", "amm5_singleturn_reply everything"
+        "amm5",
+        "lika_amm5_singleturn_reply_decode",
+        r"if \(length",
+        "out->singleturn = 0U; if (length",
+        "amm5_singleturn_reply everything",
     ),
-    "place too few": ("sma21", "lika_sma21_identify", r"sizeof\(bytes\)", "sizeof(bytes) - 1U", "call lika_sma21_identify"),
+    "place too few": (
+        "sma21",
+        "lika_sma21_identify",
+        r"sizeof\(bytes\)",
+        "sizeof(bytes) - 1U",
+        "call lika_sma21_identify",
+    ),
     "failure not reported": ("encoder", "lika_write", r"error != 0", "error > 0", "call lika_write_byte"),
 }
 
@@ -171,34 +267,50 @@ def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
     assert start, f"{function} is gone: choose another place for this fault"
     end = text.index("\n}\n", start.end())
     body, count = re.subn(pattern, instead, text[start.end() : end], count=1)
-    assert count and body != text[start.end() : end], f"{pattern} is gone from {function}: choose another place for this fault"
+    assert count, f"{pattern} is gone from {function}: choose another place for this fault"
+    assert body != text[start.end() : end], f"{pattern} is gone from {function}: choose another place for this fault"
     header.write_text(text[: start.end()] + body + text[end:], encoding="utf-8")
 
 
 def proof_called(name: str, stem: str, maker: str, include: Path) -> Proof:
     """The proof of this name, of the header as it is."""
     device = library().get(stem)
-    header = header_of(device, include) if device is not None else Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
+    if device is not None:
+        header = header_of(device, include)
+    else:
+        header = Header.read((include / maker / f"{stem}.h").read_text(encoding="utf-8"))
     if device is None or name.startswith("call "):
-        return next(iter(CallProof(maker, header, f"{maker}/{stem}.h", [header.functions[name.removeprefix("call ")]], device).proofs()))
+        return next(
+            iter(
+                CallProof(
+                    maker, header, f"{maker}/{stem}.h", [header.functions[name.removeprefix("call ")]], device
+                ).proofs()
+            )
+        )
     found = [*crc_proofs(device, header)]
-    found += [proof for codec in codecs(device, header) if f"{codec.name} " in f"{maker}_{name}" for proof in proofs(codec)]
+    found += [
+        proof for codec in codecs(device, header) if f"{codec.name} " in f"{maker}_{name}" for proof in proofs(codec)
+    ]
     return next(item for item in found if item.name == f"{maker}_{name}")
 
 
 @pytest.fixture(scope="module")
-def verdicts(checker: Checker, maker: str, include: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Result]:
-    """What becomes of the proofs when there is a fault in a header. That they hold for the header as it is, the tests above show."""
+def verdicts(
+    checker: Checker, maker: str, include: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Mapping[str, Result]:
+    """What becomes of the proofs when there is a fault in a header.
+    That they hold for the header as it is, the tests above show."""
     runs: list[tuple[Proof, Path]] = []
     for stem, function, pattern, instead, name in SEEDED.values():
         folder = tmp_path_factory.mktemp("seeded")
         shutil.copytree(include / maker, folder / maker)
         with_fault(folder / maker / f"{stem}.h", function, pattern, instead)
         runs.append((proof_called(name, stem, maker, include), folder))
-    return dict(zip(SEEDED, checker.prove_all(runs, tmp_path_factory.mktemp("runs"))))
+    return dict(zip(SEEDED, checker.prove_all(runs, tmp_path_factory.mktemp("runs")), strict=True))
 
 
 @pytest.mark.parametrize("fault", SEEDED)
 def test_a_seeded_fault_is_refuted(fault: str, verdicts: Mapping[str, Result]) -> None:
     """The proof that holds for the header as it is, does not for one with this fault in it."""
-    assert not verdicts[fault].proved and "REFUTED" in verdicts[fault].words, verdicts[fault].words
+    assert not verdicts[fault].proved, verdicts[fault].words
+    assert "REFUTED" in verdicts[fault].words, verdicts[fault].words

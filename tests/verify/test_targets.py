@@ -1,7 +1,8 @@
-"""The same code gives the same results on a Cortex-M0, M3 and M4, on a big-endian PowerPC and on the host, there with CRCs by table as well.
+"""The same code gives the same results on Cortex-M0, M3, M4, big-endian PowerPC and the host, there also by table.
 
-What is asked: everything that the tests of the C target ask, the worked examples of the manuals and public vectors among it; and thousands of
-random and disturbed frames of each layout, which the model's own codec judges as well. ``CODEWHEEL_TARGET_FRAMES`` sets another number of them.
+What is asked: everything that the tests of the C target ask, the worked examples of the manuals and public vectors
+among it; and thousands of random and disturbed frames of each layout, which the model's own codec judges as well.
+``CODEWHEEL_TARGET_FRAMES`` sets another number of them.
 """
 
 from __future__ import annotations
@@ -14,12 +15,13 @@ from pathlib import Path
 import pytest
 from batch import ENCODE, Batch, Codec
 from c_harness import FAMILIES, source
-from codewheel import codec as model
 from codewheel.model import PlacedLayout, Variant
+from codewheel.reference import codec as model
 from frames import chunks, input_of, variants, wires
 from machines import HOST, MACHINES, Machine
 from recorded import Recording, every_device, run_tests
 from test_c_codec import FAULTS, Table
+from test_c_reports import Telling
 from tree import generated_tree, include_of, number_from_environment
 
 FRAMES = number_from_environment("CODEWHEEL_TARGET_FRAMES", 2_000)
@@ -46,20 +48,31 @@ def includes(folder: Path) -> dict[str, Path]:
 @pytest.fixture(scope="module")
 def recordings(folder: Path, includes: Mapping[str, Path]) -> dict[str, Recording]:
     """The lines and answers of the tests on the host, where each test has to pass."""
-    made = {name: Recording(HOST.compile_main(source(device), folder, includes[name], name).by_line()) for name, device in DEVICES.items()}
+    made = {
+        name: Recording(HOST.compile_main(source(device), folder, includes[name], name).by_line())
+        for name, device in DEVICES.items()
+    }
     called = run_tests(DEVICES, made)
-    assert len(set(called)) >= 25 and "test_every_worked_example" in called and "test_public_crc_rows" in called
+    assert len(set(called)) >= 25
+    assert "test_every_worked_example" in called
+    assert "test_public_crc_rows" in called
     return made
 
 
 @by_machine
 @pytest.mark.parametrize("name", DEVICES)
-def test_every_answer_is_the_same_as_on_the_host(machine: Machine, name: str, recordings: Mapping[str, Recording], folder: Path, includes: Mapping[str, Path]) -> None:
+def test_every_answer_is_the_same_as_on_the_host(
+    machine: Machine, name: str, recordings: Mapping[str, Recording], folder: Path, includes: Mapping[str, Path]
+) -> None:
     asked = recordings[name].answers
     run = machine.compile_main(source(DEVICES[name]), folder, includes[name], name).by_line()
     answers = run(asked)
     assert len(answers) == len(asked) > (5_000 if name in FAMILIES else 10)
-    wrong = [(line, expected, answer) for (line, expected), answer in zip(asked.items(), answers) if expected != answer]
+    wrong = [
+        (line, expected, answer)
+        for (line, expected), answer in zip(asked.items(), answers, strict=True)
+        if expected != answer
+    ]
     assert not wrong, wrong[:5]
 
 
@@ -76,13 +89,18 @@ def values_to_encode(batch: Batch) -> bytes:
     found = b""
     for codec in batch.codecs:
         for variant in variants(batch.device, codec):
-            records = [bytes(random_.getrandbits(8) & random_.choice([0, 1, 15, 255]) for _ in range(codec.size)) for _ in range(50)]
+            records = [
+                bytes(random_.getrandbits(8) & random_.choice([0, 1, 15, 255]) for _ in range(codec.size))
+                for _ in range(50)
+            ]
             found += batch.chunk(ENCODE, codec, variant, records)
     return found
 
 
 @pytest.fixture(scope="module", params=FAMILIES)
-def on_the_host(request: pytest.FixtureRequest, folder: Path, includes: Mapping[str, Path]) -> tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes]:
+def on_the_host(
+    request: pytest.FixtureRequest, folder: Path, includes: Mapping[str, Path]
+) -> tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes]:
     """Frames of a family, and what the host makes of them and of members at random."""
     batch = Batch(DEVICES[request.param])
     asked = questions(batch)
@@ -92,20 +110,25 @@ def on_the_host(request: pytest.FixtureRequest, folder: Path, includes: Mapping[
 
 @by_machine
 def test_random_frames_are_decoded_and_encoded_as_on_the_host(
-    machine: Machine, on_the_host: tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes], folder: Path, includes: Mapping[str, Path]
+    machine: Machine,
+    on_the_host: tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes],
+    folder: Path,
+    includes: Mapping[str, Path],
 ) -> None:
     batch, asked, expected = on_the_host
     name = batch.device.name
     run = machine.compile(batch.source(machine.entry()), folder, includes[name], f"{name}_batch")
     answers = run(b"".join(input_of(batch, *item) for item in asked) + values_to_encode(batch))
     assert len(answers) == len(expected)
-    different = next((at for at, (one, other) in enumerate(zip(answers, expected)) if one != other), None)
+    different = next((at for at, (one, other) in enumerate(zip(answers, expected, strict=True)) if one != other), None)
     assert different is None, f"byte {different} of the answers"
 
 
-def test_random_frames_mean_what_the_model_says(on_the_host: tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes]) -> None:
+def test_random_frames_mean_what_the_model_says(
+    on_the_host: tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes],
+) -> None:
     batch, asked, out = on_the_host
-    table, at = Table(batch.device), 0
+    table, telling, at = Table(batch.device), Telling(batch.device), 0
     for codec, pieces in asked:
         answer = struct.Struct(codec.answer)
         for variant, records in pieces:
@@ -113,31 +136,43 @@ def test_random_frames_mean_what_the_model_says(on_the_host: tuple[Batch, list[t
             for wire in wires(batch, codec, records):
                 got = answer.unpack_from(out, at)
                 at += answer.size
-                result, row, number = judged(table, codec, placed, wire)
+                result, row = judged(table, codec, placed, wire)
                 assert got[0] == result, (codec.name, variant.code, wire, got)
                 if result == 0:
-                    assert list(got[1:-2]) == row, (codec.name, variant.code, wire, got, row)
-                    assert got[-2] != 0 or meaning(table, codec, placed, got[-1]) == row, (codec.name, variant.code, wire, got)
+                    assert list(got[1:-4]) == row, (codec.name, variant.code, wire, got, row)
+                    what = (codec.name, variant.code, wire, got)
+                    assert got[-4] != 0 or meaning(table, codec, placed, got[-3]) == row, what
+                    assert got[-2:] == tells(telling, codec, variant, placed, wire), what
 
 
-def judged(table: Table, codec: Codec, placed: PlacedLayout, wire: int | bytes) -> tuple[int, list[object], int]:
+def tells(telling: Telling, codec: Codec, variant: Variant, placed: PlacedLayout, wire: int | bytes) -> tuple[int, int]:
+    """The verdict and the reports that C has to give."""
+    if codec.view.reports is None:
+        return 255, 0
+    number = wire if isinstance(wire, int) else model.number_from_bytes(codec.layout, wire)
+    verdict, reports = telling.of(variant, placed, number)
+    return 255 if verdict is None else verdict, reports
+
+
+def judged(table: Table, codec: Codec, placed: PlacedLayout, wire: int | bytes) -> tuple[int, list[object]]:
     """The result and the members that C has to give."""
     if isinstance(wire, bytes) and 8 * len(wire) != placed.bits:
-        return FAULTS["length"], [], 0
+        return FAULTS["length"], []
     number = wire if isinstance(wire, int) else model.number_from_bytes(codec.layout, wire)
     problems = model.decode(table.device, placed, number).problems
-    return (FAULTS[problems[0].kind], [], number) if problems else (0, row_of(table, codec, placed, number), number)
+    return (FAULTS[problems[0].fault.value], []) if problems else (0, row_of(table, codec, placed, number))
 
 
 def row_of(table: Table, codec: Codec, placed: PlacedLayout, number: int) -> list[object]:
     texts = table.row(codec.name, placed, number).split(" ") if codec.members[0].name != "no_data" else ["0"]
-    return [bytes.fromhex(text) if member.characters else int(text) for text, member in zip(texts, codec.members)]
+    return [
+        bytes.fromhex(text) if member.characters else int(text)
+        for text, member in zip(texts, codec.members, strict=True)
+    ]
 
 
 def meaning(table: Table, codec: Codec, placed: PlacedLayout, sent: bytes) -> list[object]:
     """What the model reads in an encoded word or frame."""
-    wire = int.from_bytes(sent, "big") if codec.view.carried_as == "bits" else sent
-    result, row, _ = judged(table, codec, placed, wire)
+    wire = int.from_bytes(sent, "big") if not codec.view.plan.in_bytes else sent
+    result, row = judged(table, codec, placed, wire)
     return row if result == 0 else []
-
-

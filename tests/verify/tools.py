@@ -1,4 +1,4 @@
-"""Where the evidence finds its tools. What is missing is said aloud with the way to install it, and the test is skipped."""
+"""Where the evidence finds its tools. A missing one is named with the way to install it, and the test is skipped."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What the evidence is about: the C headers and the Python package as generated.
 
-They are made from the specs as they are. ``CODEWHEEL_GENERATED`` names a folder to take instead, laid out like ``generated/``: a copy that
-was broken on purpose shows which check sees it.
+They are made from the specs as they are. ``CODEWHEEL_GENERATED`` names a folder to take instead,
+laid out like ``generated/``: a copy that was broken on purpose shows which check sees it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from pathlib import Path
 
 from c_harness import devices_of, write
 from codewheel.model import Device
-from codewheel.targets import Library, c, python
+from codewheel.targets import Library
+from codewheel.targets.c.files import generate as generate_c
+from codewheel.targets.python.files import generate as generate_python
 
 
 @functools.lru_cache
@@ -28,7 +30,7 @@ def generated_tree(folder: Path) -> Path:
     if given:
         return Path(given).resolve()
     ours = Library(tuple(library().values()))
-    for name, text in {**c.generate(ours), **python.generate(ours)}.items():
+    for name, text in {**generate_c(ours), **generate_python(ours)}.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -36,9 +38,13 @@ def generated_tree(folder: Path) -> Path:
 
 
 def include_of(device: Device, folder: Path) -> Path:
-    """The folder to include the header of a device from: that of the library's families, or one for a made-up device."""
+    """The folder to include a device's header from: that of the library's families, or one for a made-up device."""
     if device.name in library():
-        return (Path(os.environ["CODEWHEEL_GENERATED"]).resolve() if "CODEWHEEL_GENERATED" in os.environ else folder) / "c" / "include"
+        return (
+            (Path(os.environ["CODEWHEEL_GENERATED"]).resolve() if "CODEWHEEL_GENERATED" in os.environ else folder)
+            / "c"
+            / "include"
+        )
     return write(folder / device.name, (device,))
 
 

@@ -27,6 +27,14 @@ static uint64_t receive_word(void)
 static lika_result show_frame(void)
 {
     lika_am36_ssi_word frame;
+    /* By lika_verdict. */
+    static const char *const worth[] = {
+        "the position is not usable",
+        "the position is usable, with a warning",
+        "the position is usable",
+        "nothing in this frame tells whether the position is usable"
+    };
+    lika_verdict verdict;
     const lika_result result = lika_am36_ssi_word_decode(&encoder, receive_word(), &frame);
     if (result != LIKA_OK) {
         return result;
@@ -35,7 +43,13 @@ static lika_result show_frame(void)
     printf("  multiturn: %llu\n", (unsigned long long)frame.multiturn);
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    printf("  that is %.3f degrees\n", lika_am36_ssi_degrees(&encoder, (uint64_t)frame.position));
+    /* A frame can be well formed, its CRC right, and its position not usable all the same. */
+    verdict = lika_am36_ssi_word_verdict(&frame);
+    printf("  %s\n", worth[verdict]);
+    if (verdict != LIKA_NOT_USABLE) {
+        printf("  that is %.3f degrees\n", lika_am36_ssi_degrees(&encoder,
+            (uint64_t)frame.position));
+    }
     return LIKA_OK;
 }
 

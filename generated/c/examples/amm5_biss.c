@@ -82,15 +82,30 @@ static const lika_transport transport = {
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
-/* A frame can be well formed, its CRC right, and still say that its position is not to be used. */
-static bool is_usable(const lika_amm5_single_cycle_data *frame)
+/* Says what the encoder reports, and what to do about it. */
+static void print_reports(uint32_t reports)
 {
-    return !frame->error;
+    uint32_t left;
+    for (left = reports; left != 0U; left &= left - 1U) {
+        const lika_report_text *const text = lika_amm5_report_text(left);
+        printf("  report %s: %s\n", text->name, text->meaning);
+        if (text->remedy[0] != '\0') {
+            printf("    remedy: %s\n", text->remedy);
+        }
+    }
 }
 
 static lika_result show_frame(void)
 {
     lika_amm5_single_cycle_data frame;
+    /* By lika_verdict. */
+    static const char *const worth[] = {
+        "the position is not usable",
+        "the position is usable, with a warning",
+        "the position is usable",
+        "nothing in this frame tells whether the position is usable"
+    };
+    lika_verdict verdict;
     const lika_result result = lika_amm5_single_cycle_data_decode(&encoder, receive_word(), &frame);
     if (result != LIKA_OK) {
         return result;
@@ -101,9 +116,11 @@ static lika_result show_frame(void)
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    if (!is_usable(&frame)) {
-        printf("  the encoder reports a fault: the position is not to be used\n");
-    } else {
+    print_reports(lika_amm5_single_cycle_data_reports(&frame));
+    /* A frame can be well formed, its CRC right, and its position not usable all the same. */
+    verdict = lika_amm5_single_cycle_data_verdict(&frame);
+    printf("  %s\n", worth[verdict]);
+    if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_amm5_degrees(&encoder, (uint64_t)frame.position));
     }
     return LIKA_OK;

@@ -51,10 +51,17 @@ static const lika_transport transport = {
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
-/* A frame can be well formed, its CRC right, and still say that its position is not to be used. */
-static bool is_usable(const lika_amm5_singleturn_reply *frame)
+/* Says what the encoder reports, and what to do about it. */
+static void print_reports(uint32_t reports)
 {
-    return !frame->status_st_error && !frame->status_other_error;
+    uint32_t left;
+    for (left = reports; left != 0U; left &= left - 1U) {
+        const lika_report_text *const text = lika_amm5_report_text(left);
+        printf("  report %s: %s\n", text->name, text->meaning);
+        if (text->remedy[0] != '\0') {
+            printf("    remedy: %s\n", text->remedy);
+        }
+    }
 }
 
 static lika_result show_frame(void)
@@ -62,6 +69,14 @@ static lika_result show_frame(void)
     uint8_t bytes[LIKA_AMM5_SINGLETURN_REPLY_LENGTH];
     const size_t length = ask(LIKA_AMM5_RS485_CONTROL_SINGLETURN, bytes, sizeof(bytes));
     lika_amm5_singleturn_reply frame;
+    /* By lika_verdict. */
+    static const char *const worth[] = {
+        "the position is not usable",
+        "the position is usable, with a warning",
+        "the position is usable",
+        "nothing in this frame tells whether the position is usable"
+    };
+    lika_verdict verdict;
     const lika_result result = lika_amm5_singleturn_reply_decode(&encoder, bytes, length, &frame);
     if (result != LIKA_OK) {
         return result;
@@ -71,9 +86,10 @@ static lika_result show_frame(void)
     printf("  status_st_error: %s\n", frame.status_st_error ? "yes" : "no");
     printf("  status_other_error: %s\n", frame.status_other_error ? "yes" : "no");
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
-    if (!is_usable(&frame)) {
-        printf("  the encoder reports a fault: the position is not to be used\n");
-    }
+    print_reports(lika_amm5_singleturn_reply_reports(&frame));
+    /* A frame can be well formed, its CRC right, and its position not usable all the same. */
+    verdict = lika_amm5_singleturn_reply_verdict(&frame);
+    printf("  %s\n", worth[verdict]);
     return LIKA_OK;
 }
 

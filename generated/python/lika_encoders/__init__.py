@@ -26,7 +26,7 @@ from ._codec import (
     LengthError,
     RangeError,
 )
-from ._facts import Family
+from ._facts import Family, Report, Verdict
 from ._order_codes import OrderCodeError, checked, nearest
 from ._steps import Modify, Poll, Read, Send, Step, Wait, Write
 
@@ -46,9 +46,11 @@ __all__ = [
     "Poll",
     "RangeError",
     "Read",
+    "Report",
     "Send",
     "Step",
     "Variant",
+    "Verdict",
     "Wait",
     "Write",
     "am36",

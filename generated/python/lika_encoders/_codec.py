@@ -16,6 +16,7 @@ Data = Union[bytes, bytearray, memoryview]
 #: A frame that is a string of bits: one number, the first bit sent most significant, or text of as many 0 and 1.
 Word = Union[SupportsIndex, str]
 
+_Answer = TypeVar("_Answer", bound=Enum)
 _Choice = TypeVar("_Choice", bound=IntEnum)
 _Kind = TypeVar("_Kind")
 
@@ -182,6 +183,14 @@ def check_encoder(found: object, kind: type, interface: Interface) -> None:
         raise wrong_encoder(found, kind, interface)
 
 
+def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
+    """An answer to what the manual leaves open. Raises :class:`TypeError` unless it is one of ``kind``."""
+    if not isinstance(answer, kind):
+        answers = " or ".join(f"{kind.__name__}.{item.name}" for item in kind)
+        raise TypeError(f"{shown(answer)} is no {kind.__name__}: the manual leaves it open, so say {answers}")
+    return answer
+
+
 def whole_number(name: str, value: SupportsIndex) -> int:
     """``value`` as an int, whatever kind of whole number it is. A truth value is none."""
     if not isinstance(value, bool):
@@ -239,6 +248,14 @@ def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     number = value if type(value) is int else whole_number(field, value)
     if number >> bits:
         raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
+    return number
+
+
+def check_bits(field: str, value: SupportsIndex, bits: int) -> int:
+    """``value`` as an int. Raises :class:`RangeError` unless it is made of ``bits`` alone."""
+    number = value if type(value) is int else whole_number(field, value)
+    if number & ~bits:
+        raise RangeError(field, number, f"made of the bits {bits:#x} alone")
     return number
 
 

@@ -8,7 +8,9 @@ say.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from enum import Enum
+from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 _Value = TypeVar("_Value")
@@ -23,6 +25,57 @@ class ReadOnly(Mapping[str, _Value]):
         self._items = dict(items)
 
     def __getitem__(self, key: str) -> _Value:
+        return self._items[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr(self._items)
+
+
+class Verdict(Enum):
+    """What the position of a frame is worth, the worst first."""
+
+    NOT_USABLE = "not_usable"
+    """It is wrong, frozen, 0 or in doubt."""
+    USABLE_WITH_WARNING = "usable_with_warning"
+    """It can be used, but something wants attention."""
+    USABLE = "usable"
+    """The encoder reports nothing against it."""
+    NOT_TOLD = "not_told"
+    """Nothing in the frame tells."""
+
+
+class Report(NamedTuple):
+    """What an encoder reports by a frame: a flag is active, or unused bits are not as the manual has them.
+
+    ``makes_position`` is what the position of the frame is worth then, None where it comes with no position; a frame's
+    ``verdict`` weighs all its reports.
+    """
+
+    name: str
+    printed_name: str
+    meaning: str
+    remedy: str = ""
+    makes_position: Verdict | None = None
+    source: str = ""
+
+
+class Reports(Mapping[str, Report]):
+    """All that the frames of a family can report, by name; made at the first look, since most frames report nothing."""
+
+    def __init__(self, make: Callable[[], tuple[Report, ...]]) -> None:
+        self._make = make
+
+    @cached_property
+    def _items(self) -> dict[str, Report]:
+        return {item.name: item for item in self._make()}
+
+    def __getitem__(self, key: str) -> Report:
         return self._items[key]
 
     def __iter__(self) -> Iterator[str]:
@@ -104,9 +157,10 @@ class Crc(NamedTuple):
 class FieldFacts(NamedTuple):
     """What the manual says of a field besides its place, which ``bit_fields`` of its class gives.
 
-    ``active`` is ``high`` or ``low`` for a flag. ``constant`` is what a field always holds. ``implemented`` is false
-    for what this encoder does not have, ``reserved`` says who alone may use it. ``explained_by`` names fields of
-    registers, as ``register.field``, that tell more. ``zero_means`` is what a 0 stands for, where not for 0.
+    ``active`` is ``high`` or ``low`` for a flag. ``constant`` is what a field always holds, ``unused`` what the manual
+    has in bits that mean nothing. ``implemented`` is false for what this encoder does not have, ``reserved`` says who
+    alone may use it. ``explained_by`` names fields of registers, as ``register.field``, that tell more. ``zero_means``
+    is what a 0 stands for, where not for 0.
     """
 
     name: str
@@ -118,6 +172,7 @@ class FieldFacts(NamedTuple):
     when_inactive: str = ""
     default: int | None = None
     constant: int | None = None
+    unused: int | None = None
     signed: bool = False
     zero_means: int = 0
     power_of_two: bool = False

@@ -29,12 +29,16 @@ class Wait(NamedTuple):
 
 @by_class
 class Send(NamedTuple):
-    """Send a request so many times, each at least ``every_us`` after the one before."""
+    """Send a request so many times, each at least ``every_us`` after the one before.
+
+    ``in_succession`` says that nothing else may be sent between them.
+    """
 
     request: bytes
     times: int = 1
     every_us: int = 0
     meaning: str = ""
+    in_succession: bool = False
 
 
 @by_class

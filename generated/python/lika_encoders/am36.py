@@ -8,9 +8,13 @@ source that begins with a language code is another edition, one that begins with
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+A sound frame is not yet a usable position. Look at its verdict before you use the position:
+
+    from lika_encoders import Verdict, lookup
     encoder = lookup("AM3619/4096-GG")
     frame = encoder.decode(0x1fa2b9f)
-    print(frame.multiturn, frame.singleturn, frame.position)
+    if frame.verdict is not Verdict.NOT_USABLE:
+        print(frame.multiturn, frame.singleturn, frame.position)
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
@@ -36,6 +40,7 @@ from ._codec import (
     as_bytes,
     as_word,
     by_class,
+    check_bits,
     check_encoder,
     check_limits,
     check_power_of_two,
@@ -73,10 +78,13 @@ from ._facts import (
     Network,
     ReadOnly,
     Register,
+    Report,
+    Reports,
     Revision,
     SsiFacts,
     Timeout,
     Timing,
+    Verdict,
 )
 from ._order_codes import OrderCode, Part, PartValue, SpelledValue, Spelling
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
@@ -113,6 +121,7 @@ __all__ = [
     "Preset",
     "ProfileId",
     "REGISTERS",
+    "REPORTS",
     "SSI",
     "SerialNumber",
     "SingleCycleData",
@@ -251,18 +260,25 @@ class Variant:
         code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
         parts: The parts of the order code: model, singleturn, turns, output.
-        singleturn_bits: Singleturn resolution by the order code (bits, 5.2).
-        multiturn_bits: Bits that count the revolutions of the order code (bits, 5.2).
-        ssi_gray: Code of the position over SSI, by the order code: 1 Gray, 0 binary (5; 5.2).
+        singleturn_bits: Singleturn resolution by the order code [5.2]. Unit: bits.
+        multiturn_bits: Bits that count the revolutions of the order code [5.2]. Unit: bits.
+        ssi_gray: Code of the position over SSI, by the order code: 1 Gray, 0 binary [5; 5.2].
         used_singleturn_bits: Bits of the singleturn part of the BiSS position, as set; the base 2 logarithm of
-            Information per revolution (bits, 6.5 p.31). Over BiSS C-mode only. The default of
-            singleturn_bits_used.bits, unless with_registers() gives another.
-        used_multiturn_bits: Bits of the multiturn part of the BiSS position, as set (bits, 6.5 p.31). Over BiSS C-mode
-            only. The default of multiturn_bits_used.bits, unless with_registers() gives another.
-        used_revolutions: Revolutions after which the BiSS position starts again, as set (revolutions, 6.5 p.28). Over
-            BiSS C-mode only. The default of number_of_revolutions.revolutions, unless with_registers() gives another.
-        output_code: Code of the position over BiSS, as set: 0 Gray, 1 binary (6.5 p.26). Over BiSS C-mode only. The
-            default of configuration.output_code, unless with_registers() gives another.
+            Information per revolution [6.5 p.31]. Unit: bits. Held at run time in register 56h
+            (``singleturn_bits_used.bits``), 0 to 20. Over BiSS C-mode only. As delivered, unless with_registers() gives
+            another.
+        used_multiturn_bits: Bits of the multiturn part of the BiSS position, as set [6.5 p.31]. Unit: bits. Held at run
+            time in register 57h (``multiturn_bits_used.bits``), 0 to 16. Over BiSS C-mode only. As delivered, unless
+            with_registers() gives another.
+        used_revolutions: Revolutions after which the BiSS position starts again, as set [6.5 p.28]. Unit: revolutions.
+            Held at run time in registers 4Eh to 4Fh (``number_of_revolutions.revolutions``), 1 to 65,536. Over BiSS
+            C-mode only. As delivered, unless with_registers() gives another.
+        used_information: Positions per revolution over BiSS, as set [6.5 p.27]. Unit: counts. Held at run time in
+            registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Over BiSS C-mode only. As
+            delivered, unless with_registers() gives another.
+        output_code: Code of the position over BiSS, as set: 0 Gray, 1 binary [6.5 p.26]. Held at run time in register
+            49h (``configuration.output_code``), 0 to 1. Over BiSS C-mode only. As delivered, unless with_registers()
+            gives another.
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
         special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
@@ -282,6 +298,7 @@ class Variant:
     used_singleturn_bits: int
     used_multiturn_bits: int
     used_revolutions: int
+    used_information: int
     output_code: int
     unlisted: tuple[str, ...] = ()
     tail: str = dataclasses.field(default="", compare=False)
@@ -295,31 +312,36 @@ class Variant:
 
     @property
     def position_bits(self) -> int:
-        """Bits of the whole position by the order code, revolutions included; the SSI word's length (bits, 5.2)."""
+        """Bits of the whole position by the order code, revolutions included; the SSI word's length [5.2]. Unit:
+        bits. Equals ``singleturn_bits + multiturn_bits``.
+        """
         return self.singleturn_bits + self.multiturn_bits
 
     @property
     def positions(self) -> int:
         """Positions that are told apart over all revolutions by the order code; the manual's "max. number of
-        information" (counts, 5.2).
+        information" [5.2]. Unit: counts. Equals ``2^position_bits``.
         """
         return 1 << self.position_bits
 
     @property
     def used_position_bits(self) -> int:
-        """Bits of the whole BiSS position, as set; 36 at most (bits, 6.3.1 p.21)."""
+        """Bits of the whole BiSS position, as set; 36 at most [6.3.1 p.21]. Unit: bits. Equals
+        ``used_singleturn_bits + used_multiturn_bits``.
+        """
         return self.used_singleturn_bits + self.used_multiturn_bits
 
     @property
     def biss_gray(self) -> int:
-        """Code of the position over BiSS, as set: 1 Gray, 0 binary (6.5 p.26)."""
+        """Code of the position over BiSS, as set: 1 Gray, 0 binary [6.5 p.26]. Equals ``1 - output_code``."""
         return 1 - self.output_code
 
     def with_registers(self, held: Mapping[int, int]) -> Variant:
         """The encoder as it is when its registers hold these bytes, by address.
 
-        These change how a frame is read: singleturn_bits_used at 56h, multiturn_bits_used at 57h, number_of_revolutions
-        at 4Eh, configuration at 49h. Registers that are left out stay as they are here, as delivered at first.
+        These change how a frame is read, or a limit: singleturn_bits_used at 56h, multiturn_bits_used at 57h,
+        number_of_revolutions at 4Eh, information_per_revolution at 4Bh, configuration at 49h. Registers that are left
+        out stay as they are here, as delivered at first.
 
         Raises:
             RangeError: A register holds a value that cannot be.
@@ -331,6 +353,7 @@ class Variant:
             used_singleturn_bits=found.get("used_singleturn_bits", self.used_singleturn_bits),
             used_multiturn_bits=found.get("used_multiturn_bits", self.used_multiturn_bits),
             used_revolutions=found.get("used_revolutions", self.used_revolutions),
+            used_information=found.get("used_information", self.used_information),
             output_code=found.get("output_code", self.output_code),
         )
 
@@ -373,6 +396,8 @@ class Variant:
 
     def decode(self, frame: Word, *, bits: int | None = None) -> Frame:
         """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
 
         Args:
             bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
@@ -455,27 +480,32 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """The CRC of 6 bits by x^6 + x + 1 over ``bits`` bits of ``number``, most significant first (6.3.1 p.22; prot:
-    p.7-8; renishaw: data sheet; icmu: p.30).
+    """CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (position, error and warning bit) are those of public BiSS documents.
 
-    Erratum biss_crc_start, open (6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed: Polynomials
-    and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value 0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu:
+    p.30]
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """The CRC of 4 bits by x^4 + x + 1 over ``bits`` bits of ``number``, most significant first (6.4; prot: p.9-14;
-    icmu: p.30).
+    """CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4; prot: p.9-14; icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
 
-    Erratum biss_crc_start, open (6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed: Polynomials
-    and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value 0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu:
+    p.30]
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -501,46 +531,47 @@ def _remainder_biss_6_44(word: int) -> int:
 
 
 class CountingDirection(IntEnum):
-    """Rotation with which the position counts up, seen from the shaft, while the Counting direction input is at
-    0VDC.
+    """Counting direction: Rotation with which the position counts up, seen from the shaft, while the Counting
+    direction input is at 0VDC.
     """
 
     CW = 0
-    """Counts up with clockwise rotation."""
+    """CW: Counts up with clockwise rotation."""
     CCW = 1
-    """Counts up with counter-clockwise rotation."""
+    """CCW: Counts up with counter-clockwise rotation."""
 
 
 class OutputCode(IntEnum):
-    """Code of the position."""
+    """Output code: Code of the position."""
 
     GRAY = 0
-    """Gray code."""
+    """Gray: Gray code."""
     BINARY = 1
-    """Binary code."""
+    """Binary: Binary code."""
 
 
 class EnablePreset(IntEnum):
-    """Whether the Preset registers can be written and the preset activated, by command or by the Zero setting/Preset
-    input.
+    """Enable preset: Whether the Preset registers can be written and the preset activated, by command or by the Zero
+    setting/Preset input.
     """
 
     ENABLE = 0
-    """Preset function enabled."""
+    """Enable: Preset function enabled."""
     DISABLE = 1
-    """Preset function disabled, the Zero setting/Preset input as well."""
+    """Disable: Preset function disabled, the Zero setting/Preset input as well."""
 
 
 # SSI
 #
-# Erratum ssi_cable_400_m, open (5.3). Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 3 MHz.
-# Used: Both as printed.
+# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
+# 3 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3]
 #
-# Erratum ssi_cable_50_m, open (5.3). Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3 MHz.
-# Used: Both as printed.
+# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3
+# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 3
+# MHz. [5.3]
 #
-# Erratum ssi_pause, open (5.1; 5.3; amm5: 5.3). Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at
-# least 12 µs (Tp > 12 µs). Used: At least 12 µs; take more.
+# Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12
+# µs (Tp > 12 µs). Used: At least 12 µs; take more. [5.1; 5.3; amm5: 5.3]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
@@ -587,35 +618,53 @@ SSI: Final = SsiFacts(
 
 @by_class
 class SsiWord(NamedTuple):
-    """SSI word: sent by the encoder over SSI, as a string of bits (5.2).
+    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2].
 
     In the manual: Structure of the position information.
+
+    ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
+
+    ``position`` is made of ``multiturn`` and ``singleturn``, most significant first.
 
     As many bits as the position has, 28 or 31, the most significant first. Further clocks bring zeros after the word.
     No error or warning bit and no CRC. In Gray code, multiturn and singleturn are coded as one word.
 
-    Erratum output_letters, open (5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2). Printed: AMx36xx/4096-BG-... and
-    AMx36xx/4096-GG-...; the output code can be Gray or Binary, see the order code. Used: BG is binary, GG is Gray.
+    Erratum output_letters (open, wrong data): Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can
+    be Gray or Binary, see the order code. Used: BG is binary, GG is Gray. Why: Which is which is printed nowhere. The
+    AMM5 manual calls the output of its BG1 models binary; the SMA21 manual calls that of its G1x models Gray and has BG
+    and GG beside them. That the letters mean the same here is an inference. Turn the shaft slowly: if neighbouring
+    positions jump, the code is the other one. [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]
 
-    Erratum ssi_bit_numbers, settled (5.2; 6.3.1 p.21). Printed: SSI word with bits 28 ... 1 and 31 ... 1. Used: Bits
-    27:0 and 30:0.
+    Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI word with bits 28 ... 1 and 31 ... 1. Used: Bits 27:0
+    and 30:0. Why: The table counts from 1; in section 6 the same manual counts from 0, as this spec does everywhere.
+    [5.2; 6.3.1 p.21]
 
-    Erratum ssi_clock_count, open (5.1; 5.2). Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at
-    least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy both.
+    Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2:
+    at least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy both. [5.1; 5.2]
 
-    Erratum position_order, open (5.2; 6.3.1 p.21; 6.5 p.29). Printed: Only the length of the position; no words on
-    which of singleturn and multiturn comes first. Used: Multiturn first, as the more significant part; singleturn after
-    it; in Gray code both as one word.
+    Erratum position_order (open, omission): Printed: Only the length of the position; no words on which of singleturn
+    and multiturn comes first. Used: Multiturn first, as the more significant part; singleturn after it; in Gray code
+    both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions.
-        singleturn: Position within one revolution (counts).
+        multiturn: Number of revolutions. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
     """
 
     variant: Variant
     multiturn: int
     singleturn: int
+
+    @property
+    def verdict(self) -> Verdict:
+        """Nothing in this frame tells what the position is worth."""
+        return Verdict.NOT_TOLD
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: nothing, with this frame."""
+        return ()
 
     @property
     def position(self) -> int:
@@ -697,8 +746,8 @@ class SsiWord(NamedTuple):
 
 # BiSS C-mode
 #
-# Erratum biss_timeout_length, open (6.6 p.32; prot: p.18). Printed: BiSS time-out self-adaptable to the clock, 10 µs
-# max. Used: At most 10 µs, without a rule.
+# Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock, 10 µs max. Used: At
+# most 10 µs, without a rule. [6.6 p.32; prot: p.18]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.6 p.32"),
@@ -764,9 +813,14 @@ BISS: Final = BissFacts(
 
 @by_class
 class SingleCycleData(NamedTuple):
-    """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.3 p.21; 6.3.1 p.21).
+    """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
+    most significant first [6.3 p.21; 6.3.1 p.21].
 
     In the manual: Single Cycle Data SCD.
+
+    ``position`` is in Gray code while ``biss_gray`` is 1, and in binary while it is 0.
+
+    ``position`` is made of ``multiturn`` and ``singleturn``, most significant first.
 
     44 bits with the defaults, which is also the longest. Multiturn and singleturn together are what the manual calls
     Position: up to 36 bits, most significant bit first. Their widths are those of registers 57h and 56h, so that the
@@ -774,27 +828,67 @@ class SingleCycleData(NamedTuple):
     Gray code (Configuration, bit 5), multiturn and singleturn are coded as one word; where the number of revolutions is
     no power of two, the step from the last position to the first then changes several bits at a time.
 
-    Erratum biss_singleturn_resolution, open (6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29). Printed:
-    AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and
-    56h. Used: Widths by registers 56h and 57h, with their printed defaults, whatever the order code says.
+    Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a value of xx; 20
+    bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h and 57h, with
+    their printed defaults, whatever the order code says. Why: The only singleturn resolutions with an order code are 16
+    and 19 bits, over SSI. Edition 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps
+    the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
 
-    Erratum position_order, open (5.2; 6.3.1 p.21; 6.5 p.29). Printed: Only the length of the position; no words on
-    which of singleturn and multiturn comes first. Used: Multiturn first, as the more significant part; singleturn after
-    it; in Gray code both as one word.
+    Erratum position_order (open, omission): Printed: Only the length of the position; no words on which of singleturn
+    and multiturn comes first. Used: Multiturn first, as the more significant part; singleturn after it; in Gray code
+    both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
 
-    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
-    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
-    say, from the moment that a resolution is written.
+    Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
+    of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
+    moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
+
+    Erratum error_and_warning_unused (open, omission): Printed: Error and warning: not used, always 1. Used: A frame
+    with either at 0 is decoded and reports it. The position is not usable with nE at 0, and usable with a warning with
+    nW at 0. [6.3.1 p.21; prot: p.3-5]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions.
-        singleturn: Position within one revolution (counts).
+        multiturn: Number of revolutions. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bit 0, warning: Warning, nW: Not used, always 1; at 0 it is the warning of the BiSS protocol. Unused, 1 in the
+            manual. With other bits here the rest is decoded all the same, and the position is usable, with a warning.
+        bit 1, error: Error, nE: Not used, always 1; at 0 it is the error of the BiSS protocol. Unused, 1 in the manual.
+            With other bits here the rest is decoded all the same, and the position is not usable.
+
+    Checked by decode():
+        crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
     variant: Variant
     multiturn: int
     singleturn: int
+    unused: int = 0
+
+    @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: no unused bit differs."""
+        return self.unused == 0
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.unused & 0x2:
+            return Verdict.NOT_USABLE
+        if self.unused & 0x1:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.NOT_TOLD
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: unused bits that are not as the manual has them."""
+        told = {
+            "warning": self.unused & 0x1,
+            "error": self.unused & 0x2,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @property
     def position(self) -> int:
@@ -805,7 +899,7 @@ class SingleCycleData(NamedTuple):
         return index(self.multiturn) << variant.used_singleturn_bits | index(self.singleturn)
 
     @classmethod
-    def from_position(cls, variant: Variant, position: int) -> SingleCycleData:
+    def from_position(cls, variant: Variant, position: int, unused: int = 0) -> SingleCycleData:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.used_singleturn_bits + variant.used_multiturn_bits)
@@ -813,6 +907,7 @@ class SingleCycleData(NamedTuple):
             variant,
             multiturn=position >> variant.used_singleturn_bits,
             singleturn=position & ((1 << variant.used_singleturn_bits) - 1),
+            unused=unused,
         )
 
     @staticmethod
@@ -831,7 +926,6 @@ class SingleCycleData(NamedTuple):
         Raises:
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not belong to the other bits.
-            ConstantError: Bits that always hold the same value, or a parity bit, hold another.
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
@@ -845,14 +939,11 @@ class SingleCycleData(NamedTuple):
             raise CrcError(word & 0x3F, (word & 0x3F) ^ remainder)
         if variant.biss_gray:
             word = from_gray(word, 8, variant.used_multiturn_bits + variant.used_singleturn_bits)
-        if (word >> 7 & 0x1) != 0x1:
-            raise ConstantError("error", word >> 7 & 0x1, 0x1)
-        if (word >> 6 & 0x1) != 0x1:
-            raise ConstantError("warning", word >> 6 & 0x1, 0x1)
         values = (
             variant,
             word >> (variant.used_singleturn_bits + 8),
             word >> 8 & ((1 << variant.used_singleturn_bits) - 1),
+            word >> 6 & 0x3 ^ 0x3,
         )
         return made(cls, values)
 
@@ -867,7 +958,13 @@ class SingleCycleData(NamedTuple):
             raise wrong_encoder(variant, Variant, _BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
-        number = 0xC0 | multiturn << (variant.used_singleturn_bits + 8) | singleturn << 8
+        unused = check_bits("unused", self.unused, 0x3)
+        number = (
+            multiturn << (variant.used_singleturn_bits + 8)
+            | singleturn << 8
+            | ((unused >> 1 ^ 0x1) & 0x1) << 7
+            | ((unused ^ 0x1) & 0x1) << 6
+        )
         if variant.biss_gray:
             number = to_gray(number, 8, variant.used_multiturn_bits + variant.used_singleturn_bits)
         return number | _remainder_biss_6_44(number) ^ 0x3F
@@ -891,6 +988,32 @@ Frame: TypeAlias = Union[
     SingleCycleData,
 ]
 
+#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
+REPORTS: Final[Mapping[str, Report]] = Reports(
+    lambda: (
+        Report(
+            name="error",
+            printed_name="Error, nE",
+            meaning=(
+                "differs from the manual, which has 1 in these unused bits. Not used, always 1; at 0 it is the error "
+                "of the BiSS protocol."
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="6.3.1 p.21",
+        ),
+        Report(
+            name="warning",
+            printed_name="Warning, nW",
+            meaning=(
+                "differs from the manual, which has 1 in these unused bits. Not used, always 1; at 0 it is the "
+                "warning of the BiSS protocol."
+            ),
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="6.3.1 p.21",
+        ),
+    )
+)
+
 #: What the manual says of each field of the frames, by the name of the frame.
 FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
     {
@@ -904,15 +1027,15 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="error",
                 printed_name="Error, nE",
-                meaning="Not used, always 1",
-                constant=1,
+                meaning="Not used, always 1; at 0 it is the error of the BiSS protocol",
+                unused=1,
                 source="6.3.1 p.21",
             ),
             FieldFacts(
                 name="warning",
                 printed_name="Warning, nW",
-                meaning="Not used, always 1",
-                constant=1,
+                meaning="Not used, always 1; at 0 it is the warning of the BiSS protocol",
+                unused=1,
                 source="6.3.1 p.21",
             ),
             FieldFacts(
@@ -1131,12 +1254,12 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "moment"
             ),
             note=(
-                "At most Information per revolution × Number of revolutions − 1; the printed maximum is that of the "
-                "defaults. Set the bit Enable preset to 0 (enable) before writing. The value is saved without effect "
-                "by Save parameters on EEPROM, and saved and activated by Save parameters and activate Preset, or "
-                "activated by the Zero setting/Preset input; at a standstill, the manual suggests. To be set again "
-                "after a change of the counting direction, of Information per revolution or of Number of revolutions. "
-                "It serves, for instance, to bring the zero points of encoder and application together."
+                "The printed maximum, 0F FF FF FF FF, is that of the defaults. Set the bit Enable preset to 0 "
+                "(enable) before writing. The value is saved without effect by Save parameters on EEPROM, and saved "
+                "and activated by Save parameters and activate Preset, or activated by the Zero setting/Preset input; "
+                "at a standstill, the manual suggests. To be set again after a change of the counting direction, of "
+                "Information per revolution or of Number of revolutions. It serves, for instance, to bring the zero "
+                "points of encoder and application together."
             ),
             source="6.5 p.29; 7 p.33",
         ),
@@ -1211,19 +1334,21 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 
 @by_class
 class ProfileId(NamedTuple):
-    """Profile ID, register 42h to 43h, read only (6.5 p.24).
+    """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
 
     Identification code of the profile.
 
-    The high byte is at the lowest address. As delivered: 00 00.
+    Byte order: high byte first, at 42h. Default: ``00 00``.
 
     The manual refers to "Standard encoder profile", "data format", "Variant 0-24" beside it.
 
-    Erratum profile_id_variant, open (6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4). Printed: Profile ID 00
-    00; see Standard encoder profile, Variant 0-24. Used: 00 00, and no data length from it.
+    Erratum profile_id_variant (open, wrong data): Printed: Profile ID 00 00; see Standard encoder profile, Variant
+    0-24. Used: 00 00, and no data length from it. Why: By the BiSS protocol description 0000 stands for no profile; the
+    SMA21 and ASC85 manuals have 28xx, with the data length in the low byte, for variants 0-24 and the like. Nor does a
+    position of up to 36 bits fit 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
 
     Attributes:
-        profile: Printed as 00 00 for AMx36.
+        profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder; decoding accepts any value.
     """
 
     profile: int
@@ -1266,15 +1391,18 @@ class ProfileId(NamedTuple):
 
 @by_class
 class SerialNumber(NamedTuple):
-    """Serial number, register 44h to 47h, read only (6.5 p.24).
+    """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
 
     Year and week of production and a running number, "in hexadecimal notation".
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 44h.
 
-    Erratum serial_number_coding, open (6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38). Printed: In hexadecimal
-    notation; register 44: year, register 45: week, registers 46 and 47: serial number. Used: Plain binary numbers, the
-    year as it stands in its byte; of the serial number 46h is the high byte.
+    Erratum serial_number_coding (open, wrong data): Printed: In hexadecimal notation; register 44: year, register 45:
+    week, registers 46 and 47: serial number. Used: Plain binary numbers, the year as it stands in its byte; of the
+    serial number 46h is the high byte. Why: Whether year and week are binary or packed decimal digits, where the year
+    counts from, and which of 46h and 47h is the high byte is not said, and there is no example. The same registers hold
+    decimal digits of one number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36
+    manual prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38]
 
     Attributes:
         year: Year of production, register 44h.
@@ -1327,30 +1455,35 @@ class SerialNumber(NamedTuple):
 
 
 class Command(IntEnum):
-    """Command, register 48h, write only (6.5 p.24; 7 p.33).
+    """Command, register 48h, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
 
     Saves the parameters, activates the preset, or restores the defaults.
 
-    As delivered: 00. Goes back to its default by itself after a write. Wait at least 30 ms after a write.
+    Default: ``00``. Wait at least 30 ms after a write, before the next command. Goes back to its default by itself
+    after a write.
 
     After a command the register goes back to 00 by itself. If a new resolution and a new preset are set together, Save
     parameters and activate Preset stores the resolution but sets the preset to zero, which then has to be written
     again.
 
-    Erratum preset_cleared_when, open (6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29). Printed: 4Bh, 4Eh: after a new value has
-    been entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together, Save
-    parameters and activate Preset stores the resolution but zeroes the preset. Used: set_resolution saves the
-    resolution first, and only then writes and activates the preset.
+    Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been entered the preset is
+    set to zero. 48h, 50h: with a new resolution and a new preset set together, Save parameters and activate Preset
+    stores the resolution but zeroes the preset. Used: set_resolution saves the resolution first, and only then writes
+    and activates the preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
     """
 
     NORMAL_OPERATIONAL_STATE = 0
-    """Nothing to be done."""
+    """Normal operational state: Nothing to be done."""
     SAVE_PARAMETERS = 1
-    """Saves newly set register values; a preset is not activated by it."""
+    """Save parameters on EEPROM: Saves newly set register values; a preset is not activated by it."""
     SAVE_AND_ACTIVATE_PRESET = 2
-    """Saves newly set register values and gives the present position the preset value."""
+    """Save parameters and activate Preset: Saves newly set register values and gives the present position the preset
+    value.
+    """
     RESTORE_DEFAULTS = 4
-    """Loads, activates and saves the defaults of the factory; all values set before are lost."""
+    """Load and save default parameters: Loads, activates and saves the defaults of the factory; all values set
+    before are lost.
+    """
 
     @classmethod
     def decode(cls, data: Data) -> Command:
@@ -1372,32 +1505,41 @@ class Command(IntEnum):
 
 @by_class
 class Configuration(NamedTuple):
-    """Configuration, register 49h, read and write (6.5 p.25; 7 p.33).
+    """Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
 
     Preset function, output code and counting direction.
 
-    As delivered: 20. To be kept over power-off, a written value has to be saved.
+    Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
 
     A new value takes effect at once; Save parameters on EEPROM keeps it. Bits 0, 1, 3, 4 and 7 are not used; by the
     list of defaults they are 0.
 
-    Erratum enable_preset_polarity, settled (6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30). Printed:
-    Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1". The table of
-    Configuration: 0 is Enable, 1 is Disable. Used: 0 enables, 1 disables.
+    Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit 2" to enable.
+    Preset: values can be entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is Disable. Used: 0
+    enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both examples and the list of defaults have 0 for
+    enable, and so has the same bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29;
+    4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
 
-    Erratum example_bit_8, settled (6.5 p.25; 6.5). Printed: Bit 8 Counting direction, in the list of the configuration
-    example. Used: Bit 6.
+    Erratum example_bit_8 (settled, wrong data): Printed: Bit 8 Counting direction, in the list of the configuration
+    example. Used: Bit 6. Why: It stands between bits 5 and 7, the register has 8 bits, the table has bit 6, and the
+    result 60h = 01100000 has bit 6 set. [6.5 p.25; 6.5]
 
-    Erratum preset_example_bit, settled (6.5). Printed: Table of the preset example: address 49, bit 2, data 0. Used:
-    20h in register 49h: bit 2 at 0, the other bits at their defaults.
+    Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address 49, bit 2, data 0.
+    Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is written as a whole byte;
+    00h in 49h would also set the output code to Gray (bit 5). [6.5]
 
     Attributes:
-        counting_direction: Rotation with which the position counts up, seen from the shaft, while the Counting
-            direction input is at 0VDC. A high level at the Counting direction input turns the meaning round. After a
-            change a new preset has to be set.
-        output_code: Code of the position.
-        enable_preset: Whether the Preset registers can be written and the preset activated, by command or by the Zero
-            setting/Preset input.
+        counting_direction: Counting direction: Rotation with which the position counts up, seen from the shaft, while
+            the Counting direction input is at 0VDC. Default: 0. A high level at the Counting direction input turns the
+            meaning round. After a change a new preset has to be set.
+        output_code: Output code: Code of the position. Default: 1.
+        enable_preset: Enable preset: Whether the Preset registers can be written and the preset activated, by command
+            or by the Zero setting/Preset input. Default: 0.
+
+    Checked by decode():
+        zero_above_counting_direction: always zero.
+        zero_below_output_code: always zero.
+        zero_below_enable_preset: always zero.
     """
 
     counting_direction: CountingDirection
@@ -1460,33 +1602,36 @@ class Configuration(NamedTuple):
 
 @by_class
 class InformationPerRevolution(NamedTuple):
-    """Information per revolution, register 4Bh to 4Dh, read and write (6.5 p.27; 7 p.33).
+    """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
 
     Singleturn resolution.
 
-    The high byte is at the lowest address. As delivered: 10 00 00. To be kept over power-off, a written value has to be
-    saved.
+    Byte order: high byte first, at 4Bh. Default: ``10 00 00``. Limits: 1 to 1,048,576 for ``steps``. Save the
+    parameters after a write, or the encoder loses the value at power-off. The encoder takes the default in place of a
+    value above the limit. A write sets ``preset`` to zero.
 
     A new value takes effect at once, also on the length of the frame, and sets the preset to zero; Save parameters on
     EEPROM keeps it. Only powers of two are accepted. The number of bits that result is in register 56h.
 
-    Erratum biss_singleturn_resolution, open (6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29). Printed:
-    AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and
-    56h. Used: Widths by registers 56h and 57h, with their printed defaults, whatever the order code says.
+    Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a value of xx; 20
+    bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h and 57h, with
+    their printed defaults, whatever the order code says. Why: The only singleturn resolutions with an order code are 16
+    and 19 bits, over SSI. Edition 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps
+    the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
 
-    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
-    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
-    say, from the moment that a resolution is written.
+    Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
+    of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
+    moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
 
-    Erratum resolution_byte_order, open (6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15). Printed: 10 00 00h for 4B ... 4D,
-    00 01h and the like for 4E - 4F, without a table of the bytes. Used: High byte first.
+    Erratum resolution_byte_order (open, omission): Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F,
+    without a table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15]
 
-    Erratum resolution_byte_by_byte, open (6.5 p.27; 6.5 p.28; prot: p.9-14). Printed: A new value is active immediately
-    after transmission; values that are no power of two cannot be accepted. Used: The bytes are written in ascending
-    order of address, nothing in between.
+    Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately after transmission;
+    values that are no power of two cannot be accepted. Used: The bytes are written in ascending order of address,
+    nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
 
     Attributes:
-        steps: Positions per revolution (counts). Only powers of two.
+        steps: Positions per revolution. Unit: counts. Takes powers of two only.
     """
 
     steps: int
@@ -1531,35 +1676,35 @@ class InformationPerRevolution(NamedTuple):
 
 @by_class
 class NumberOfRevolutions(NamedTuple):
-    """Number of revolutions, register 4Eh to 4Fh, read and write (6.5 p.28; 7 p.33).
+    """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
 
     Multiturn resolution.
 
-    The high byte is at the lowest address. As delivered: 00 00. To be kept over power-off, a written value has to be
-    saved.
+    Byte order: high byte first, at 4Eh. Default: ``00 00``. Limits: 1 to 65,536 for ``revolutions``. Save the
+    parameters after a write, or the encoder loses the value at power-off. A write sets ``preset`` to zero.
 
     Any number from 1 to 65,536, powers of two or not. A new value takes effect at once, also on the length of the
     frame, and sets the preset to zero; Save parameters on EEPROM keeps it. The number of bits that result is in
     register 57h. With more than 4,096 revolutions set, the shaft of an encoder that is switched off must not turn by
     more than 2,047 revolutions either way, or the absolute position is lost.
 
-    Erratum revolutions_4096, open (6.5 p.28; 6.5 p.31). Printed: Device type: AMx36xx/4096. Number of revolutions:
-    65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while
-    switched off. Used: 65,536 for the registers and the frame; 4096 as what the label says.
+    Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as
+    default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while switched off.
+    Used: 65,536 for the registers and the frame; 4096 as what the label says. [6.5 p.28; 6.5 p.31]
 
-    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
-    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
-    say, from the moment that a resolution is written.
+    Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
+    of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
+    moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
 
-    Erratum resolution_byte_order, open (6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15). Printed: 10 00 00h for 4B ... 4D,
-    00 01h and the like for 4E - 4F, without a table of the bytes. Used: High byte first.
+    Erratum resolution_byte_order (open, omission): Printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F,
+    without a table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15]
 
-    Erratum resolution_byte_by_byte, open (6.5 p.27; 6.5 p.28; prot: p.9-14). Printed: A new value is active immediately
-    after transmission; values that are no power of two cannot be accepted. Used: The bytes are written in ascending
-    order of address, nothing in between.
+    Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately after transmission;
+    values that are no power of two cannot be accepted. Used: The bytes are written in ascending order of address,
+    nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
 
     Attributes:
-        revolutions: Revolutions counted; 00 00 stands for 65,536 (revolutions). 0 on the wire stands for 65536.
+        revolutions: Revolutions counted; 00 00 stands for 65,536. Unit: revolutions. Bits of 0 stand for 65,536.
     """
 
     revolutions: int
@@ -1603,46 +1748,58 @@ class NumberOfRevolutions(NamedTuple):
 
 @by_class
 class Preset(NamedTuple):
-    """Preset, register 50h to 54h, read and write (6.5 p.29; 7 p.33).
+    """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
 
     Position that the encoder shows, from the activation on, at the place where its shaft stands at that moment.
 
-    The high byte is at the lowest address. As delivered: 00 00 00 00 00. Can be written while
-    configuration.enable_preset holds enable. To be kept over power-off, a written value has to be saved.
+    Byte order: high byte first, at 50h. Default: ``00 00 00 00 00``. Limits: 0 to ``used_information * used_revolutions
+    - 1`` for ``position``. Write it only while ``configuration.enable_preset`` holds 0 (``enable``). Save the
+    parameters after a write, or the encoder loses the value at power-off.
 
-    At most Information per revolution × Number of revolutions − 1; the printed maximum is that of the defaults. Set the
-    bit Enable preset to 0 (enable) before writing. The value is saved without effect by Save parameters on EEPROM, and
-    saved and activated by Save parameters and activate Preset, or activated by the Zero setting/Preset input; at a
-    standstill, the manual suggests. To be set again after a change of the counting direction, of Information per
-    revolution or of Number of revolutions. It serves, for instance, to bring the zero points of encoder and application
-    together.
+    The printed maximum, 0F FF FF FF FF, is that of the defaults. Set the bit Enable preset to 0 (enable) before
+    writing. The value is saved without effect by Save parameters on EEPROM, and saved and activated by Save parameters
+    and activate Preset, or activated by the Zero setting/Preset input; at a standstill, the manual suggests. To be set
+    again after a change of the counting direction, of Information per revolution or of Number of revolutions. It
+    serves, for instance, to bring the zero points of encoder and application together.
 
-    Erratum preset_cleared_when, open (6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29). Printed: 4Bh, 4Eh: after a new value has
-    been entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together, Save
-    parameters and activate Preset stores the resolution but zeroes the preset. Used: set_resolution saves the
-    resolution first, and only then writes and activates the preset.
+    Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been entered the preset is
+    set to zero. 48h, 50h: with a new resolution and a new preset set together, Save parameters and activate Preset
+    stores the resolution but zeroes the preset. Used: set_resolution saves the resolution first, and only then writes
+    and activates the preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
 
-    Erratum enable_preset_polarity, settled (6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30). Printed:
-    Enable preset: "set to 1 the bit 2" to enable. Preset: values can be entered only if the bit is "1". The table of
-    Configuration: 0 is Enable, 1 is Disable. Used: 0 enables, 1 disables.
+    Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit 2" to enable.
+    Preset: values can be entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is Disable. Used: 0
+    enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both examples and the list of defaults have 0 for
+    enable, and so has the same bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29;
+    4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
 
-    Erratum preset_default_length, settled (6.5 p.29; 7 p.33). Printed: Default = 00 00 00 00 00 00h. Used: Five bytes
-    of 00.
+    Erratum preset_default_length (settled, wrong data): Printed: Default = 00 00 00 00 00 00h. Used: Five bytes of 00.
+    Why: The register has five bytes, 50h to 54h; the list of defaults and both limits have five. The byte after them is
+    Device type. [6.5 p.29; 7 p.33]
 
     Attributes:
-        position: Position as one number, revolutions above the singleturn position (counts).
+        variant: The encoder that the register belongs to.
+        position: Position as one number, revolutions above the singleturn position. Unit: counts.
+
+    Checked by decode():
+        zero_above_position: always zero.
     """
 
+    variant: Variant
     position: int
 
     @classmethod
-    def decode(cls, data: Data) -> Preset:
+    def decode(cls, data: Data, variant: Variant) -> Preset:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: Bits that always hold the same value, or a parity bit, hold another.
+            FamilyError: The encoder is of another family.
+            InterfaceError: The encoder has another interface.
         """
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 5:
@@ -1650,6 +1807,7 @@ class Preset(NamedTuple):
         if data[0] >> 4:
             raise ConstantError("zero_above_position", data[0] >> 4, 0)
         values = (
+            variant,
             (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],
         )
         return made(cls, values)
@@ -1660,34 +1818,40 @@ class Preset(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
+        variant = self.variant
+        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+            raise wrong_encoder(variant, Variant, _BISS)
         position = check_width("position", self.position, 36)
-        check_limits("position", self.position, self.limits())
+        check_limits("position", self.position, self.limits(variant))
         return position.to_bytes(5, "big")
 
     @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
+    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        check_encoder(variant, Variant, _BISS)
         return (
             BitField("zero_above_position", 36, 4),
             BitField("position", 0, 36),
         )
 
     @staticmethod
-    def limits() -> tuple[int, int]:
+    def limits(variant: Variant) -> tuple[int, int]:
         """Lowest and highest value of ``position`` that may be written."""
-        return 0, 68_719_476_735
+        check_encoder(variant, Variant, _BISS)
+        return 0, variant.used_information * variant.used_revolutions - 1
 
 
 @by_class
 class DeviceType(NamedTuple):
-    """Device type, register 55h, read only (6.5 p.31).
+    """Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
 
     Type of the device.
 
-    As delivered: 02.
+    Default: ``02``.
 
     Attributes:
-        device_type: 02: multiturn rotary encoder with BiSS C interface.
+        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
+            decoding accepts any value.
     """
 
     device_type: int
@@ -1730,22 +1894,24 @@ class DeviceType(NamedTuple):
 
 @by_class
 class SingleturnBitsUsed(NamedTuple):
-    """N° of bits used for singleturn resolution, register 56h, read only (6.5 p.31).
+    """N° of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
 
     Bits of the singleturn resolution, as set by Information per revolution.
 
-    As delivered: 14.
+    Default: ``14``.
 
-    Erratum biss_singleturn_resolution, open (6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29). Printed:
-    AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and
-    56h. Used: Widths by registers 56h and 57h, with their printed defaults, whatever the order code says.
+    Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a value of xx; 20
+    bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h and 57h, with
+    their printed defaults, whatever the order code says. Why: The only singleturn resolutions with an order code are 16
+    and 19 bits, over SSI. Edition 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps
+    the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
 
-    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
-    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
-    say, from the moment that a resolution is written.
+    Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
+    of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
+    moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
 
     Attributes:
-        bits: Width of the singleturn part of the position (bits).
+        bits: Width of the singleturn part of the position. Unit: bits.
     """
 
     bits: int
@@ -1783,25 +1949,25 @@ class SingleturnBitsUsed(NamedTuple):
 
 @by_class
 class MultiturnBitsUsed(NamedTuple):
-    """N° of bits used for multiturn resolution, register 57h, read only (6.5 p.31).
+    """N° of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
 
     Bits of the multiturn resolution, as set by Number of revolutions.
 
-    As delivered: 10.
+    Default: ``10``.
 
-    Erratum revolutions_4096, open (6.5 p.28; 6.5 p.31). Printed: Device type: AMx36xx/4096. Number of revolutions:
-    65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while
-    switched off. Used: 65,536 for the registers and the frame; 4096 as what the label says.
+    Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as
+    default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while switched off.
+    Used: 65,536 for the registers and the frame; 4096 as what the label says. [6.5 p.28; 6.5 p.31]
 
-    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
-    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
-    say, from the moment that a resolution is written.
+    Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
+    of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
+    moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
 
-    Erratum revolution_bits_rounding, open (6.5 p.28; 6.5 p.31). Printed: Number of revolutions may be any number;
-    register 57h shows the bits used for it. Used: Register 57h is read, not computed.
+    Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any number; register 57h
+    shows the bits used for it. Used: Register 57h is read, not computed. [6.5 p.28; 6.5 p.31]
 
     Attributes:
-        bits: Width of the multiturn part of the position (bits).
+        bits: Width of the multiturn part of the position. Unit: bits.
     """
 
     bits: int
@@ -1839,23 +2005,26 @@ class MultiturnBitsUsed(NamedTuple):
 
 @by_class
 class DeviceId(NamedTuple):
-    """Device ID, register 78h to 7Dh, read only (6.5 p.31).
+    """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
 
     Encoder model, interface, enclosure and software version; the manual refers to the order code beside it.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 78h.
 
-    Erratum order_code_17, settled (6; 6.5 p.31). Printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-... Used: I7; 17 is
-    accepted as well and shown as unlisted.
+    Erratum order_code_17 (settled, wrong limit): Printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-... Used: I7; 17 is
+    accepted as well and shown as unlisted. [6; 6.5 p.31]
 
-    Erratum device_id_shared, open (6.5 p.31; prot: p.14-15). Printed: One device ID, AM I7 2 with the software version,
-    for all models. Used: As printed.
+    Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software version, for all
+    models. Used: As printed. [6.5 p.31; prot: p.14-15]
 
     Attributes:
-        model: Encoder model, AMx36; 41 4D in hexadecimal.
-        interface_code: Interface, BiSS C; 49 37 in hexadecimal.
-        enclosure: Enclosure of 36 mm diameter; 32 in hexadecimal.
-        software_version: Software version, printed as XX.
+        model: Encoder model, AMx36; 41 4D in hexadecimal. ASCII text. Holds ``AM``, which identifies the encoder;
+            decoding accepts any value.
+        interface_code: Interface, BiSS C; 49 37 in hexadecimal. ASCII text. Holds ``I7``, which identifies the encoder;
+            decoding accepts any value.
+        enclosure: Enclosure of 36 mm diameter; 32 in hexadecimal. ASCII text. Holds ``2``, which identifies the
+            encoder; decoding accepts any value.
+        software_version: Software version, printed as XX. ASCII text.
     """
 
     model: str
@@ -1914,14 +2083,15 @@ class DeviceId(NamedTuple):
 
 @by_class
 class ManufacturerId(NamedTuple):
-    """Manufacturer ID, register 7Eh to 7Fh, read only (6.5 p.32).
+    """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
 
     Manufacturer.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 7Eh.
 
     Attributes:
-        name: Lika Electronic, 4C 69 in hexadecimal.
+        name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
+            accepts any value.
     """
 
     name: str
@@ -1997,6 +2167,17 @@ _HELD: Final = (
         zero_means=65_536,
     ),
     Held(
+        parameter="used_information",
+        interface=Interface.BISS,
+        address=Address.INFORMATION_PER_REVOLUTION,
+        default=b"\x10\x00\x00",
+        order="big",
+        low=0,
+        width=24,
+        min=1,
+        max=1_048_576,
+    ),
+    Held(
         parameter="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
@@ -2042,24 +2223,26 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 
 
 def set_configuration(configuration: Configuration | int, *, variant: Variant | None = None) -> tuple[Step, ...]:
-    """Set and save the configuration (6.5 p.25).
+    """Set and save the configuration [6.5 p.25].
 
-    After: Preset function, output code and counting direction are set and saved.
+    Result: Preset function, output code and counting direction are set and saved.
 
     After a change of the counting direction a new preset has to be set; after one of the output code the frames have
     another code.
 
     Args:
-        configuration: Value of the whole register, its unused bits 0.
+        configuration: Value of the whole register, its unused bits 0; written to ``configuration``.
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
+        ConstantError: A number has a bit that its register always has otherwise.
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS)
+    Configuration.decode(whole("configuration", Configuration, configuration, 1, "big"))
     return (
         *writes(
             "configuration",
@@ -2072,30 +2255,35 @@ def set_configuration(configuration: Configuration | int, *, variant: Variant | 
     )
 
 
-def set_preset(position: int, *, variant: Variant | None = None) -> tuple[Step, ...]:
-    """Set, save and activate a preset (6.5 p.29).
+def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
+    """Set, save and activate a preset [6.5 p.29].
 
     Before: Suggested with the shaft at a standstill.
 
-    After: The position at which the command arrived has the preset value; all other positions follow from it.
+    Result: The position at which the command arrived has the preset value; all other positions follow from it.
 
-    Erratum preset_example_bit, settled (6.5). Printed: Table of the preset example: address 49, bit 2, data 0. Used:
-    20h in register 49h: bit 2 at 0, the other bits at their defaults.
+    Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address 49, bit 2, data 0.
+    Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is written as a whole byte;
+    00h in 49h would also set the output code to Gray (bit 5). [6.5]
 
     Args:
-        position: Value that the present position is to get.
-        variant: The encoder, to be checked; the steps are the same for all of the family.
+        variant: The encoder.
+        position: Value that the present position is to get; written to ``preset``.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let the Preset registers be written"),
-        *writes("preset", Address.PRESET, Preset(position=position).encode(), "write the five Preset registers"),
+        *writes(
+            "preset",
+            Address.PRESET,
+            Preset(variant, position=position).encode(),
+            "write the five Preset registers",
+        ),
         *writes(
             "command",
             Address.COMMAND,
@@ -2106,38 +2294,43 @@ def set_preset(position: int, *, variant: Variant | None = None) -> tuple[Step, 
     )
 
 
-def store_preset(position: int, *, variant: Variant | None = None) -> tuple[Step, ...]:
-    """Set and save a preset without activating it (6.5 p.29; 4.4 p.15).
+def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
+    """Set and save a preset without activating it [6.5 p.29; 4.4 p.15].
 
-    After: The preset is saved; the position is the same as before. The Zero setting/Preset input or activate_preset
+    Result: The preset is saved; the position is the same as before. The Zero setting/Preset input or activate_preset
     activates it.
 
-    Erratum preset_example_bit, settled (6.5). Printed: Table of the preset example: address 49, bit 2, data 0. Used:
-    20h in register 49h: bit 2 at 0, the other bits at their defaults.
+    Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address 49, bit 2, data 0.
+    Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is written as a whole byte;
+    00h in 49h would also set the output code to Gray (bit 5). [6.5]
 
     Args:
-        position: Value to keep for a later activation.
-        variant: The encoder, to be checked; the steps are the same for all of the family.
+        variant: The encoder.
+        position: Value to keep for a later activation; written to ``preset``.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let the Preset registers be written"),
-        *writes("preset", Address.PRESET, Preset(position=position).encode(), "write the five Preset registers"),
+        *writes(
+            "preset",
+            Address.PRESET,
+            Preset(variant, position=position).encode(),
+            "write the five Preset registers",
+        ),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
 def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Save the parameters (6.5 p.24).
+    """Save the parameters [6.5 p.24].
 
-    After: Newly set register values are saved.
+    Result: Newly set register values are saved.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -2155,11 +2348,11 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Save the parameters and activate the preset that is set (6.5 p.24; 6.5 p.25).
+    """Save the parameters and activate the preset that is set [6.5 p.24; 6.5 p.25].
 
     Before: Bit Enable preset at 0 (enable), as delivered. Suggested with the shaft at a standstill.
 
-    After: The position at which the command arrived has the preset value.
+    Result: The position at which the command arrived has the preset value.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -2177,14 +2370,14 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Load and save the default parameters (6.5 p.24; 7 p.33).
+    """Load and save the default parameters [6.5 p.24; 7 p.33].
 
-    After: All parameters have their defaults, which are active and saved; what was set before is lost, the preset
+    Result: All parameters have their defaults, which are active and saved; what was set before is lost, the preset
     included. With them the frame has 44 bits again.
 
-    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
-    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
-    say, from the moment that a resolution is written.
+    Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
+    of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
+    moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -2202,61 +2395,59 @@ def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def set_resolution(
+    variant: Variant,
     information_per_revolution: int,
     number_of_revolutions: int,
     position: int,
-    *,
-    variant: Variant | None = None,
 ) -> tuple[Step, ...]:
-    """Change the resolution, then set and activate the preset again (6.5 p.24; 6.5 p.29).
+    """Change the resolution, then set and activate the preset again [6.5 p.24; 6.5 p.29].
 
     Before: Suggested with the shaft at a standstill.
 
-    After: The new resolution is saved, and the position at which the last command arrived has the preset value. Frames
+    Result: The new resolution is saved, and the position at which the last command arrived has the preset value. Frames
     have the widths read in the last two steps.
 
     The frame changes its length as soon as the resolution is written; the master has to follow before it can read a
     position again. The order of the steps is drawn from the warnings of registers 48h, 4Bh, 4Eh and 50h.
 
-    Erratum scd_length_at_run_time, open (6.3.1 p.21; 6.5 p.31). Printed: Position has a variable length according to
-    the resolution of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h
-    say, from the moment that a resolution is written.
+    Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
+    of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
+    moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
 
-    Erratum preset_cleared_when, open (6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29). Printed: 4Bh, 4Eh: after a new value has
-    been entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together, Save
-    parameters and activate Preset stores the resolution but zeroes the preset. Used: set_resolution saves the
-    resolution first, and only then writes and activates the preset.
+    Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been entered the preset is
+    set to zero. 48h, 50h: with a new resolution and a new preset set together, Save parameters and activate Preset
+    stores the resolution but zeroes the preset. Used: set_resolution saves the resolution first, and only then writes
+    and activates the preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
 
-    Erratum resolution_byte_by_byte, open (6.5 p.27; 6.5 p.28; prot: p.9-14). Printed: A new value is active immediately
-    after transmission; values that are no power of two cannot be accepted. Used: The bytes are written in ascending
-    order of address, nothing in between.
+    Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately after transmission;
+    values that are no power of two cannot be accepted. Used: The bytes are written in ascending order of address,
+    nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
 
     Args:
-        information_per_revolution: Positions per revolution, a power of two.
-        number_of_revolutions: Revolutions to count, 1 to 65,536.
-        position: Value that the present position is to get, below the product of the other two.
-        variant: The encoder, to be checked; the steps are the same for all of the family.
+        variant: The encoder.
+        information_per_revolution: Positions per revolution, a power of two; written to ``information_per_revolution``.
+        number_of_revolutions: Revolutions to count, 1 to 65,536; written to ``number_of_revolutions``.
+        position: Value that the present position is to get, below the product of the other two; written to ``preset``.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS)
+    content = InformationPerRevolution(steps=information_per_revolution).encode()
+    before: tuple[Step, ...] = (
+        *writes("information_per_revolution", Address.INFORMATION_PER_REVOLUTION, content, "clears the preset"),
+    )
+    variant = variant.with_registers(dict(enumerate(content, Address.INFORMATION_PER_REVOLUTION)))
+    content = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
+    before = (
+        *before,
+        *writes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, "clears the preset"),
+    )
+    variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
     return (
-        *writes(
-            "information_per_revolution",
-            Address.INFORMATION_PER_REVOLUTION,
-            InformationPerRevolution(steps=information_per_revolution).encode(),
-            "clears the preset",
-        ),
-        *writes(
-            "number_of_revolutions",
-            Address.NUMBER_OF_REVOLUTIONS,
-            NumberOfRevolutions(revolutions=number_of_revolutions).encode(),
-            "clears the preset",
-        ),
+        *before,
         *writes(
             "command",
             Address.COMMAND,
@@ -2265,7 +2456,12 @@ def set_resolution(
         ),
         Wait(30_000, "EEPROM writing time"),
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let the Preset registers be written"),
-        *writes("preset", Address.PRESET, Preset(position=position).encode(), "write the preset that was set to zero"),
+        *writes(
+            "preset",
+            Address.PRESET,
+            Preset(variant, position=position).encode(),
+            "write the preset that was set to zero",
+        ),
         *writes(
             "command",
             Address.COMMAND,
@@ -2279,10 +2475,10 @@ def set_resolution(
 
 
 def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Read what identifies the encoder (6.5).
+    """Read what identifies the encoder [6.5].
 
-    After: AM36 and AMC36, and all resolutions, answer alike but for the last two registers, which hold what is set, not
-    what the order code says.
+    Result: AM36 and AMC36, and all resolutions, answer alike but for the last two registers, which hold what is set,
+    not what the order code says.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3003,6 +3199,22 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="6.5 p.29; 7 p.33",
     ),
     Erratum(
+        name="error_and_warning_unused",
+        printed="Error and warning: not used, always 1",
+        used=(
+            "A frame with either at 0 is decoded and reports it. The position is not usable with nE at 0, and usable "
+            "with a warning with nW at 0."
+        ),
+        why=(
+            "What an encoder that sends 0 means is not said. Over BiSS both are active at 0, and another encoder or a "
+            "later firmware may use them."
+        ),
+        status="open",
+        severity="omission",
+        affects=("interfaces.biss.single_cycle_data.error", "interfaces.biss.single_cycle_data.warning"),
+        source="6.3.1 p.21; prot: p.3-5",
+    ),
+    Erratum(
         name="device_id_shared",
         printed="One device ID, AM I7 2 with the software version, for all models",
         used="As printed",
@@ -3096,6 +3308,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3108,6 +3321,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3120,6 +3334,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3132,6 +3347,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3144,6 +3360,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3156,6 +3373,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3168,6 +3386,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3180,6 +3399,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3192,6 +3412,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3204,6 +3425,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3216,6 +3438,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
             Variant(
@@ -3228,6 +3451,7 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_singleturn_bits=20,
                 used_multiturn_bits=16,
                 used_revolutions=65_536,
+                used_information=1_048_576,
                 output_code=1,
             ),
         )

@@ -9,11 +9,12 @@ DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
-A sound frame can report a fault of the encoder. Look at its flags before you use the position:
+A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
+    from lika_encoders import Verdict, lookup
     encoder = lookup("AMM5A21/65KSC1")
     frame = encoder.decode(0x55bcd15e2)
-    if not frame.error:
+    if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.multiturn, frame.singleturn, frame.position)
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
@@ -24,10 +25,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from enum import IntEnum
+from enum import Enum, IntEnum
 from operator import index
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
+from typing import Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
 
 from ._codec import (
     BitField,
@@ -41,12 +42,14 @@ from ._codec import (
     as_bytes,
     as_word,
     by_class,
+    check_bits,
     check_encoder,
     check_limits,
     check_width,
     choice,
     crc_by_xor,
     crc_of_bits,
+    decided,
     made,
     text_number,
     too_long,
@@ -81,11 +84,14 @@ from ._facts import (
     PrintedTimeout,
     ReadOnly,
     Register,
+    Report,
+    Reports,
     Revision,
     Rs485Facts,
     SsiFacts,
     Timeout,
     Timing,
+    Verdict,
 )
 from ._order_codes import OrderCode, Part, PartValue
 from ._registers import agrees, held_bytes
@@ -105,6 +111,7 @@ __all__ = [
     "DataRequest",
     "DeviceId",
     "ERRATA",
+    "EepromAddress",
     "EepromReadReply",
     "EepromReadRequest",
     "EepromWriteReply",
@@ -122,6 +129,7 @@ __all__ = [
     "Preset",
     "PresetSettingEnable",
     "REGISTERS",
+    "REPORTS",
     "RS485",
     "Reply",
     "Request",
@@ -257,8 +265,8 @@ class Variant:
         code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
         parts: The parts of the order code: mount, singleturn, turns, interface.
-        singleturn_bits: Singleturn resolution (bits, Preliminary information p.7).
-        multiturn_bits: Bits that count revolutions; 0 in singleturn models (bits, Preliminary information p.7).
+        singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
+        multiturn_bits: Bits that count revolutions; 0 in singleturn models [Preliminary information p.7]. Unit: bits.
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
         special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
@@ -287,24 +295,26 @@ class Variant:
     @property
     def position_bits(self) -> int:
         """Bits of the whole position, revolutions included; the manual's "encoder resolution" and "nbitres", 17 to
-        39 (bits, 6.2.1 p.32).
+        39 [6.2.1 p.32]. Unit: bits. Equals ``singleturn_bits + multiturn_bits``.
         """
         return self.singleturn_bits + self.multiturn_bits
 
     @property
     def counts_per_turn(self) -> int:
-        """Positions per revolution (counts, Preliminary information p.7)."""
+        """Positions per revolution [Preliminary information p.7]. Unit: counts. Equals ``2^singleturn_bits``."""
         return 1 << self.singleturn_bits
 
     @property
     def revolutions(self) -> int:
-        """Revolutions that are told apart (revolutions, Preliminary information p.7)."""
+        """Revolutions that are told apart [Preliminary information p.7]. Unit: revolutions. Equals
+        ``2^multiturn_bits``.
+        """
         return 1 << self.multiturn_bits
 
     @property
     def positions(self) -> int:
-        """Positions that are told apart over all revolutions; the manual's "max. number of information" (counts,
-        5.2).
+        """Positions that are told apart over all revolutions; the manual's "max. number of information" [5.2]. Unit:
+        counts. Equals ``2^position_bits``.
         """
         return 1 << self.position_bits
 
@@ -349,18 +359,23 @@ class Variant:
     def decode(self, frame: Word, *, bits: int | None = None) -> Frame: ...
 
     @overload
-    def decode(self, frame: Data) -> Frame: ...
+    def decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Frame: ...
 
-    def decode(self, frame: Any, *, bits: int | None = None) -> Frame:
+    def decode(self, frame: Any, *, bits: int | None = None, eeprom_address: EepromAddress | None = None) -> Frame:
         """What the encoder sent: bytes, or where the line carries bits a number whose most significant bit was sent
         first, or text of 0 and 1.
 
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
+
         Args:
             bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
+            eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address. Only the frames that
+                depend on it need it.
 
         Raises:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
-            TypeError: ``frame`` is of another type than the frames of this encoder.
+            TypeError: ``frame`` is of another type than the frames of this encoder, or needs an answer that is not
+                given.
         """
         if self.interface is _SSI:
             return SsiWord.decode(frame, self, bits=bits)
@@ -368,7 +383,7 @@ class Variant:
             return SingleCycleData.decode(frame, self, bits=bits)
         if bits is not None:
             raise TypeError("this encoder's frame is made of bytes: bits= is for frames that are strings of bits")
-        return decode_reply(frame, self)
+        return decode_reply(frame, self, eeprom_address=eeprom_address)
 
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}>"
@@ -455,41 +470,48 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """The CRC of 6 bits by x^6 + x + 1 over ``bits`` bits of ``number``, most significant first (6.2.1 p.33; prot:
-    p.7-8; renishaw: data sheet; icmu: p.30).
+    """CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (position, error and warning bit) are those of public BiSS documents.
 
-    Erratum biss_crc_start, open (6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
-    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
-    0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30]
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """The CRC of 4 bits by x^4 + x + 1 over ``bits`` bits of ``number``, most significant first (6.3 p.34; prot:
-    p.9-14; icmu: p.30).
+    """CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34; prot: p.9-14; icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
 
-    Erratum biss_crc_start, open (6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
-    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
-    0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30]
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
 
 def crc_rs485_8(data: bytes) -> int:
-    """The CRC of 8 bits by x^8 + 1 over ``data`` (7.6 p.47).
+    """CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.6 p.47].
+
+    Computed over ``data``.
 
     Over all bytes sent before it, start bits and delimiters left out, least significant bit first. That is the XOR of
     the bytes: it does not notice bytes that changed places. Start value 0 is set in the printed code.
 
-    Erratum crc_code_bit_order, settled (7.6). Printed: Data is configured LSB first; the printed code takes the bits of
-    a string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1 with input and output reflected.
+    Erratum crc_code_bit_order (settled, wrong data): Printed: Data is configured LSB first; the printed code takes the
+    bits of a string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1 with input and output
+    reflected. Why: Fed with the bits of the example LSB first the code returns CDh, the printed B3h with its bits
+    reversed; it returns B3h only when each byte is fed MSB first. [7.6]
     """
     return crc_by_xor(data)
 
@@ -517,38 +539,71 @@ def _remainder_biss_6_47(word: int) -> int:
 
 
 class DataId(IntEnum):
-    """What the request asks for; a reply repeats it."""
+    """Data ID: What the request asks for; a reply repeats it."""
 
     SINGLETURN = 0
-    """Singleturn position."""
+    """Data ID 0: Singleturn position."""
     MULTITURN = 1
-    """Multiturn data."""
+    """Data ID 1: Multiturn data."""
     ENCODER_ID = 2
-    """Encoder ID, printed as the fixed value 23h."""
+    """Data ID 2: Encoder ID, printed as the fixed value 23h."""
     ALL_DATA = 3
-    """Singleturn, encoder ID, multiturn and alarms."""
+    """Data ID 3: Singleturn, encoder ID, multiturn and alarms."""
     EEPROM_WRITE = 6
-    """Write one byte of the EEPROM."""
+    """Data ID 6: Write one byte of the EEPROM."""
     EEPROM_READ = 0xD
-    """Read one byte of the EEPROM."""
+    """Data ID D: Read one byte of the EEPROM."""
     RESET_ERRORS = 7
-    """Reset all errors; the reply carries the singleturn position."""
+    """Data ID 7: Reset all errors; the reply carries the singleturn position."""
     RESET_SINGLETURN_AND_MULTITURN = 8
-    """Reset singleturn and multiturn data to 0; the reply carries the singleturn position."""
+    """Data ID 8: Reset singleturn and multiturn data to 0; the reply carries the singleturn position."""
     RESET_MULTITURN_AND_ERRORS = 0xC
-    """Reset multiturn data and all errors; the reply carries the singleturn position."""
+    """Data ID C: Reset multiturn data and all errors; the reply carries the singleturn position."""
+
+
+# What the manual leaves open
+
+
+class EepromAddress(Enum):
+    """Where the byte ADF of an EEPROM access over RS-485 has the address [7.5 p.46].
+
+    The manual leaves this open, or other evidence contradicts it: there is no default.
+
+    Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field, the address is bits
+    7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the user that has no default. A wrong one
+    reaches twice the address or half of it, and a write destroys other data there: read before you write, and compare.
+    Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+    (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though as
+    printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5, where this manual has
+    EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+    """
+
+    AS_PRINTED = (1, 0)
+    """Bits 7:1, MEM BUSY in bit 0, as the manual prints it [7.5 p.46]."""
+    AS_T_FORMAT = (0, 7)
+    """Bits 6:0, as public T-format stacks have it; MEM BUSY then is the bit that is left, 7 [hpm_sdk:
+    samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c].
+    """
+
+    def __init__(self, eeprom_address_bit: int, mem_busy_bit: int) -> None:
+        self.eeprom_address_bit = eeprom_address_bit
+        self.mem_busy_bit = mem_busy_bit
 
 
 # SSI
 #
-# Erratum ssi_output_code, settled (5.1; 5.2). Printed: 5.1: the output code can be Binary or Gray, see the order code.
-# 5.2: the output code is BINARY, see the order code. Used: Binary.
+# Erratum ssi_output_code (settled, wrong data): Printed: 5.1: the output code can be Binary or Gray, see the order
+# code. 5.2: the output code is BINARY, see the order code. Used: Binary. Why: 5.1 describes SSI in general, 5.2 this
+# encoder; the order code has no place for a code and only one SSI variant, BG1. [5.1; 5.2]
 #
-# Erratum ssi_cable_400_m, open (5.3). Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz.
-# Used: Both as printed.
+# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
+# 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3]
 #
-# Erratum ssi_cable_50_m, open (5.3). Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
-# Used: Both as printed.
+# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4
+# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
+# MHz. [5.3]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -589,36 +644,51 @@ SSI: Final = SsiFacts(
 
 @by_class
 class SsiWord(NamedTuple):
-    """SSI word: sent by the encoder over SSI, as a string of bits (5.2 p.28).
+    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2
+    p.28].
 
     In the manual: Structure of the position information.
+
+    ``position`` is made of ``multiturn`` and ``singleturn``, most significant first.
 
     As many bits as the position has, 17 to 39, the most significant first. Further clocks bring zeros after the word.
     No error or warning bit and no CRC.
 
-    Erratum ssi_output_code, settled (5.1; 5.2). Printed: 5.1: the output code can be Binary or Gray, see the order
-    code. 5.2: the output code is BINARY, see the order code. Used: Binary.
+    Erratum ssi_output_code (settled, wrong data): Printed: 5.1: the output code can be Binary or Gray, see the order
+    code. 5.2: the output code is BINARY, see the order code. Used: Binary. Why: 5.1 describes SSI in general, 5.2 this
+    encoder; the order code has no place for a code and only one SSI variant, BG1. [5.1; 5.2]
 
-    Erratum ssi_clock_count, open (5.1; 5.2; it: 5.1). Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1
-    are necessary), 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks
-    satisfy both.
+    Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are
+    necessary), 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks
+    satisfy both. [5.1; 5.2; it: 5.1]
 
-    Erratum ssi_table_65kkg1, settled (5.2; it: 5.2). Printed: AMM5A17/65KKG1... and five more in the English table of
-    word lengths. Used: 65KBG1.
+    Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the English table of
+    word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition have 65KBG1; no model has KG1.
+    [5.2; it: 5.2]
 
-    Erratum position_order, open (5.2; 6.2.1 p.32; 6.4). Printed: Only "17 + 16 bits" and the like; no words on which of
-    singleturn and multiturn comes first in the position. Used: Multiturn first, as the more significant part;
-    singleturn after it.
+    Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on which of singleturn
+    and multiturn comes first in the position. Used: Multiturn first, as the more significant part; singleturn after it.
+    [5.2; 6.2.1 p.32; 6.4]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions. 0 where the encoder has none.
-        singleturn: Position within one revolution (counts).
+        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
     """
 
     variant: Variant
     multiturn: int
     singleturn: int
+
+    @property
+    def verdict(self) -> Verdict:
+        """Nothing in this frame tells what the position is worth."""
+        return Verdict.NOT_TOLD
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: nothing, with this frame."""
+        return ()
 
     @property
     def position(self) -> int:
@@ -695,23 +765,11 @@ class SsiWord(NamedTuple):
 
 # BiSS C-mode
 #
-# Erratum profile_id_missing, open (6 p.31; 6.4 p.35; prot: p.14-15). Printed: The encoder complies with the "Standard
-# encoder profile"; no register 42h to 43h is listed. Used: No profile ID.
+# Erratum profile_id_missing (open, omission): Printed: The encoder complies with the "Standard encoder profile"; no
+# register 42h to 43h is listed. Used: No profile ID. [6 p.31; 6.4 p.35; prot: p.14-15]
 #
-# Erratum error_bits_leds_alarms, open (6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51). Printed: nE and LED 1:
-# misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn system, or
-# battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery alarm and MT error.
-# Used: Each as printed, none derived from another.
-#
-# Erratum position_under_error, open (6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44). Printed:
-# BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning alone: the
-# position is kept. What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
-# error, ST error or MT error, latched ones until they are reset. Usable with a warning with the warning bit or the
-# battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes it not usable, unless the frame
-# carries these four as well (data ID 3): then they decide.
-#
-# Erratum biss_min_clock, open (6.5 p.40; prot: p.18). Printed: Clock of 50 kHz at least; the time-out is worked out for
-# 50 kHz as well. Used: 50 kHz.
+# Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz
+# as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40; prot: p.18]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -781,42 +839,50 @@ BISS: Final = BissFacts(
 
 @by_class
 class SingleCycleData(NamedTuple):
-    """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.2.1 p.32).
+    """Single cycle data, sent by the encoder over BiSS C-mode: ``singleturn_bits + multiturn_bits + 8`` bits, most
+    significant first [6.2.1 p.32].
 
     In the manual: Single Cycle Data SCD.
+
+    ``position`` is made of ``multiturn`` and ``singleturn``, most significant first.
 
     Multiturn and singleturn together are what the manual calls Position (it: Posizione): 17 to 39 bits, most
     significant bit first.
 
-    Erratum position_order, open (5.2; 6.2.1 p.32; 6.4). Printed: Only "17 + 16 bits" and the like; no words on which of
-    singleturn and multiturn comes first in the position. Used: Multiturn first, as the more significant part;
-    singleturn after it.
+    Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on which of singleturn
+    and multiturn comes first in the position. Used: Multiturn first, as the more significant part; singleturn after it.
+    [5.2; 6.2.1 p.32; 6.4]
 
-    Erratum scd_length, settled (6.2.1 p.32; it: 6.2.1 p.32). Printed: SCD data is nbitres+7 long. Used: position_bits +
-    8.
+    Erratum scd_length (settled, wrong data): Printed: SCD data is nbitres+7 long. Used: position_bits + 8. Why:
+    Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8; nbitres+7 is the number of the top bit in
+    the table. [6.2.1 p.32; it: 6.2.1 p.32]
 
-    Erratum error_bits_leds_alarms, open (6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51). Printed: nE and LED
-    1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn
-    system, or battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery alarm
-    and MT error. Used: Each as printed, none derived from another.
+    Erratum error_bits_leds_alarms (open, omission): Printed: nE and LED 1: misalignment and the like, or battery spent,
+    see MT error. nW and LED 2: an error in the magnetic multiturn system, or battery low, see Battery alarm. RS-485:
+    EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery alarm and MT error. Used: Each as printed, none derived
+    from another. [6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
 
-    Erratum position_under_error, open (6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44).
-    Printed: BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning
-    alone: the position is kept. What the other errors do to the position is not said. Used: Not usable with an error,
-    BUSY, PS error, ST error or MT error, latched ones until they are reset. Usable with a warning with the warning bit
-    or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error, makes it not usable, unless the
-    frame carries these four as well (data ID 3): then they decide.
+    Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent battery: the encoder
+    cannot operate. A low one, with the warning alone: the position is kept. What the other errors do to the position is
+    not said. Used: Not usable with an error, BUSY, PS error, ST error or MT error, latched ones until they are reset.
+    Usable with a warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and
+    MT error, makes it not usable, unless the frame carries these four as well (data ID 3): then they decide. [6.2.1
+    p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions. 0 where the encoder has none.
-        singleturn: Position within one revolution (counts).
-        error: True: error active in the system; False: no active error; low active. Reports, for instance, that
-            circuitry and disk are not aligned (gap out of tolerance, circuitry not installed properly), or that the
-            battery is spent; the encoder cannot operate then and the battery has to be replaced (4.3.2).
-        warning: True: warning active in the system; False: no active warning; low active. Reports an error in the
-            magnetic multiturn system, or that the battery is low; the battery has to be replaced as soon as possible
-            then (4.3.1).
+        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
+        error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
+            circuitry not installed properly), or that the battery is spent; the encoder cannot operate then and the
+            battery has to be replaced (4.3.2). True at 0: error active in the system. False at 1: no active error.
+            While it is True, the position is not usable.
+        warning: Warning, nW: Reports an error in the magnetic multiturn system, or that the battery is low; the battery
+            has to be replaced as soon as possible then (4.3.1). True at 0: warning active in the system. False at 1: no
+            active warning. While it is True, the position is usable, with a warning.
+
+    Checked by decode():
+        crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
     variant: Variant
@@ -824,6 +890,24 @@ class SingleCycleData(NamedTuple):
     singleturn: int
     error: bool = False
     warning: bool = False
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.error:
+            return Verdict.NOT_USABLE
+        if self.warning:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active."""
+        told = {
+            "error": self.error,
+            "warning": self.warning,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @property
     def position(self) -> int:
@@ -922,16 +1006,21 @@ class SingleCycleData(NamedTuple):
 
 # RS-485
 #
-# Erratum encoder_id_23h, open (7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst).
-# Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one is
-# decoded, and the other one reported.
+# Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder
+# ID should be; a frame with another one is decoded, and the other one reported. Why: T-format encoders of 23 bits
+# usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID 0x17. The 23h may be a decimal 23 that was
+# taken for hexadecimal, and the value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1 p.42;
+# 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
 #
-# Erratum data_id_8_scope, open (7.4.2 p.45; ti_sdk:
-# docs_src/docs/api_guide/components/position_sense/tamagawa_design.md). Printed: Table: Data ID 8 resets singleturn and
-# multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn.
+# Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and multiturn data. Note:
+# singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn. Why: The table says it twice,
+# the note only in passing. But public T-format documents know three resets, of the data in one revolution, of the
+# multiturn data, and of errors; with C and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
+# docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
 #
-# Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission intervals
-# of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next one begins.
+# Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or more.
+# Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
+# 7.4.2 p.45]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -1078,16 +1167,23 @@ RS485: Final = Rs485Facts(
 
 @by_class
 class DataRequest(NamedTuple):
-    """Data request: sent by the master over RS-485, as bytes (7.2.1 p.41).
+    """Data request, sent by the master over RS-485: 1 byte [7.2.1 p.41].
 
     In the manual: Master → Encoder: CF.
+
+    Carries ``data_id`` 0 (singleturn), 1 (multiturn), 2 (encoder_id), 3 (all_data), 7 (reset_errors), 8
+    (reset_singleturn_and_multiturn) or C (reset_multiturn_and_errors).
 
     One byte, without a CRC.
 
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        data_id: What the request asks for; a reply repeats it.
+        data_id: Data ID: What the request asks for; a reply repeats it.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
     """
 
     data_id: DataId
@@ -1140,33 +1236,48 @@ class DataRequest(NamedTuple):
 
 @by_class
 class EepromWriteRequest(NamedTuple):
-    """EEPROM write request: sent by the master over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
+    """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5 p.46].
 
     In the manual: Master → Encoder: CF ADF EDF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
-    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
-    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
-    compare.
+    Carries ``data_id`` 6 (eeprom_write).
+
+    Where its fields stand is for you to decide, ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+
+    Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field, the address is bits
+    7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the user that has no default. A wrong one
+    reaches twice the address or half of it, and a write destroys other data there: read before you write, and compare.
+    Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+    (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though as
+    printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5, where this manual has
+    EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        address: EEPROM address, bits 7:1 of ADF.
-        data: Byte to write.
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address.
+        data: EDF: Byte to write.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        mem_busy: MEM BUSY: Always 0 from the master.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
+    eeprom_address: EepromAddress
     address: int
     data: int
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """Data ID: What the request asks for; a reply repeats it."""
         return DataId.EEPROM_WRITE
 
     @classmethod
-    def decode(cls, data: Data) -> EepromWriteRequest:
+    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromWriteRequest:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1182,17 +1293,20 @@ class EepromWriteRequest(NamedTuple):
         computed = data[0] ^ data[1] ^ data[2]
         if computed != data[3]:
             raise CrcError(data[3], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0x1:
-            raise ConstantError("mem_busy", data[1] & 0x1, 0)
-        if (data[0] >> 3 & 0xF) != 6:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "6h")
+        decided(EepromAddress, eeprom_address)
+        number = int.from_bytes(data, "little")
+        if (number & 0x7) != 0x2:
+            raise ConstantError("sync", number & 0x7, 0x2)
+        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+        if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
+            raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
+        if (number >> 3 & 0xF) != 6:
+            raise RangeError("data_id", number >> 3 & 0xF, "6h")
         values = (
-            data[1] >> 1,
-            data[2],
+            eeprom_address,
+            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
+            number >> 16 & 0xFF,
         )
         return made(cls, values)
 
@@ -1202,21 +1316,23 @@ class EepromWriteRequest(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
+        eeprom_address = decided(EepromAddress, self.eeprom_address)
         address = check_width("address", self.address, 7)
         data_ = check_width("data", self.data, 8)
-        number = 0x32 | address << 9 | data_ << 16
+        number = 0x32 | address << (eeprom_address.eeprom_address_bit + 8) | data_ << 16
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
+    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
             BitField("parity", 7, 1),
-            BitField("mem_busy", 8, 1),
-            BitField("address", 9, 7),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         )
@@ -1224,31 +1340,46 @@ class EepromWriteRequest(NamedTuple):
 
 @by_class
 class EepromReadRequest(NamedTuple):
-    """EEPROM read request: sent by the master over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
+    """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42; 7.5 p.46].
 
     In the manual: Master → Encoder: CF ADF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
-    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
-    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
-    compare.
+    Carries ``data_id`` D (eeprom_read).
+
+    Where its fields stand is for you to decide, ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+
+    Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field, the address is bits
+    7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the user that has no default. A wrong one
+    reaches twice the address or half of it, and a write destroys other data there: read before you write, and compare.
+    Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+    (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though as
+    printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5, where this manual has
+    EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        address: EEPROM address, bits 7:1 of ADF.
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        mem_busy: MEM BUSY: Always 0 from the master.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
+    eeprom_address: EepromAddress
     address: int
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """Data ID: What the request asks for; a reply repeats it."""
         return DataId.EEPROM_READ
 
     @classmethod
-    def decode(cls, data: Data) -> EepromReadRequest:
+    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromReadRequest:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1264,16 +1395,19 @@ class EepromReadRequest(NamedTuple):
         computed = data[0] ^ data[1]
         if computed != data[2]:
             raise CrcError(data[2], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0x1:
-            raise ConstantError("mem_busy", data[1] & 0x1, 0)
-        if (data[0] >> 3 & 0xF) != 0xD:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "Dh")
+        decided(EepromAddress, eeprom_address)
+        number = int.from_bytes(data, "little")
+        if (number & 0x7) != 0x2:
+            raise ConstantError("sync", number & 0x7, 0x2)
+        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+        if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
+            raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
+        if (number >> 3 & 0xF) != 0xD:
+            raise RangeError("data_id", number >> 3 & 0xF, "Dh")
         values = (
-            data[1] >> 1,
+            eeprom_address,
+            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
         )
         return made(cls, values)
 
@@ -1283,49 +1417,72 @@ class EepromReadRequest(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
+        eeprom_address = decided(EepromAddress, self.eeprom_address)
         address = check_width("address", self.address, 7)
-        number = 0xEA | address << 9
+        number = 0xEA | address << (eeprom_address.eeprom_address_bit + 8)
         body = number.to_bytes(2, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
+    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
             BitField("parity", 7, 1),
-            BitField("mem_busy", 8, 1),
-            BitField("address", 9, 7),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
             BitField("crc", 16, 8),
         )
 
 
 @by_class
 class SingleturnReply(NamedTuple):
-    """Singleturn reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
+    """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
+    Carries ``data_id`` 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
+    (reset_multiturn_and_errors).
+
     position = (DF2 << 16) + (DF1 << 8) + DF0; bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
-    Erratum busy_and_errors_in_one_bit, open (7.3.2 p.42; 7.4.1 p.44). Printed: EE_1 = 1: BUSY flag, PS error, Battery
-    alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has
-    been read.
+    Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT
+    error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.
+    [7.3.2 p.42; 7.4.1 p.44]
 
-    Erratum crc_example_frame, settled (7.6). Printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF,
-    SF, DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for its length.
+    Erratum crc_example_frame (settled, wrong data): Printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields
+    CF, SF, DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for its length. Why: The CRC is
+    right. A reply begins with the control field of its request; 32h is that of data ID 6, whose reply has four bytes
+    and no SF. No data ID has four data bytes. [7.6]
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        data_id: What the request asks for; a reply repeats it.
-        status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
-            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
-        singleturn: Position within one revolution (counts).
+        data_id: Data ID: What the request asks for; a reply repeats it.
+        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
+            position is not usable.
+        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
+            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
+            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
+            usable.
+        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
+            above it.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
+            rest is decoded all the same, and the position is usable, with a warning.
+        bits 7:6, status_zero: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
     variant: Variant
@@ -1333,6 +1490,32 @@ class SingleturnReply(NamedTuple):
     status_st_error: bool
     status_other_error: bool
     singleturn: int
+    unused: int = 0
+
+    @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: no unused bit differs."""
+        return self.unused == 0
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.status_st_error or self.status_other_error:
+            return Verdict.NOT_USABLE
+        if self.unused:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        told = {
+            "status_st_error": self.status_st_error,
+            "status_other_error": self.status_other_error,
+            "status_info": self.unused & 0xF,
+            "status_zero": self.unused & 0xC0,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
     def decode(cls, data: Data, variant: Variant) -> SingleturnReply:
@@ -1359,10 +1542,6 @@ class SingleturnReply(NamedTuple):
             raise ConstantError("sync", data[0] & 0x7, 0x2)
         if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0xF:
-            raise ConstantError("status_info", data[1] & 0xF, 0)
-        if data[1] >> 6:
-            raise ConstantError("status_zero", data[1] >> 6, 0)
         if (singleturn := data[2] | data[3] << 8 | data[4] << 16) >> variant.singleturn_bits:
             raise ConstantError("singleturn_padding", singleturn >> variant.singleturn_bits, 0)
         if (data_id := data[0] >> 3 & 0xF) not in (0, 7, 8, 0xC):
@@ -1373,6 +1552,7 @@ class SingleturnReply(NamedTuple):
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             singleturn,
+            data[1] & 0xCF,
         )
         return made(cls, values)
 
@@ -1389,12 +1569,15 @@ class SingleturnReply(NamedTuple):
         if data_id not in (0, 7, 8, 0xC):
             raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        unused = check_bits("unused", self.unused, 0xCF)
         number = (
             0x2
             | data_id << 3
             | (data_id.bit_count() & 1) << 7
+            | (unused & 0xF) << 8
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
+            | (unused >> 6 & 0x3) << 14
             | singleturn << 16
         )
         body = number.to_bytes(5, "little")
@@ -1420,36 +1603,80 @@ class SingleturnReply(NamedTuple):
 
 @by_class
 class MultiturnReply(NamedTuple):
-    """Multiturn reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
+    """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
+    Carries ``data_id`` 1 (multiturn).
+
     In singleturn models no bit of the three bytes is used; unused high bits are 0.
 
-    Erratum busy_and_errors_in_one_bit, open (7.3.2 p.42; 7.4.1 p.44). Printed: EE_1 = 1: BUSY flag, PS error, Battery
-    alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has
-    been read.
+    Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT
+    error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.
+    [7.3.2 p.42; 7.4.1 p.44]
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
-            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
-        multiturn: Number of revolutions. 0 where the encoder has none.
+        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
+            position is not usable.
+        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
+            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
+            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
+            usable.
+        multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+            Right-aligned in 24 bits, zeros above it.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
+            rest is decoded all the same, and the position is usable, with a warning.
+        bits 7:6, status_zero: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
     variant: Variant
     status_st_error: bool
     status_other_error: bool
     multiturn: int
+    unused: int = 0
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """Data ID: What the request asks for; a reply repeats it."""
         return DataId.MULTITURN
+
+    @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: no unused bit differs."""
+        return self.unused == 0
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.status_st_error or self.status_other_error:
+            return Verdict.NOT_USABLE
+        if self.unused:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        told = {
+            "status_st_error": self.status_st_error,
+            "status_other_error": self.status_other_error,
+            "status_info": self.unused & 0xF,
+            "status_zero": self.unused & 0xC0,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
     def decode(cls, data: Data, variant: Variant) -> MultiturnReply:
@@ -1476,10 +1703,6 @@ class MultiturnReply(NamedTuple):
             raise ConstantError("sync", data[0] & 0x7, 0x2)
         if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0xF:
-            raise ConstantError("status_info", data[1] & 0xF, 0)
-        if data[1] >> 6:
-            raise ConstantError("status_zero", data[1] >> 6, 0)
         if (multiturn := data[2] | data[3] << 8 | data[4] << 16) >> variant.multiturn_bits:
             raise ConstantError("multiturn_padding", multiturn >> variant.multiturn_bits, 0)
         if (data[0] >> 3 & 0xF) != 1:
@@ -1489,6 +1712,7 @@ class MultiturnReply(NamedTuple):
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             multiturn,
+            data[1] & 0xCF,
         )
         return made(cls, values)
 
@@ -1502,10 +1726,13 @@ class MultiturnReply(NamedTuple):
         if not isinstance(variant, Variant) or variant.interface is not _RS485:
             raise wrong_encoder(variant, Variant, _RS485)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        unused = check_bits("unused", self.unused, 0xCF)
         number = (
             0x8A
+            | (unused & 0xF) << 8
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
+            | (unused >> 6 & 0x3) << 14
             | multiturn << 16
         )
         body = number.to_bytes(5, "little")
@@ -1531,38 +1758,70 @@ class MultiturnReply(NamedTuple):
 
 @by_class
 class EncoderIdReply(NamedTuple):
-    """Encoder ID reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
+    """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
 
-    Erratum encoder_id_23h, open (7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst).
-    Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one
-    is decoded, and the other one reported.
+    Carries ``data_id`` 2 (encoder_id).
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error,
+    Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the
+    encoder ID should be; a frame with another one is decoded, and the other one reported. Why: T-format encoders of 23
+    bits usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID 0x17. The 23h may be a decimal 23 that
+    was taken for hexadecimal, and the value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1
+    p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     busy_and_errors_in_one_bit.
 
     Attributes:
-        status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
-            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
-        encoder_id: Encoder ID, printed as 23h; a frame with another one is decoded.
+        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
+            position is not usable.
+        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
+            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
+            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
+            usable.
+        encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
+            the encoder; decoding accepts any value.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
+            rest is decoded all the same, and the position is usable, with a warning.
+        bits 7:6, status_zero: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
     status_st_error: bool = False
     status_other_error: bool = False
     encoder_id: int = 0x23
+    unused: int = 0
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """Data ID: What the request asks for; a reply repeats it."""
         return DataId.ENCODER_ID
 
     @property
     def is_as_documented(self) -> bool:
-        """Whether it holds what the manual says: encoder_id 0x23."""
-        return self.encoder_id == 0x23
+        """Whether it holds what the manual says: encoder_id 0x23, no unused bit differs."""
+        return self.encoder_id == 0x23 and self.unused == 0
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        told = {
+            "status_st_error": self.status_st_error,
+            "status_other_error": self.status_other_error,
+            "status_info": self.unused & 0xF,
+            "status_zero": self.unused & 0xC0,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
     def decode(cls, data: Data) -> EncoderIdReply:
@@ -1585,16 +1844,13 @@ class EncoderIdReply(NamedTuple):
             raise ConstantError("sync", data[0] & 0x7, 0x2)
         if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0xF:
-            raise ConstantError("status_info", data[1] & 0xF, 0)
-        if data[1] >> 6:
-            raise ConstantError("status_zero", data[1] >> 6, 0)
         if (data[0] >> 3 & 0xF) != 2:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "2h")
         values = (
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             data[2],
+            data[1] & 0xCF,
         )
         return made(cls, values)
 
@@ -1605,10 +1861,13 @@ class EncoderIdReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         encoder_id = check_width("encoder_id", self.encoder_id, 8)
+        unused = check_bits("unused", self.unused, 0xCF)
         number = (
             0x92
+            | (unused & 0xF) << 8
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
+            | (unused >> 6 & 0x3) << 14
             | encoder_id << 16
         )
         body = number.to_bytes(3, "little")
@@ -1632,32 +1891,64 @@ class EncoderIdReply(NamedTuple):
 
 @by_class
 class CompleteReply(NamedTuple):
-    """Complete reply: sent by the encoder over RS-485, as bytes (7.2.1 p.41; 7.4 p.43).
+    """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
 
-    Erratum encoder_id_23h, open (7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst).
-    Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID should be; a frame with another one
-    is decoded, and the other one reported.
+    Carries ``data_id`` 3 (all_data).
 
-    Of its parts, see ERRATA: control_field_structure, error_bits_leds_alarms, position_under_error,
+    ``position`` is made of ``multiturn`` and ``singleturn``, most significant first.
+
+    Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the
+    encoder ID should be; a frame with another one is decoded, and the other one reported. Why: T-format encoders of 23
+    bits usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID 0x17. The 23h may be a decimal 23 that
+    was taken for hexadecimal, and the value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1
+    p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear.
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        status_st_error: True: ST error; False: no ST error; high active.
-        status_other_error: True: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0;
-            False: none of BUSY flag, PS error, battery alarm and MT error; high active. One bit for BUSY, which goes by
-            itself, and for errors that stay until they are reset. Read data ID 3 then: its ALMC tells which it is.
-        singleturn: Position within one revolution (counts).
-        encoder_id: Encoder ID, printed as 23h; a frame with another one is decoded.
-        multiturn: Number of revolutions. 0 where the encoder has none.
-        busy: True: not ready after power-on or during a reset; all position data are 0; False: ready; high active.
-        st_error: True: counted and calculated data disagree; False: no ST error; high active.
-        ps_error: True: singleturn and multiturn count out of step, or a counting error; False: no PS error; high
-            active.
-        mt_error: True: external battery below 3.05 V; False: no MT error; high active.
-        battery_alarm: True: external battery below 3.15 V; False: no battery alarm; high active.
+        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
+            position is not usable.
+        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
+            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
+            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
+            usable.
+        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
+            above it.
+        encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
+            the encoder; decoding accepts any value.
+        multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+            Right-aligned in 24 bits, zeros above it.
+        busy: BUSY. True at 1: not ready after power-on or during a reset; all position data are 0. False at 0: ready.
+            While it is True, the position is not usable.
+        st_error: STERR. True at 1: counted and calculated data disagree. False at 0: no ST error. While it is True, the
+            position is not usable.
+        ps_error: PSERR. True at 1: singleturn and multiturn count out of step, or a counting error. False at 0: no PS
+            error. While it is True, the position is not usable.
+        mt_error: MTERR. True at 1: external battery below 3.05 V. False at 0: no MT error. While it is True, the
+            position is not usable.
+        battery_alarm: BATT. True at 1: external battery below 3.15 V. False at 0: no battery alarm. While it is True,
+            the position is usable, with a warning.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
+            rest is decoded all the same, and the position is usable, with a warning.
+        bits 7:6, status_zero: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+        bit 8, alarm_zero_0: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+        bits 12:11, alarm_zero_3_4: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and
+            the position is usable, with a warning.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
     variant: Variant
@@ -1671,16 +1962,51 @@ class CompleteReply(NamedTuple):
     ps_error: bool = False
     mt_error: bool = False
     battery_alarm: bool = False
+    unused: int = 0
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """Data ID: What the request asks for; a reply repeats it."""
         return DataId.ALL_DATA
 
     @property
     def is_as_documented(self) -> bool:
-        """Whether it holds what the manual says: encoder_id 0x23."""
-        return self.encoder_id == 0x23
+        """Whether it holds what the manual says: encoder_id 0x23, no unused bit differs."""
+        return self.encoder_id == 0x23 and self.unused == 0
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if (
+            self.status_st_error
+            or (self.status_other_error and not self.battery_alarm)
+            or self.busy
+            or self.st_error
+            or self.ps_error
+            or self.mt_error
+        ):
+            return Verdict.NOT_USABLE
+        if self.battery_alarm or self.unused:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        told = {
+            "status_st_error": self.status_st_error,
+            "status_other_error": self.status_other_error,
+            "busy": self.busy,
+            "st_error": self.st_error,
+            "ps_error": self.ps_error,
+            "mt_error": self.mt_error,
+            "battery_alarm": self.battery_alarm,
+            "status_info": self.unused & 0xF,
+            "status_zero": self.unused & 0xC0,
+            "alarm_zero_0": self.unused & 0x100,
+            "alarm_zero_3_4": self.unused & 0x1800,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @property
     def position(self) -> int:
@@ -1703,6 +2029,7 @@ class CompleteReply(NamedTuple):
         ps_error: bool = False,
         mt_error: bool = False,
         battery_alarm: bool = False,
+        unused: int = 0,
     ) -> CompleteReply:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
         check_encoder(variant, Variant, _RS485)
@@ -1719,6 +2046,7 @@ class CompleteReply(NamedTuple):
             ps_error=ps_error,
             mt_error=mt_error,
             battery_alarm=battery_alarm,
+            unused=unused,
         )
 
     @classmethod
@@ -1746,18 +2074,10 @@ class CompleteReply(NamedTuple):
             raise ConstantError("sync", data[0] & 0x7, 0x2)
         if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0xF:
-            raise ConstantError("status_info", data[1] & 0xF, 0)
-        if data[1] >> 6:
-            raise ConstantError("status_zero", data[1] >> 6, 0)
         if (singleturn := data[2] | data[3] << 8 | data[4] << 16) >> variant.singleturn_bits:
             raise ConstantError("singleturn_padding", singleturn >> variant.singleturn_bits, 0)
         if (multiturn := data[6] | data[7] << 8 | data[8] << 16) >> variant.multiturn_bits:
             raise ConstantError("multiturn_padding", multiturn >> variant.multiturn_bits, 0)
-        if data[9] & 0x1:
-            raise ConstantError("alarm_zero_0", data[9] & 0x1, 0)
-        if data[9] >> 3 & 0x3:
-            raise ConstantError("alarm_zero_3_4", data[9] >> 3 & 0x3, 0)
         if (data[0] >> 3 & 0xF) != 3:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "3h")
         values = (
@@ -1772,6 +2092,7 @@ class CompleteReply(NamedTuple):
             bool(data[9] & 0x20),
             bool(data[9] & 0x40),
             bool(data[9] & 0x80),
+            data[1] & 0xCF | (data[9] & 0x19) << 8,
         )
         return made(cls, values)
 
@@ -1787,15 +2108,20 @@ class CompleteReply(NamedTuple):
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         encoder_id = check_width("encoder_id", self.encoder_id, 8)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        unused = check_bits("unused", self.unused, 0x19CF)
         number = (
             0x1A
+            | (unused & 0xF) << 8
             | bool(self.status_st_error) << 12
             | bool(self.status_other_error) << 13
+            | (unused >> 6 & 0x3) << 14
             | singleturn << 16
             | encoder_id << 40
             | multiturn << 48
+            | (unused >> 8 & 0x1) << 72
             | bool(self.busy) << 73
             | bool(self.st_error) << 74
+            | (unused >> 11 & 0x3) << 75
             | bool(self.ps_error) << 77
             | bool(self.mt_error) << 78
             | bool(self.battery_alarm) << 79
@@ -1833,35 +2159,57 @@ class CompleteReply(NamedTuple):
 
 @by_class
 class EepromWriteReply(NamedTuple):
-    """EEPROM write reply: sent by the encoder over RS-485, as bytes (7.2.2 p.41; 7.5 p.46).
+    """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5 p.46].
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
-    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
-    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
-    compare.
+    Carries ``data_id`` 6 (eeprom_write).
+
+    Where its fields stand is for you to decide, ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+
+    Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field, the address is bits
+    7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the user that has no default. A wrong one
+    reaches twice the address or half of it, and a write destroys other data there: read before you write, and compare.
+    Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+    (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though as
+    printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5, where this manual has
+    EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        mem_busy: True: writing, request not executed; False: request accepted; high active.
-        address: EEPROM address of the request.
-        data: Byte of the request, or 00h while busy.
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address of the request.
+        mem_busy: MEM BUSY. True at 1: writing, request not executed. False at 0: request accepted.
+        data: EDF: Byte of the request, or 00h while busy.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    mem_busy: bool
+    eeprom_address: EepromAddress
     address: int
+    mem_busy: bool
     data: int
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """Data ID: What the request asks for; a reply repeats it."""
         return DataId.EEPROM_WRITE
 
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active."""
+        told = {
+            "eeprom_write_reply_mem_busy": self.mem_busy,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
+
     @classmethod
-    def decode(cls, data: Data) -> EepromWriteReply:
+    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromWriteReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1877,16 +2225,19 @@ class EepromWriteReply(NamedTuple):
         computed = data[0] ^ data[1] ^ data[2]
         if computed != data[3]:
             raise CrcError(data[3], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (data[0] >> 3 & 0xF) != 6:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "6h")
+        decided(EepromAddress, eeprom_address)
+        number = int.from_bytes(data, "little")
+        if (number & 0x7) != 0x2:
+            raise ConstantError("sync", number & 0x7, 0x2)
+        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+        if (number >> 3 & 0xF) != 6:
+            raise RangeError("data_id", number >> 3 & 0xF, "6h")
         values = (
-            bool(data[1] & 0x01),
-            data[1] >> 1,
-            data[2],
+            eeprom_address,
+            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
+            bool(number >> (eeprom_address.mem_busy_bit + 8) & 1),
+            number >> 16 & 0xFF,
         )
         return made(cls, values)
 
@@ -1896,21 +2247,28 @@ class EepromWriteReply(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
+        eeprom_address = decided(EepromAddress, self.eeprom_address)
         address = check_width("address", self.address, 7)
         data_ = check_width("data", self.data, 8)
-        number = 0x32 | bool(self.mem_busy) << 8 | address << 9 | data_ << 16
+        number = (
+            0x32
+            | address << (eeprom_address.eeprom_address_bit + 8)
+            | bool(self.mem_busy) << (eeprom_address.mem_busy_bit + 8)
+            | data_ << 16
+        )
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
+    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
             BitField("parity", 7, 1),
-            BitField("mem_busy", 8, 1),
-            BitField("address", 9, 7),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         )
@@ -1918,35 +2276,57 @@ class EepromWriteReply(NamedTuple):
 
 @by_class
 class EepromReadReply(NamedTuple):
-    """EEPROM read reply: sent by the encoder over RS-485, as bytes (7.2.3 p.42; 7.5 p.46).
+    """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42; 7.5 p.46].
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
-    Erratum mem_busy_position, open (7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
-    tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c). Printed: MEM BUSY is bit 0 of the address field, the
-    address is bits 7:1, so that address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address into
-    bits 6:0, these requests reach twice the address, and a write destroys other data: read before you write, and
-    compare.
+    Carries ``data_id`` D (eeprom_read).
+
+    Where its fields stand is for you to decide, ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+
+    Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field, the address is bits
+    7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the user that has no default. A wrong one
+    reaches twice the address or half of it, and a write destroys other data there: read before you write, and compare.
+    Why: Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
+    (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though as
+    printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5, where this manual has
+    EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
+    ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        mem_busy: True: memory busy, request not executed; False: byte read; high active.
-        address: EEPROM address of the request.
-        data: Byte read, or 00h while busy.
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address of the request.
+        mem_busy: MEM BUSY. True at 1: memory busy, request not executed. False at 0: byte read.
+        data: EDF: Byte read, or 00h while busy.
+
+    Checked by decode():
+        sync: Start of a frame, binary 010. Always 2.
+        parity: Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    mem_busy: bool
+    eeprom_address: EepromAddress
     address: int
+    mem_busy: bool
     data: int
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """Data ID: What the request asks for; a reply repeats it."""
         return DataId.EEPROM_READ
 
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active."""
+        told = {
+            "eeprom_read_reply_mem_busy": self.mem_busy,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
+
     @classmethod
-    def decode(cls, data: Data) -> EepromReadReply:
+    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromReadReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1962,16 +2342,19 @@ class EepromReadReply(NamedTuple):
         computed = data[0] ^ data[1] ^ data[2]
         if computed != data[3]:
             raise CrcError(data[3], computed)
-        if (data[0] & 0x7) != 0x2:
-            raise ConstantError("sync", data[0] & 0x7, 0x2)
-        if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-            raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if (data[0] >> 3 & 0xF) != 0xD:
-            raise RangeError("data_id", data[0] >> 3 & 0xF, "Dh")
+        decided(EepromAddress, eeprom_address)
+        number = int.from_bytes(data, "little")
+        if (number & 0x7) != 0x2:
+            raise ConstantError("sync", number & 0x7, 0x2)
+        if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
+            raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
+        if (number >> 3 & 0xF) != 0xD:
+            raise RangeError("data_id", number >> 3 & 0xF, "Dh")
         values = (
-            bool(data[1] & 0x01),
-            data[1] >> 1,
-            data[2],
+            eeprom_address,
+            number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
+            bool(number >> (eeprom_address.mem_busy_bit + 8) & 1),
+            number >> 16 & 0xFF,
         )
         return made(cls, values)
 
@@ -1981,21 +2364,28 @@ class EepromReadReply(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
+        eeprom_address = decided(EepromAddress, self.eeprom_address)
         address = check_width("address", self.address, 7)
         data_ = check_width("data", self.data, 8)
-        number = 0xEA | bool(self.mem_busy) << 8 | address << 9 | data_ << 16
+        number = (
+            0xEA
+            | address << (eeprom_address.eeprom_address_bit + 8)
+            | bool(self.mem_busy) << (eeprom_address.mem_busy_bit + 8)
+            | data_ << 16
+        )
         body = number.to_bytes(3, "little")
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields() -> tuple[BitField, ...]:
+    def bit_fields(eeprom_address: EepromAddress) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
+        decided(EepromAddress, eeprom_address)
         return (
             BitField("sync", 0, 3),
             BitField("data_id", 3, 4),
             BitField("parity", 7, 1),
-            BitField("mem_busy", 8, 1),
-            BitField("address", 9, 7),
+            BitField("address", eeprom_address.eeprom_address_bit + 8, 7),
+            BitField("mem_busy", eeprom_address.mem_busy_bit + 8, 1),
             BitField("data", 16, 8),
             BitField("crc", 24, 8),
         )
@@ -2008,8 +2398,12 @@ Request: TypeAlias = Union[
 ]
 
 
-def decode_request(data: Data, variant: Variant) -> Request:
+def decode_request(data: Data, variant: Variant, *, eeprom_address: EepromAddress | None = None) -> Request:
     """The request in ``data``, told by its Data ID.
+
+    Args:
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address. Only the frames that depend
+            on it need it.
 
     Raises:
         LengthError: There are too many or too few bytes.
@@ -2018,6 +2412,7 @@ def decode_request(data: Data, variant: Variant) -> Request:
         RangeError: There is no such Data ID, or a field holds a value without meaning.
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
+        TypeError: The request needs an answer that is not given.
     """
     if not isinstance(variant, Variant) or variant.interface is not _RS485:
         raise wrong_encoder(variant, Variant, _RS485)
@@ -2029,9 +2424,9 @@ def decode_request(data: Data, variant: Variant) -> Request:
     if data_id in (0, 1, 2, 3, 7, 8, 0xC):
         return DataRequest.decode(data)
     if data_id == 6:
-        return EepromWriteRequest.decode(data)
+        return EepromWriteRequest.decode(data, cast(EepromAddress, eeprom_address))
     if data_id == 0xD:
-        return EepromReadRequest.decode(data)
+        return EepromReadRequest.decode(data, cast(EepromAddress, eeprom_address))
     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
 
 
@@ -2045,8 +2440,12 @@ Reply: TypeAlias = Union[
 ]
 
 
-def decode_reply(data: Data, variant: Variant) -> Reply:
+def decode_reply(data: Data, variant: Variant, *, eeprom_address: EepromAddress | None = None) -> Reply:
     """The reply in ``data``, told by its Data ID.
+
+    Args:
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address. Only the frames that depend
+            on it need it.
 
     Raises:
         LengthError: There are too many or too few bytes.
@@ -2055,6 +2454,7 @@ def decode_reply(data: Data, variant: Variant) -> Reply:
         RangeError: There is no such Data ID, or a field holds a value without meaning.
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
+        TypeError: The reply needs an answer that is not given.
     """
     if not isinstance(variant, Variant) or variant.interface is not _RS485:
         raise wrong_encoder(variant, Variant, _RS485)
@@ -2072,9 +2472,9 @@ def decode_reply(data: Data, variant: Variant) -> Reply:
     if data_id == 3:
         return CompleteReply.decode(data, variant)
     if data_id == 6:
-        return EepromWriteReply.decode(data)
+        return EepromWriteReply.decode(data, cast(EepromAddress, eeprom_address))
     if data_id == 0xD:
-        return EepromReadReply.decode(data)
+        return EepromReadReply.decode(data, cast(EepromAddress, eeprom_address))
     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
 
 
@@ -2089,6 +2489,131 @@ Frame: TypeAlias = Union[
     EepromWriteReply,
     EepromReadReply,
 ]
+
+#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
+REPORTS: Final[Mapping[str, Report]] = Reports(
+    lambda: (
+        Report(
+            name="error",
+            printed_name="Error, nE",
+            meaning=(
+                "error active in the system. Reports, for instance, that circuitry and disk are not aligned (gap out "
+                "of tolerance, circuitry not installed properly), or that the battery is spent; the encoder cannot "
+                "operate then and the battery has to be replaced (4.3.2)."
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="6.2.1 p.32",
+        ),
+        Report(
+            name="warning",
+            printed_name="Warning, nW",
+            meaning=(
+                "warning active in the system. Reports an error in the magnetic multiturn system, or that the battery "
+                "is low; the battery has to be replaced as soon as possible then (4.3.1)."
+            ),
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="6.2.1 p.33",
+        ),
+        Report(
+            name="status_info",
+            printed_name="EI_3 ... EI_0",
+            meaning="differs from the manual, which has 0 in these unused bits. Encoder information.",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.3.2 p.42; it: 7.3.2 p.43",
+        ),
+        Report(
+            name="status_st_error",
+            printed_name="EE_0",
+            meaning="ST error",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.2 p.42; it: 7.3.2 p.43",
+        ),
+        Report(
+            name="status_other_error",
+            printed_name="EE_1",
+            meaning=(
+                "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. One bit for "
+                "BUSY, which goes by itself, and for errors that stay until they are reset. Read data ID 3 then: its "
+                "ALMC tells which it is."
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.2 p.42; it: 7.3.2 p.43",
+        ),
+        Report(
+            name="status_zero",
+            printed_name="",
+            meaning="differs from the manual, which has 0 in these unused bits",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.3.2 p.42; it: 7.3.2 p.43",
+        ),
+        Report(
+            name="alarm_zero_0",
+            printed_name="",
+            meaning="differs from the manual, which has 0 in these unused bits",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.4 p.43",
+        ),
+        Report(
+            name="busy",
+            printed_name="BUSY",
+            meaning="not ready after power-on or during a reset; all position data are 0",
+            remedy="Clears itself (speed of rotation down to 300 rpm or less)",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.4.1 p.44",
+        ),
+        Report(
+            name="st_error",
+            printed_name="STERR",
+            meaning="counted and calculated data disagree",
+            remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.4.1 p.44",
+        ),
+        Report(
+            name="alarm_zero_3_4",
+            printed_name="",
+            meaning="differs from the manual, which has 0 in these unused bits",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.4 p.43",
+        ),
+        Report(
+            name="ps_error",
+            printed_name="PSERR",
+            meaning="singleturn and multiturn count out of step, or a counting error",
+            remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.4.1 p.44",
+        ),
+        Report(
+            name="mt_error",
+            printed_name="MTERR",
+            meaning="external battery below 3.05 V",
+            remedy="Reset the error with data ID 7 or C",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.4.1 p.44; it: 7.4.1 p.45",
+        ),
+        Report(
+            name="battery_alarm",
+            printed_name="BATT",
+            meaning="external battery below 3.15 V",
+            remedy="Reset the error with data ID 7 or C",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.4.1 p.44; it: 7.4.1 p.45",
+        ),
+        Report(
+            name="eeprom_write_reply_mem_busy",
+            printed_name="MEM BUSY",
+            meaning="writing, request not executed",
+            source="7.5 p.46",
+        ),
+        Report(
+            name="eeprom_read_reply_mem_busy",
+            printed_name="MEM BUSY",
+            meaning="memory busy, request not executed",
+            source="7.5 p.46",
+        ),
+    )
+)
 
 #: What the manual says of each field of the frames, by the name of the frame.
 FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
@@ -2163,13 +2688,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address", source="7.5 p.46"),
             FieldFacts(
                 name="mem_busy",
                 printed_name="MEM BUSY",
-                meaning="Bit 0 of ADF, always 0 from the master",
+                meaning="Always 0 from the master",
                 constant=0,
+                source="7.5 p.46",
             ),
-            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address, bits 7:1 of ADF"),
             FieldFacts(name="data", printed_name="EDF", meaning="Byte to write"),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
@@ -2187,13 +2713,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
+            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address", source="7.5 p.46"),
             FieldFacts(
                 name="mem_busy",
                 printed_name="MEM BUSY",
-                meaning="Bit 0 of ADF, always 0 from the master",
+                meaning="Always 0 from the master",
                 constant=0,
+                source="7.5 p.46",
             ),
-            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address, bits 7:1 of ADF"),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
         "singleturn_reply": (
@@ -2214,7 +2741,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
-                constant=0,
+                unused=0,
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(
@@ -2237,7 +2764,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
             FieldFacts(
                 name="singleturn",
                 printed_name="ABS0, ABS1, ABS2",
@@ -2265,7 +2792,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
-                constant=0,
+                unused=0,
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(
@@ -2288,7 +2815,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
             FieldFacts(
                 name="multiturn",
                 printed_name="ABM0, ABM1, ABM2",
@@ -2316,7 +2843,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
-                constant=0,
+                unused=0,
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(
@@ -2339,7 +2866,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
             FieldFacts(
                 name="encoder_id",
                 printed_name="ENID",
@@ -2365,7 +2892,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_info",
                 printed_name="EI_3 ... EI_0",
                 meaning="Encoder information",
-                constant=0,
+                unused=0,
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(
@@ -2388,7 +2915,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
-            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
             FieldFacts(
                 name="singleturn",
                 printed_name="ABS0, ABS1, ABS2",
@@ -2408,7 +2935,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 unit="revolutions",
             ),
             FieldFacts(name="multiturn_padding", meaning="always zero", constant=0),
-            FieldFacts(name="alarm_zero_0", constant=0, source="7.4 p.43"),
+            FieldFacts(name="alarm_zero_0", unused=0, source="7.4 p.43"),
             FieldFacts(
                 name="busy",
                 printed_name="BUSY",
@@ -2427,7 +2954,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 names=ReadOnly({"it": "Errore ST"}),
                 source="7.4 p.43",
             ),
-            FieldFacts(name="alarm_zero_3_4", constant=0, source="7.4 p.43"),
+            FieldFacts(name="alarm_zero_3_4", unused=0, source="7.4 p.43"),
             FieldFacts(
                 name="ps_error",
                 printed_name="PSERR",
@@ -2472,13 +2999,19 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
             FieldFacts(
+                name="address",
+                printed_name="ADD6 ... ADD0",
+                meaning="EEPROM address of the request",
+                source="7.5 p.46",
+            ),
+            FieldFacts(
                 name="mem_busy",
                 printed_name="MEM BUSY",
                 active="high",
                 when_active="writing, request not executed",
                 when_inactive="request accepted",
+                source="7.5 p.46",
             ),
-            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address of the request"),
             FieldFacts(name="data", printed_name="EDF", meaning="Byte of the request, or 00h while busy"),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
@@ -2497,13 +3030,19 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             ),
             FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
             FieldFacts(
+                name="address",
+                printed_name="ADD6 ... ADD0",
+                meaning="EEPROM address of the request",
+                source="7.5 p.46",
+            ),
+            FieldFacts(
                 name="mem_busy",
                 printed_name="MEM BUSY",
                 active="high",
                 when_active="memory busy, request not executed",
                 when_inactive="byte read",
+                source="7.5 p.46",
             ),
-            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address of the request"),
             FieldFacts(name="data", printed_name="EDF", meaning="Byte read, or 00h while busy"),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
@@ -2634,37 +3173,46 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 
 @by_class
 class Preset(NamedTuple):
-    """Preset, register 11h to 17h, read and write (6.4 p.35).
+    """Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
 
     Position that the encoder shows, from the activation on, at the place where its shaft stands at that moment.
 
-    The low byte is at the lowest address. As delivered: 00 00 00 00 00 00 00. Can be written while
-    preset_setting_enable holds enable. To be kept over power-off, a written value has to be saved.
+    Byte order: low byte first, at 11h. Default: ``00 00 00 00 00 00 00``. Limits: 0 to ``2^position_bits - 1`` for
+    ``position``. Write it only while ``preset_setting_enable`` holds 01h (``enable``). Save the parameters after a
+    write, or the encoder loses the value at power-off.
 
     Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register again through
     Preset setting enable, save it, and activate it if it is to take effect at once; at a standstill, the manual
     suggests. It serves, for instance, to bring the zero points of encoder and application together.
 
-    Erratum preset_limit, settled (6.4; it: 6.4). Printed: English: less than the total hardware resolution. Italian:
-    less than or equal to it (minore o uguale). Used: At most 2^position_bits − 1.
+    Erratum preset_limit (settled, wrong limit): Printed: English: less than the total hardware resolution. Italian:
+    less than or equal to it (minore o uguale). Used: At most 2^position_bits − 1. Why: The total resolution itself
+    needs one bit more than the register has for it. [6.4; it: 6.4]
 
-    Erratum preset_revolutions, settled (6.4; it: 6.4). Printed: English: the number of revolutions is always 65,536 in
+    Erratum preset_revolutions (settled, wrong limit): Printed: English: the number of revolutions is always 65,536 in
     all models. Italian: in all multiturn models. Used: Singleturn models have no multiturn bits; their bits 48:33 are
-    taken as 0.
+    taken as 0. [6.4; it: 6.4]
 
-    Erratum preset_bits_below_lsb, open (6.4; amm80: 6.4 p.40). Printed: Only bits 9:8 and byte 11h are said to be 0;
-    the lowest singleturn bit is 12 at 21 bits and 16 at 17 bits. Used: All bits below the lowest singleturn bit are 0.
+    Erratum preset_bits_below_lsb (open, omission): Printed: Only bits 9:8 and byte 11h are said to be 0; the lowest
+    singleturn bit is 12 at 21 bits and 16 at 17 bits. Used: All bits below the lowest singleturn bit are 0. [6.4;
+    amm80: 6.4 p.40]
 
-    Erratum biss_bank_select, open (6.4 p.38; prot: p.14-15). Printed: Register 40h is Preset setting enable; the preset
-    is at 11h to 17h. Used: As printed.
+    Erratum biss_bank_select (open, omission): Printed: Register 40h is Preset setting enable; the preset is at 11h to
+    17h. Used: As printed. [6.4 p.38; prot: p.14-15]
 
-    Erratum preset_default_length, settled (10 p.52; it: 10 p.53). Printed: Default of Preset: 00 00 00 00 00. Used:
-    Seven bytes of 00.
+    Erratum preset_default_length (settled, wrong data): Printed: Default of Preset: 00 00 00 00 00. Used: Seven bytes
+    of 00. Why: The register has seven bytes, 11h to 17h; five bytes written from 11h on leave 16h and 17h, most of the
+    multiturn part, as they were. [10 p.52; it: 10 p.53]
 
     Attributes:
         variant: The encoder that the register belongs to.
-        multiturn: Number of revolutions. 0 where the encoder has none.
-        singleturn: Position within one revolution (counts).
+        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
+
+    Checked by decode():
+        zero_above_multiturn: always zero.
+        zero_below_multiturn: always zero.
+        zero_below_singleturn: always zero.
     """
 
     variant: Variant
@@ -2758,22 +3306,23 @@ class Preset(NamedTuple):
 
 
 class PresetSettingEnable(IntEnum):
-    """Preset setting enable, register 40h, write only (6.4 p.38; it: 6.4 p.38; 10 p.52).
+    """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write only, over BiSS C-mode [6.4
+    p.38; it: 6.4 p.38; 10 p.52].
 
     Opens and closes the Preset registers for writing.
 
-    As delivered: 00.
+    Default: ``00``.
 
     The list of defaults (section 10) gives 00, although the register cannot be read.
 
-    Erratum biss_bank_select, open (6.4 p.38; prot: p.14-15). Printed: Register 40h is Preset setting enable; the preset
-    is at 11h to 17h. Used: As printed.
+    Erratum biss_bank_select (open, omission): Printed: Register 40h is Preset setting enable; the preset is at 11h to
+    17h. Used: As printed. [6.4 p.38; prot: p.14-15]
     """
 
     DISABLE = 0
-    """Preset registers closed; set before saving."""
+    """00: Preset registers closed; set before saving."""
     ENABLE = 1
-    """Preset registers open."""
+    """01: Preset registers open."""
 
     @classmethod
     def decode(cls, data: Data) -> PresetSettingEnable:
@@ -2795,14 +3344,17 @@ class PresetSettingEnable(IntEnum):
 
 @by_class
 class SerialNumber(NamedTuple):
-    """Serial number, register 44h to 47h, read only (6.4 p.38; it: 6.4 p.39).
+    """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38; it: 6.4 p.39].
 
     Year and week of production and a running number, as decimal digits of one binary number.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 44h.
 
-    Erratum serial_number_order, open (6.4 p.38; amm36: p.38; amm80: 6.4 p.41). Printed: 44h to 47h read 0A E8 69 EE,
-    decimal 18 30 03630. Used: High byte first, as printed.
+    Erratum serial_number_order (open, wrong data): Printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630. Used:
+    High byte first, as printed. Why: The manual of the AMM36, a sister with the same example, reads EE 69 E8 0A from
+    44h to 47h and reverses it; that of the AMM80 agrees with this one. Manual 1.7 updated the registers 44h to 47h, so
+    that an older AMM5 may answer in the other order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38;
+    amm80: 6.4 p.41]
 
     Attributes:
         year: Year of production.
@@ -2816,7 +3368,11 @@ class SerialNumber(NamedTuple):
 
     @property
     def serial(self) -> int:
-        """The digits of ``year``, ``week``, ``number``, as one number."""
+        """The digits of ``year``, ``week``, ``number``, as one number.
+
+        Decimal digits, most significant first: ``year`` 2 (Year of production), ``week`` 2 (Week of production),
+        ``number`` 5 (Serial number in ascending order).
+        """
         return index(self.year) * 10_000_000 + index(self.week) * 100_000 + index(self.number)
 
     @classmethod
@@ -2858,19 +3414,20 @@ class SerialNumber(NamedTuple):
 
 
 class Command(IntEnum):
-    """Command, register 77h, write only (6.4 p.39).
+    """Command (it: Comando), register 77h, write only, over BiSS C-mode [6.4 p.39].
 
     Saves the parameters or activates the preset.
 
-    As delivered: 00. Goes back to its default by itself after a write. Wait at least 30 ms after a write.
+    Default: ``00``. Wait at least 30 ms after a write, before the next command. Goes back to its default by itself
+    after a write.
 
     After a command the register goes back to 00 by itself.
     """
 
     SAVE_PARAMETERS = 1
-    """Saves newly set register values; a preset is not activated by it."""
+    """Save parameters: Saves newly set register values; a preset is not activated by it."""
     ACTIVATE_PRESET = 2
-    """Gives the present position the saved preset value."""
+    """Activate Preset: Gives the present position the saved preset value."""
 
     @classmethod
     def decode(cls, data: Data) -> Command:
@@ -2892,17 +3449,18 @@ class Command(IntEnum):
 
 @by_class
 class DeviceId(NamedTuple):
-    """Device ID, register 78h to 7Dh, read only (6.4 p.39).
+    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
 
     Name of the device and its hardware-software release.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 78h.
 
-    Erratum device_id_shared, open (6.4 p.39; prot: p.14-15). Printed: One device ID, AMM5 with the release, for all
-    models. Used: As printed.
+    Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all models. Used: As
+    printed. [6.4 p.39; prot: p.14-15]
 
     Attributes:
-        name: Name of the device, 41 4D 4D 35 in hexadecimal.
+        name: Name of the device, 41 4D 4D 35 in hexadecimal. ASCII text. Holds ``AMM5``, which identifies the encoder;
+            decoding accepts any value.
         release: Hardware-software release, printed as xx xx.
     """
 
@@ -2952,14 +3510,15 @@ class DeviceId(NamedTuple):
 
 @by_class
 class ManufacturerId(NamedTuple):
-    """Manufacturer ID, register 7Eh to 7Fh, read only (6.4 p.39; it: 6.4 p.40).
+    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
 
     Manufacturer.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 7Eh.
 
     Attributes:
-        name: Lika Electronic, 4C 69 in hexadecimal.
+        name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
+            accepts any value.
     """
 
     name: str
@@ -3029,15 +3588,15 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 
 
 def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
-    """Set, save and activate a preset (6.4 p.35).
+    """Set, save and activate a preset [6.4 p.35].
 
     Before: Suggested with the shaft at a standstill.
 
-    After: The position at which the activation arrived has the preset value; all other positions follow from it.
+    Result: The position at which the activation arrived has the preset value; all other positions follow from it.
 
     Args:
         variant: The encoder.
-        position: Value that the present position is to get.
+        position: Value that the present position is to get; written to ``preset``.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
@@ -3072,13 +3631,13 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
 
 def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
-    """Set and save a preset without activating it (6.4 p.35).
+    """Set and save a preset without activating it [6.4 p.35].
 
-    After: The preset is saved; the position is the same as before.
+    Result: The preset is saved; the position is the same as before.
 
     Args:
         variant: The encoder.
-        position: Value to keep for a later activation.
+        position: Value to keep for a later activation; written to ``preset``.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
@@ -3111,9 +3670,9 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
 
 def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Save the parameters (6.4 p.39).
+    """Save the parameters [6.4 p.39].
 
-    After: Newly set register values are saved.
+    Result: Newly set register values are saved.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3131,11 +3690,11 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Activate the saved preset (6.4 p.39).
+    """Activate the saved preset [6.4 p.39].
 
     Before: Suggested with the shaft at a standstill.
 
-    After: The position at which the command arrived has the preset value.
+    Result: The position at which the command arrived has the preset value.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3153,25 +3712,28 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def reset_singleturn_and_multiturn(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Reset singleturn and multiturn data (7.4.2 p.45).
+    """Reset singleturn and multiturn data [7.4.2 p.45].
 
     Before: Shaft at a standstill.
 
-    After: Singleturn and multiturn data are 0. The shaft position is kept without main power, with or without an
+    Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with or without an
     external battery.
 
     The ten requests have to follow one another: stop polling the position meanwhile.
 
-    Erratum data_id_8_scope, open (7.4.2 p.45; ti_sdk:
-    docs_src/docs/api_guide/components/position_sense/tamagawa_design.md). Printed: Table: Data ID 8 resets singleturn
-    and multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn.
+    Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and multiturn data. Note:
+    singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn. Why: The table says it twice,
+    the note only in passing. But public T-format documents know three resets, of the data in one revolution, of the
+    multiturn data, and of errors; with C and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
+    docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
 
-    Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission
-    intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next
-    one begins.
+    Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or
+    more. Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2
+    p.45; it: 7.4.2 p.45]
 
-    Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
-    in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+    Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft is in stop
+    (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
+    7.4.2 p.45]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3183,31 +3745,32 @@ def reset_singleturn_and_multiturn(variant: Variant | None = None) -> tuple[Step
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\xc2", times=10, every_us=40, meaning="in succession, no other request in between"),
+        Send(b"\xc2", times=10, every_us=40, in_succession=True),
         Wait(18_000, "execution takes 18 ms at most, EEPROM writing included"),
     )
 
 
 def reset_multiturn_and_errors(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Reset multiturn data and all errors (7.4.2 p.45).
+    """Reset multiturn data and all errors [7.4.2 p.45].
 
     Before: Shaft at a standstill, that is 300 rpm or less.
 
-    After: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST error, MT error; by
+    Result: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST error, MT error; by
     7.4.1 the battery alarm as well) are cleared.
 
     The ten requests have to follow one another: stop polling the position meanwhile.
 
-    Erratum battery_alarm_reset, open (7.4.1 p.44; 7.4.2 p.45). Printed: 7.4.1: Battery alarm latches and is reset with
-    ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as
-    well.
+    Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C.
+    7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as well. [7.4.1
+    p.44; 7.4.2 p.45]
 
-    Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission
-    intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next
-    one begins.
+    Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or
+    more. Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2
+    p.45; it: 7.4.2 p.45]
 
-    Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
-    in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+    Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft is in stop
+    (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
+    7.4.2 p.45]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3219,30 +3782,31 @@ def reset_multiturn_and_errors(variant: Variant | None = None) -> tuple[Step, ..
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\x62", times=10, every_us=40, meaning="in succession, no other request in between"),
+        Send(b"\x62", times=10, every_us=40, in_succession=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
 
 def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Reset all errors (7.4.2 p.45).
+    """Reset all errors [7.4.2 p.45].
 
     Before: Shaft at a standstill, that is 300 rpm or less.
 
-    After: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are cleared.
+    Result: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are cleared.
 
     The ten requests have to follow one another: stop polling the position meanwhile.
 
-    Erratum battery_alarm_reset, open (7.4.1 p.44; 7.4.2 p.45). Printed: 7.4.1: Battery alarm latches and is reset with
-    ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as
-    well.
+    Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C.
+    7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C clear it as well. [7.4.1
+    p.44; 7.4.2 p.45]
 
-    Erratum reset_interval, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Ten times in succession, at transmission
-    intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request before the next
-    one begins.
+    Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or
+    more. Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2
+    p.45; it: 7.4.2 p.45]
 
-    Erratum reset_standstill, open (7.4.2 p.45; it: 7.4.2 p.45). Printed: Note on data IDs C and 7: while the shaft is
-    in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
+    Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft is in stop
+    (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
+    7.4.2 p.45]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3254,7 +3818,7 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\xba", times=10, every_us=40, meaning="in succession, no other request in between"),
+        Send(b"\xba", times=10, every_us=40, in_succession=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
@@ -4057,6 +4621,24 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51",
     ),
     Erratum(
+        name="unused_status_bits",
+        printed="EI_3 to EI_0 and four more bits of SF and ALMC: 0",
+        used="A reply that has them otherwise is decoded, and reports them; its position is usable with a warning.",
+        why=(
+            "What another value means is not said. Later firmware may use such a bit, and sync, data ID, parity and "
+            "CRC prove the frame without it."
+        ),
+        status="open",
+        severity="omission",
+        affects=(
+            "field_groups.status_field.status_info",
+            "field_groups.status_field.status_zero",
+            "field_groups.alarm_field.alarm_zero_3_4",
+            "field_groups.alarm_field.alarm_zero_0",
+        ),
+        source="7.3.2 p.42; 7.4 p.43",
+    ),
+    Erratum(
         name="position_under_error",
         printed=(
             "BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning "
@@ -4072,7 +4654,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "PS error and ST error are faults of the counting itself, and the position may have been counted wrongly "
             "before the error was seen. Where EE_1 is all there is, the position may be the 0 of BUSY. The warning "
             "bit also stands for an error in the magnetic multiturn system, so that the number of revolutions may be "
-            "wrong with it; the manual calls it a warning all the same."
+            "wrong with it; the manual calls it a warning all the same. After a spent battery the singleturn position "
+            "is right (4.3.2, step 9); replies that carry it alone are held not usable all the same."
         ),
         status="open",
         severity="omission",
@@ -4331,18 +4914,19 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="mem_busy_position",
         printed="MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.",
         used=(
-            "As printed. Where the encoder puts the address into bits 6:0, these requests reach twice the address, "
-            "and a write destroys other data: read before you write, and compare."
+            "Either, by a decision of the user that has no default. A wrong one reaches twice the address or half of "
+            "it, and a write destroys other data there: read before you write, and compare."
         ),
         why=(
             "Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F "
             "01 4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 "
-            "is 1, against the 0 that it must be from a master here; TI's driver sends the address as given, EA 05 EF "
-            "for address 5, where this manual has EA 0A E0. Only address 0 is the same in both."
+            "is 1, though as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for "
+            "address 5, where this manual has EA 0A E0. Only address 0 is the same in both."
         ),
         status="open",
         severity="wrong_data",
         affects=(
+            "alternatives.eeprom_address",
             "interfaces.rs485.eeprom_write_request",
             "interfaces.rs485.eeprom_read_request",
             "interfaces.rs485.eeprom_write_reply",

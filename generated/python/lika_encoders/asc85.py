@@ -9,11 +9,12 @@ DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
-A sound frame can report a fault of the encoder. Look at its flags before you use the position:
+A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
+    from lika_encoders import Verdict, lookup
     encoder = lookup("ASC8525/SC1")
     frame = encoder.decode(0x2b79a2ac1)
-    if not frame.error:
+    if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.position)
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
@@ -73,11 +74,14 @@ from ._facts import (
     Network,
     PrintedTimeout,
     Register,
+    Report,
+    Reports,
     Revision,
     SsiFacts,
     Table,
     Timeout,
     Timing,
+    Verdict,
 )
 from ._order_codes import OrderCode, Part, PartValue
 from ._registers import agrees, held_bytes
@@ -107,6 +111,7 @@ __all__ = [
     "Position",
     "ProfileId",
     "REGISTERS",
+    "REPORTS",
     "SSI",
     "SerialNumber",
     "SingleCycleData",
@@ -204,8 +209,8 @@ class Variant:
         interface: How the encoder is connected.
         parts: The parts of the order code: resolution, output, supply.
         position_bits: Singleturn resolution, which is the whole position; the manual's "encoder resolution" and
-            "nbitres", 20 to 25 (bits, Preliminary information p.7; 5.2 p.16; 6.2.1 p.20).
-        ssi_gray: Code of the SSI word: 1 for Gray, 0 for binary (5 p.15; 5.2 p.16).
+            "nbitres", 20 to 25 [Preliminary information p.7; 5.2 p.16; 6.2.1 p.20]. Unit: bits.
+        ssi_gray: Code of the SSI word: 1 for Gray, 0 for binary [5 p.15; 5.2 p.16].
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
         special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
@@ -233,8 +238,8 @@ class Variant:
 
     @property
     def counts_per_turn(self) -> int:
-        """Positions per revolution; the manual's "max. number of information" and "cpr" (counts, Preliminary
-        information p.7; 5.2 p.16).
+        """Positions per revolution; the manual's "max. number of information" and "cpr" [Preliminary information
+        p.7; 5.2 p.16]. Unit: counts. Equals ``2^position_bits``.
         """
         return 1 << self.position_bits
 
@@ -271,6 +276,8 @@ class Variant:
 
     def decode(self, frame: Word, *, bits: int | None = None) -> Frame:
         """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
 
         Args:
             bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
@@ -353,29 +360,32 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """The CRC of 6 bits by x^6 + x + 1 over ``bits`` bits of ``number``, most significant first (6.2.1 p.21; prot:
-    p.7-8; renishaw: data sheet; icmu: p.30).
+    """CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (everything from the position to the warning bit, the constant 0 included) are those of public BiSS documents.
 
-    Erratum biss_crc_start, open (6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx:
-    src/lib/encoder/bissc/Asc85.cpp). Printed: Polynomials and inverted output of both CRCs, without a start value; the
-    logic circuits are lost. Used: Start value 0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet;
+    icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """The CRC of 4 bits by x^4 + x + 1 over ``bits`` bits of ``number``, most significant first (6.3 p.22; prot:
-    p.9-14; icmu: p.30).
+    """CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22; prot: p.9-14; icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
 
-    Erratum biss_crc_start, open (6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx:
-    src/lib/encoder/bissc/Asc85.cpp). Printed: Polynomials and inverted output of both CRCs, without a start value; the
-    logic circuits are lost. Used: Start value 0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet;
+    icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
@@ -399,14 +409,15 @@ def _remainder_biss_6_34(word: int) -> int:
 
 # SSI
 #
-# Erratum ssi_cable_400_m, open (5.3 p.17). Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4
-# MHz. Used: Both as printed.
+# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
+# 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3 p.17]
 #
-# Erratum ssi_cable_50_m, open (5.3 p.17). Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4
-# MHz. Used: Both as printed.
+# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4
+# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
+# MHz. [5.3 p.17]
 #
-# Erratum ssi_pause, open (5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3). Printed: Pause of at least 12 µs (Tp > 12 µs); Tm has
-# a typical duration of 12 µs. Used: At least 12 µs; take more.
+# Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 12 µs (Tp > 12 µs); Tm has a typical duration of 12
+# µs. Used: At least 12 µs; take more. [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.17"),
@@ -453,30 +464,46 @@ SSI: Final = SsiFacts(
 
 @by_class
 class SsiWord(NamedTuple):
-    """SSI word: sent by the encoder over SSI, as a string of bits (5.2 p.16).
+    """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
 
     In the manual: Structure of the position information.
+
+    ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
     As many bits as the position has, 20 to 25, the most significant first. Further clocks bring zeros after the word.
     No error or warning bit, no CRC, and not the constant 0 bit of the BiSS frame.
 
-    Erratum ssi_code_letters, open (Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5). Printed: The output code can be
-    Gray or binary, see the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
-    binary, GG is Gray.
+    Erratum ssi_code_letters (open, wrong data): Printed: The output code can be Gray or binary, see the order code; the
+    order codes are BG and GG, without a word on which is which. Used: BG is binary, GG is Gray. Why: The AMM5 manual
+    has one SSI code, BG1, and calls its output binary; the SMA21 manual calls the output of its G1x models Gray and has
+    BG and GG beside them. That the letters mean the same here is an inference. Turn the shaft slowly: if neighbouring
+    positions jump, the code is the other one. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
 
-    Erratum ssi_clock_count, open (5.1; 5.2). Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at
-    least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy both.
+    Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2:
+    at least as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy both. [5.1; 5.2]
 
-    Erratum ssi_bit_numbers, settled (5.2; sma21: 5.2). Printed: SSI bits numbered 20 ... 1 to 25 ... 1. Used: 19:0 to
-    24:0, with bit 0 as the LSB.
+    Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI bits numbered 20 ... 1 to 25 ... 1. Used: 19:0 to 24:0,
+    with bit 0 as the LSB. Why: The words are 20 to 25 bits long, by the table of lengths, which leaves no room for a
+    further bit at 0; everything else in the manual counts from 0. (The SMA21 manual numbers its position n ... 1 as
+    well, and has an error bit at 0.). [5.2; sma21: 5.2]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        position: Position within one revolution (counts).
+        position: Position within one revolution. Unit: counts.
     """
 
     variant: Variant
     position: int
+
+    @property
+    def verdict(self) -> Verdict:
+        """Nothing in this frame tells what the position is worth."""
+        return Verdict.NOT_TOLD
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: nothing, with this frame."""
+        return ()
 
     @staticmethod
     def frame_bits(variant: Variant) -> int:
@@ -534,15 +561,8 @@ class SsiWord(NamedTuple):
 
 # BiSS C-mode
 #
-# Erratum warning_sources, open (6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42). Printed: For the active warning refer to
-# the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning; all
-# are active errors.
-#
-# Erratum position_under_error, open (6.2.1 p.20; 6.4 p.29). Printed: nE and nW tell of an active error or warning; what
-# the position is worth then is not said. Used: Not usable with an error; usable with a warning with a warning.
-#
-# Erratum biss_timeout, open (6.5 p.32; prot: p.18; amm5: 6.5 p.40). Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10
-# MHz). Used: The one value; no rule for other clocks.
+# Erratum biss_timeout (open, omission): Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz). Used: The one value;
+# no rule for other clocks. [6.5 p.32; prot: p.18; amm5: 6.5 p.40]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=100_000, max_hz=10_000_000, source="6.5 p.32"),
@@ -599,41 +619,73 @@ BISS: Final = BissFacts(
 
 @by_class
 class SingleCycleData(NamedTuple):
-    """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.2.1 p.20).
+    """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + 9`` bits, most significant first
+    [6.2.1 p.20].
 
     In the manual: Single Cycle Data SCD.
 
     position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads a bit less,
     without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
 
-    Erratum scd_length, open (6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
-    src/lib/encoder/bissc/Asc85.cpp). Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
     nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit.
+    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
+    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
+    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
+    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
+    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
 
-    Erratum profile_id_data_length, open (6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35). Printed: Profile ID 28 1A,
-    data length 25 + 1 bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
+    Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1 bits, for all
+    models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits. Why: It fits the model of 25 bits
+    only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and
+    is its data length. Another ID at a lower resolution is likely; a public controller with the same registers knows 24
+    or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
+    p.34-35]
 
-    Erratum warning_sources, open (6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42). Printed: For the active warning refer to
-    the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning;
-    all are active errors.
+    Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error register; its six bits
+    are all called errors. Used: No bit of the error register is taken as a warning; all are active errors. [6.2.1 p.20;
+    6.4 p.28; 6.4 p.29; icmr: p.42]
 
-    Erratum position_under_error, open (6.2.1 p.20; 6.4 p.29). Printed: nE and nW tell of an active error or warning;
-    what the position is worth then is not said. Used: Not usable with an error; usable with a warning with a warning.
+    Erratum position_under_error (open, omission): Printed: nE and nW tell of an active error or warning; what the
+    position is worth then is not said. Used: Not usable with an error; usable with a warning with a warning. [6.2.1
+    p.20; 6.4 p.29]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        position: Position within one revolution, most significant bit first (counts).
-        error: True: error active in the system; False: no active error; low active. Normal or fault status of the
-            encoder; the error register tells which error it is.
-        warning: True: warning active in the system; False: no active warning; low active. Normal or fault status of the
-            encoder; the error register tells which warning it is.
+        position: Position: Position within one revolution, most significant bit first. Unit: counts.
+        error: Error, nE: Normal or fault status of the encoder; the error register tells which error it is. True at 0:
+            error active in the system. False at 1: no active error. While it is True, the position is not usable.
+        warning: Warning, nW: Normal or fault status of the encoder; the error register tells which warning it is. True
+            at 0: warning active in the system. False at 1: no active warning. While it is True, the position is usable,
+            with a warning.
+
+    Checked by decode():
+        zero: 0: Always 0, between position and error bit.
+        crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
     variant: Variant
     position: int
     error: bool = False
     warning: bool = False
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.error:
+            return Verdict.NOT_USABLE
+        if self.warning:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active."""
+        told = {
+            "error": self.error,
+            "warning": self.warning,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @staticmethod
     def frame_bits(variant: Variant) -> int:
@@ -704,6 +756,32 @@ Frame: TypeAlias = Union[
     SsiWord,
     SingleCycleData,
 ]
+
+#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
+REPORTS: Final[Mapping[str, Report]] = Reports(
+    lambda: (
+        Report(
+            name="error",
+            printed_name="Error, nE",
+            meaning=(
+                "error active in the system. Normal or fault status of the encoder; the error register tells which "
+                "error it is."
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="6.2.1 p.20",
+        ),
+        Report(
+            name="warning",
+            printed_name="Warning, nW",
+            meaning=(
+                "warning active in the system. Normal or fault status of the encoder; the error register tells which "
+                "warning it is."
+            ),
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="6.2.1 p.20",
+        ),
+    )
+)
 
 #: What the manual says of each field of the frames, by the name of the frame.
 FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
@@ -1130,26 +1208,34 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 
 @by_class
 class ProfileId(NamedTuple):
-    """Profile ID, register 42h to 43h, read only (6.4 p.23).
+    """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
 
     Identification code of the encoder profile, BP1 (Standard Encoder Profile).
 
-    The high byte is at the lowest address. As delivered: 28 1A.
+    Byte order: high byte first, at 42h. Default: ``28 1A``.
 
     Printed once for all models, although the data length fits only the one of 25 bits; so the length is not taken to
     tell the encoder. For the variant the manual refers to the standard encoder profile, data format.
 
-    Erratum scd_length, open (6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
-    src/lib/encoder/bissc/Asc85.cpp). Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
     nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit.
+    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
+    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
+    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
+    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
+    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
 
-    Erratum profile_id_data_length, open (6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35). Printed: Profile ID 28 1A,
-    data length 25 + 1 bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
+    Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1 bits, for all
+    models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits. Why: It fits the model of 25 bits
+    only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and
+    is its data length. Another ID at a lower resolution is likely; a public controller with the same registers knows 24
+    or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
+    p.34-35]
 
     Attributes:
-        variant_: Singleturn resolution, Variant 0-24++.
-        data_length: Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit.
+        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder; decoding accepts any
+            value.
+        data_length: Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
     """
 
     variant_: int
@@ -1199,14 +1285,14 @@ class ProfileId(NamedTuple):
 
 @by_class
 class SerialNumber(NamedTuple):
-    """Serial number, register 44h to 47h, read only (6.4 p.23).
+    """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
 
     Serial number of the device, in ascending order.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 44h.
 
-    Erratum serial_number_digits, open (6.4 p.23; amm5: 6.4 p.38; sma21: 6.4). Printed: Serial number in ascending
-    order, with the example 171256846. Used: One number.
+    Erratum serial_number_digits (open, omission): Printed: Serial number in ascending order, with the example
+    171256846. Used: One number. [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]
 
     Attributes:
         serial: Serial number.
@@ -1247,33 +1333,34 @@ class SerialNumber(NamedTuple):
 
 @by_class
 class DiagnosticData(NamedTuple):
-    """Diagnostic data, register 5Ah, read only (6.4 p.24).
+    """Diagnostic data, register 5Ah, read only, over BiSS C-mode [6.4 p.24].
 
     Which problem it is that Control error or Signal error in the error register reports.
 
     Attributes:
-        amplitude_control_maximum_current: True: the output current of the amplitude control has reached its upper
-            threshold; False: no active error; high active. Together with Control error. Found by the monitoring of the
-            output current of the amplitude control.
-        signal_level_maximum_amplitude: True: the signal level has reached its upper threshold; False: no active error;
-            high active. Together with Control error. Found by the signal level monitoring.
-        dc_maximum_offset: True: an analogue signal line has reached the upper threshold of its DC voltage; False: no
-            active error; high active. Together with Signal error. The signal monitoring checks the DC voltage of all
-            analogue signal lines.
-        ac_maximum_amplitude: True: a differential signal has reached the upper threshold of its AC amplitude; False: no
-            active error; high active. Together with Signal error. The signal monitoring checks the AC amplitude of the
-            differential signals.
-        amplitude_control_minimum_current: True: the output current of the amplitude control has fallen to its lower
-            threshold; False: no active error; high active. Together with Control error. Found by the monitoring of the
-            output current of the amplitude control.
-        signal_level_minimum_amplitude: True: the signal level has fallen to its lower threshold; False: no active
-            error; high active. Together with Control error. Found by the signal level monitoring.
-        dc_minimum_offset: True: an analogue signal line has fallen to the lower threshold of its DC voltage; False: no
-            active error; high active. Together with Signal error. The signal monitoring checks the DC voltage of all
-            analogue signal lines.
-        ac_minimum_amplitude: True: a differential signal has fallen to the lower threshold of its AC amplitude; False:
-            no active error; high active. Together with Signal error. The signal monitoring checks the AC amplitude of
-            the differential signals.
+        amplitude_control_maximum_current: Amplitude control maximum current: Together with Control error. Found by the
+            monitoring of the output current of the amplitude control. True at 1: the output current of the amplitude
+            control has reached its upper threshold. False at 0: no active error.
+        signal_level_maximum_amplitude: Signal level maximum amplitude: Together with Control error. Found by the signal
+            level monitoring. True at 1: the signal level has reached its upper threshold. False at 0: no active error.
+        dc_maximum_offset: DC maximum offset: Together with Signal error. The signal monitoring checks the DC voltage of
+            all analogue signal lines. True at 1: an analogue signal line has reached the upper threshold of its DC
+            voltage. False at 0: no active error.
+        ac_maximum_amplitude: AC maximum amplitude: Together with Signal error. The signal monitoring checks the AC
+            amplitude of the differential signals. True at 1: a differential signal has reached the upper threshold of
+            its AC amplitude. False at 0: no active error.
+        amplitude_control_minimum_current: Amplitude control minimum current: Together with Control error. Found by the
+            monitoring of the output current of the amplitude control. True at 1: the output current of the amplitude
+            control has fallen to its lower threshold. False at 0: no active error.
+        signal_level_minimum_amplitude: Signal level minimum amplitude: Together with Control error. Found by the signal
+            level monitoring. True at 1: the signal level has fallen to its lower threshold. False at 0: no active
+            error.
+        dc_minimum_offset: DC minimum offset: Together with Signal error. The signal monitoring checks the DC voltage of
+            all analogue signal lines. True at 1: an analogue signal line has fallen to the lower threshold of its DC
+            voltage. False at 0: no active error.
+        ac_minimum_amplitude: AC minimum amplitude: Together with Signal error. The signal monitoring checks the AC
+            amplitude of the differential signals. True at 1: a differential signal has fallen to the lower threshold of
+            its AC amplitude. False at 0: no active error.
     """
 
     amplitude_control_maximum_current: bool = False
@@ -1342,41 +1429,45 @@ class DiagnosticData(NamedTuple):
 
 
 class Command(IntEnum):
-    """Command & status, Command mode, register 60h, write only (6.4 p.25; 6.4 p.26).
+    """Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
 
     Command register, the side of Command & status that is written.
 
-    Erratum cycle_counter, open (6.4 p.26; 6.4 p.30; icmr: p.26). Printed: Command 02 sets the cycle counter;
-    Synchronization error is about the cycle counter and the interpolator. Used: As printed.
+    A read of the same address reaches ``status`` instead.
+
+    Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter; Synchronization error is about
+    the cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr: p.26]
     """
 
     REQUEST_POSITION = 0
-    """Asks for new position data; until they are there the status Position data valid is 0. They are read in the
-    position register.
+    """Request of new position data: Asks for new position data; until they are there the status Position data valid
+    is 0. They are read in the position register.
     """
     SAVE_CONFIGURATION = 1
-    """Writes the configuration registers, 00h to 2Dh, and a new check sum to the EEPROM. These registers are
-    reserved to the maker. While writing, the status Internal data bus busy and the error Configuration error are 1;
-    the error stays if the writing failed. Without an EEPROM connected at power-on it has no effect.
+    """Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a new check sum to
+    the EEPROM. These registers are reserved to the maker. While writing, the status Internal data bus busy and the
+    error Configuration error are 1; the error stays if the writing failed. Without an EEPROM connected at power-on
+    it has no effect.
     """
     READ_ABSOLUTE_DATA = 2
-    """Has the absolute data interface read absolute data anew. The cycle counter is set if that succeeds, else it
-    becomes 0; the status Absolute data valid and the error Absolute data error follow.
+    """Read new data via absolute data interface: Has the absolute data interface read absolute data anew. The cycle
+    counter is set if that succeeds, else it becomes 0; the status Absolute data valid and the error Absolute data
+    error follow.
     """
     SOFTWARE_RESET = 3
-    """Restarts and reads the configuration from the EEPROM, protected by a CRC. Where the CRC does not confirm it at
-    the first attempt, as with an EEPROM never programmed, all configuration registers become 0, Configuration error
-    becomes 1, and the serial interface starts with the SSI protocol. Without an EEPROM the internal registers become
-    0, Configuration error becomes 1, and the interface starts as set.
+    """Trigger software reset: Restarts and reads the configuration from the EEPROM, protected by a CRC. Where the
+    CRC does not confirm it at the first attempt, as with an EEPROM never programmed, all configuration registers
+    become 0, Configuration error becomes 1, and the serial interface starts with the SSI protocol. Without an EEPROM
+    the internal registers become 0, Configuration error becomes 1, and the interface starts as set.
     """
     VERIFY_CONFIGURATION = 4
-    """Checks all configuration registers by the check sum. Meanwhile the status Internal data bus busy and the error
-    Configuration error are 1; the error stays if the check failed.
+    """Verify CRC of internal configuration: Checks all configuration registers by the check sum. Meanwhile the
+    status Internal data bus busy and the error Configuration error are 1; the error stays if the check failed.
     """
     SIMULATE_ERROR = 5
-    """Forces the status Error message to 1."""
+    """Error simulation: activate Error message status: Forces the status Error message to 1."""
     CLEAR_SIMULATED_ERROR = 6
-    """Forces the status Error message to 0."""
+    """Error simulation: delete Error message status: Forces the status Error message to 0."""
 
     @classmethod
     def decode(cls, data: Data) -> Command:
@@ -1398,42 +1489,48 @@ class Command(IntEnum):
 
 @by_class
 class Status(NamedTuple):
-    """Command & status, Status mode, register 60h, read only (6.4 p.25; 6.4 p.27).
+    """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
 
     Present status of the system, the side of Command & status that is read.
 
-    Erratum absolute_data_valid_bit, settled (6.4 p.26; 6.4 p.28; icmr: p.41). Printed: Command 02: the status bit 2
-    Absolute data valid. List of status bits: bit 1. Used: Bit 1.
+    A write to the same address reaches ``command`` instead.
 
-    Erratum internal_data_bus_busy_bit, settled (6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41). Printed: Commands 01 and 04:
-    the status bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2.
+    Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2 Absolute data valid.
+    List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the eight bits once and has Internal data bus
+    busy at bit 2. A public controller with the same commands lists its status byte in the order of the list. [6.4 p.26;
+    6.4 p.28; icmr: p.41]
 
-    Erratum warning_sources, open (6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42). Printed: For the active warning refer to
-    the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning;
-    all are active errors.
+    Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status bit 3 Internal
+    data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits once and has the
+    write access to the EDS memory area at bit 3. A public controller with the same commands lists its status byte in
+    the order of the list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
 
-    Erratum eds_bank_missing, open (6.4 p.22; prot: p.14-15). Printed: Status bit 3: write access permitted to the EDS
-    memory area. No registers 40h and 41h are listed. Used: No EDS.
+    Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error register; its six bits
+    are all called errors. Used: No bit of the error register is taken as a warning; all are active errors. [6.2.1 p.20;
+    6.4 p.28; 6.4 p.29; icmr: p.42]
+
+    Erratum eds_bank_missing (open, omission): Printed: Status bit 3: write access permitted to the EDS memory area. No
+    registers 40h and 41h are listed. Used: No EDS. [6.4 p.22; prot: p.14-15]
 
     Attributes:
-        configuration_completed: True: configuration registers verified by their CRC and absolute data read by the
-            absolute data interface; False: configuration not completed; high active.
-        error_message: True: an error message is active, or simulated by command 05; see the error register; False: no
-            error message; high active.
-        warning_message: True: a warning message is active; see the error register; False: no warning message; high
-            active.
-        conf_write_access: True: the CONF (Configuration Data) memory area may be written; False: the CONF memory area
-            is write-protected; high active.
-        eds_write_access: True: the EDS (Electronic Data Sheet) memory area may be written; False: the EDS memory area
-            is write-protected; high active.
-        internal_data_bus_busy: True: internal data bus busy, for example with a CRC verification or with configuration
-            data from or to the EEPROM; False: internal data bus free; high active. See the commands save_configuration
-            and verify_configuration.
-        absolute_data_valid: True: absolute data were loaded through the absolute data interface; False: no absolute
-            data were loaded; high active. Data are accepted only with a right CRC and an inactive error bit. See the
-            command read_absolute_data.
-        position_data_valid: True: the present position data are valid; False: new position data are not available yet;
-            high active. See the command request_position.
+        configuration_completed: Configuration completed. True at 1: configuration registers verified by their CRC and
+            absolute data read by the absolute data interface. False at 0: configuration not completed.
+        error_message: Error message. True at 1: an error message is active, or simulated by command 05; see the error
+            register. False at 0: no error message.
+        warning_message: Warning message. True at 1: a warning message is active; see the error register. False at 0: no
+            warning message.
+        conf_write_access: Write access permitted to CONF memory area. True at 1: the CONF (Configuration Data) memory
+            area may be written. False at 0: the CONF memory area is write-protected.
+        eds_write_access: Write access permitted to EDS memory area. True at 1: the EDS (Electronic Data Sheet) memory
+            area may be written. False at 0: the EDS memory area is write-protected.
+        internal_data_bus_busy: Internal data bus busy: See the commands save_configuration and verify_configuration.
+            True at 1: internal data bus busy, for example with a CRC verification or with configuration data from or to
+            the EEPROM. False at 0: internal data bus free.
+        absolute_data_valid: Absolute data valid: Data are accepted only with a right CRC and an inactive error bit. See
+            the command read_absolute_data. True at 1: absolute data were loaded through the absolute data interface.
+            False at 0: no absolute data were loaded.
+        position_data_valid: Position data valid: See the command request_position. True at 1: the present position data
+            are valid. False at 0: new position data are not available yet.
     """
 
     configuration_completed: bool = False
@@ -1503,31 +1600,37 @@ class Status(NamedTuple):
 
 @by_class
 class Position(NamedTuple):
-    """Position, register 61h to 64h, read only (6.4 p.29).
+    """Position, registers 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
 
     Absolute position.
 
-    The low byte is at the lowest address.
+    Byte order: low byte first, at 61h.
 
     The table uses bits 31:6, 26 bits, and calls bits 5:0 "not used"; what they hold is not said. At 25 bits the 26 bits
     are taken as the position and, in bit 6, the constant 0 bit of the BiSS frame; with a lower resolution the position
     is taken as left-aligned too. Low byte first, unlike the other registers of several bytes.
 
-    Erratum scd_length, open (6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
-    src/lib/encoder/bissc/Asc85.cpp). Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
     nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit.
+    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
+    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
+    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
+    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
+    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
 
-    Erratum position_register_bits, open (6.2.1 p.20; 6.4 p.29; icmr: p.33). Printed: Position: registers 61h to 64h
-    with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models. Used: The exponents number the bits of the register: the
-    position is left-aligned at bit 31 and position_bits wide; the bits below it are unspecified.
+    Erratum position_register_bits (open, wrong data): Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5
+    ... 2^0 not used, for all models. Used: The exponents number the bits of the register: the position is left-aligned
+    at bit 31 and position_bits wide; the bits below it are unspecified. Why: 26 bits are more than any model has; 25
+    and the constant 0 bit of the frame fill them. Whether the position stays left-aligned at 20 to 24 bits, and what
+    the bits below it hold then, is not said. A public controller with the same addresses holds 26 singleturn bits
+    there. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
 
-    Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
-    Used: Reading the position register.
+    Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position data. Used: Reading
+    the position register. [6.4 p.29; icmr: p.42]
 
     Attributes:
         variant: The encoder that the register belongs to.
-        position: Position within one revolution (counts).
+        position: Position within one revolution. Unit: counts.
     """
 
     variant: Variant
@@ -1576,38 +1679,39 @@ class Position(NamedTuple):
 
 @by_class
 class ErrorRegister(NamedTuple):
-    """Error register, register 69h, read only (6.4 p.29).
+    """Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
 
     Error and warning messages that are active at present.
 
     Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both, too. Reading out
     position data resets a message; while its cause lasts it appears again.
 
-    Erratum cycle_counter, open (6.4 p.26; 6.4 p.30; icmr: p.26). Printed: Command 02 sets the cycle counter;
-    Synchronization error is about the cycle counter and the interpolator. Used: As printed.
+    Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter; Synchronization error is about
+    the cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr: p.26]
 
-    Erratum warning_sources, open (6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42). Printed: For the active warning refer to
-    the Error register; its six bits are all called errors. Used: No bit of the error register is taken as a warning;
-    all are active errors.
+    Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error register; its six bits
+    are all called errors. Used: No bit of the error register is taken as a warning; all are active errors. [6.2.1 p.20;
+    6.4 p.28; 6.4 p.29; icmr: p.42]
 
-    Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
-    Used: Reading the position register.
+    Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position data. Used: Reading
+    the position register. [6.4 p.29; icmr: p.42]
 
     Attributes:
-        absolute_data_error: True: error of the absolute data interface; False: no error of the absolute data interface,
-            or the interface is not configured; high active.
-        interpolation_error: True: the conversion had not been carried out when it was read; False: no interpolation
-            error; high active.
-        configuration_error: True: configuration error, or configuration being written or verified; False: no
-            configuration error; high active.
-        synchronization_error: True: the internal synchronisation between cycle counter and interpolator failed; False:
-            no synchronisation error; high active.
-        signal_error: True: signal error active; False: no signal error; high active. Explained by
-            diagnostic_data.ac_minimum_amplitude, diagnostic_data.dc_minimum_offset,
-            diagnostic_data.ac_maximum_amplitude, diagnostic_data.dc_maximum_offset.
-        control_error: True: control error active; False: no control error; high active. Explained by
-            diagnostic_data.signal_level_minimum_amplitude, diagnostic_data.amplitude_control_minimum_current,
-            diagnostic_data.signal_level_maximum_amplitude, diagnostic_data.amplitude_control_maximum_current.
+        absolute_data_error: Absolute data error. True at 1: error of the absolute data interface. False at 0: no error
+            of the absolute data interface, or the interface is not configured.
+        interpolation_error: Interpolation error. True at 1: the conversion had not been carried out when it was read.
+            False at 0: no interpolation error.
+        configuration_error: Configuration error. True at 1: configuration error, or configuration being written or
+            verified. False at 0: no configuration error.
+        synchronization_error: Synchronization error. True at 1: the internal synchronisation between cycle counter and
+            interpolator failed. False at 0: no synchronisation error.
+        signal_error: Signal error. True at 1: signal error active. False at 0: no signal error. For the reason, see
+            ``diagnostic_data.ac_minimum_amplitude``, ``diagnostic_data.dc_minimum_offset``,
+            ``diagnostic_data.ac_maximum_amplitude`` and ``diagnostic_data.dc_maximum_offset``.
+        control_error: Control error. True at 1: control error active. False at 0: no control error. For the reason, see
+            ``diagnostic_data.signal_level_minimum_amplitude``, ``diagnostic_data.amplitude_control_minimum_current``,
+            ``diagnostic_data.signal_level_maximum_amplitude`` and
+            ``diagnostic_data.amplitude_control_maximum_current``.
     """
 
     absolute_data_error: bool = False
@@ -1669,20 +1773,21 @@ class ErrorRegister(NamedTuple):
 
 @by_class
 class DeviceId(NamedTuple):
-    """Device ID, register 78h to 7Dh, read only (6.4 p.31).
+    """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Name of the device and its hardware-software release.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 78h.
 
     The revision table of the manual has hardware 0 and software 1, which are the two characters of the release.
 
-    Erratum device_id_shared, open (6.4 p.31; prot: p.14-15). Printed: One device ID, AS85 with the release 01, for all
-    models. Used: As printed.
+    Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for all models. Used:
+    As printed. [6.4 p.31; prot: p.14-15]
 
     Attributes:
-        name: Name of the device, 41 53 38 35 in hexadecimal: ASC85 without its C.
-        release: Hardware-software release, printed as 30 31.
+        name: Name of the device, 41 53 38 35 in hexadecimal: ASC85 without its C. ASCII text. Holds ``AS85``, which
+            identifies the encoder; decoding accepts any value.
+        release: Hardware-software release, printed as 30 31. ASCII text.
     """
 
     name: str
@@ -1730,14 +1835,15 @@ class DeviceId(NamedTuple):
 
 @by_class
 class ManufacturerId(NamedTuple):
-    """Manufacturer ID, register 7Eh to 7Fh, read only (6.4 p.32).
+    """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
 
     Manufacturer.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 7Eh.
 
     Attributes:
-        name: Lika Electronic, 4C 69 in hexadecimal.
+        name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
+            accepts any value.
     """
 
     name: str
@@ -1808,12 +1914,12 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 
 
 def request_position(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Request new position data and read them (6.4 p.26).
+    """Request new position data and read them [6.4 p.26].
 
-    After: The position register holds the position that was asked for.
+    Result: The position register holds the position that was asked for.
 
-    Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
-    Used: Reading the position register.
+    Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position data. Used: Reading
+    the position register. [6.4 p.29; icmr: p.42]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -1832,16 +1938,18 @@ def request_position(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def save_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Save the configuration (6.4 p.26).
+    """Save the configuration [6.4 p.26].
 
     Before: An EEPROM was connected at power-on; without it the command has no effect.
 
-    After: The configuration registers and a new check sum are in the EEPROM.
+    Result: The configuration registers and a new check sum are in the EEPROM.
 
     The configuration registers, 00h to 2Dh, are reserved to the maker.
 
-    Erratum internal_data_bus_busy_bit, settled (6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41). Printed: Commands 01 and 04:
-    the status bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2.
+    Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status bit 3 Internal
+    data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits once and has the
+    write access to the EDS memory area at bit 3. A public controller with the same commands lists its status byte in
+    the order of the list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -1860,18 +1968,20 @@ def save_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def read_absolute_data(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Read absolute data anew (6.4 p.26).
+    """Read absolute data anew [6.4 p.26].
 
-    After: The cycle counter is set from the absolute data; if the reading failed it is 0.
+    Result: The cycle counter is set from the absolute data; if the reading failed it is 0.
 
     How long the reading takes is not said, nor that Absolute data valid goes to 0 first. After a reading that failed
     the bit does not become 1: give up after a while and look at the error register.
 
-    Erratum cycle_counter, open (6.4 p.26; 6.4 p.30; icmr: p.26). Printed: Command 02 sets the cycle counter;
-    Synchronization error is about the cycle counter and the interpolator. Used: As printed.
+    Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter; Synchronization error is about
+    the cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr: p.26]
 
-    Erratum absolute_data_valid_bit, settled (6.4 p.26; 6.4 p.28; icmr: p.41). Printed: Command 02: the status bit 2
-    Absolute data valid. List of status bits: bit 1. Used: Bit 1.
+    Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2 Absolute data valid.
+    List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the eight bits once and has Internal data bus
+    busy at bit 2. A public controller with the same commands lists its status byte in the order of the list. [6.4 p.26;
+    6.4 p.28; icmr: p.41]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -1890,9 +2000,9 @@ def read_absolute_data(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def software_reset(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Reset the encoder (6.4 p.26).
+    """Reset the encoder [6.4 p.26].
 
-    After: The encoder works with the configuration of the EEPROM.
+    Result: The encoder works with the configuration of the EEPROM.
 
     The waiting follows from the meaning of the status bit; the manual gives no time, nor does it say that the bit goes
     to 0 first. Where the CRC does not confirm the configuration, the interface comes back with the SSI protocol and
@@ -1920,12 +2030,14 @@ def software_reset(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def verify_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Verify the CRC of the configuration (6.4 p.27).
+    """Verify the CRC of the configuration [6.4 p.27].
 
-    After: Configuration error tells whether the configuration registers agree with their check sum.
+    Result: Configuration error tells whether the configuration registers agree with their check sum.
 
-    Erratum internal_data_bus_busy_bit, settled (6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41). Printed: Commands 01 and 04:
-    the status bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2.
+    Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status bit 3 Internal
+    data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits once and has the
+    write access to the EDS memory area at bit 3. A public controller with the same commands lists its status byte in
+    the order of the list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -1944,9 +2056,9 @@ def verify_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def simulate_error(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Simulate an error (6.4 p.27).
+    """Simulate an error [6.4 p.27].
 
-    After: The status Error message is forced to 1.
+    Result: The status Error message is forced to 1.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -1964,9 +2076,9 @@ def simulate_error(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def clear_simulated_error(variant: Variant | None = None) -> tuple[Step, ...]:
-    """End the simulation of an error (6.4 p.27).
+    """End the simulation of an error [6.4 p.27].
 
-    After: The status Error message is forced to 0.
+    Result: The status Error message is forced to 0.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -1984,12 +2096,12 @@ def clear_simulated_error(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Look up and reset errors and warnings (6.4 p.29).
+    """Look up and reset errors and warnings [6.4 p.29].
 
-    After: The messages are reset; those whose cause lasts are there again.
+    Result: The messages are reset; those whose cause lasts are there again.
 
-    Erratum error_reset, open (6.4 p.29; icmr: p.42). Printed: The reset is performed upon reading out position data.
-    Used: Reading the position register.
+    Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position data. Used: Reading
+    the position register. [6.4 p.29; icmr: p.42]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -2009,13 +2121,13 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Identify the encoder (6.4 p.22).
+    """Identify the encoder [6.4 p.22].
 
-    After: It is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies, so that only the
-    label tells the rest of the order code.
+    Result: It is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies, so that only
+    the label tells the rest of the order code.
 
-    Erratum device_id_shared, open (6.4 p.31; prot: p.14-15). Printed: One device ID, AS85 with the release 01, for all
-    models. Used: As printed.
+    Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for all models. Used:
+    As printed. [6.4 p.31; prot: p.14-15]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -2047,6 +2159,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Control error",
         register="error_register",
         field="control_error",
+        latch=True,
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -2060,6 +2173,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Signal error",
         register="error_register",
         field="signal_error",
+        latch=True,
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -2070,6 +2184,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Synchronization error",
         register="error_register",
         field="synchronization_error",
+        latch=True,
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -2099,6 +2214,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         printed_name="Interpolation error",
         register="error_register",
         field="interpolation_error",
+        latch=True,
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.31",
@@ -2113,6 +2229,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         register="error_register",
         field="absolute_data_error",
         detected="When the absolute data interface reads, for example after command 02",
+        latch=True,
         remedy="Reset upon reading out position data; appears again while its cause lasts",
         cleared_by=("reset_errors",),
         source="6.4 p.31",

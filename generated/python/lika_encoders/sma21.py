@@ -9,11 +9,12 @@ DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
-A sound frame can report a fault of the encoder. Look at its flags before you use the position:
+A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
+    from lika_encoders import Verdict, lookup
     encoder = lookup("SMA21-BG1-0050")
     frame = encoder.decode(0x179a2b)
-    if not frame.error:
+    if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.position)
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
@@ -41,6 +42,7 @@ from ._codec import (
     as_bytes,
     as_word,
     by_class,
+    check_bits,
     check_encoder,
     check_limits,
     check_signed,
@@ -83,12 +85,15 @@ from ._facts import (
     ReadOnly,
     Register,
     RegisterMeaning,
+    Report,
+    Reports,
     Revision,
     Rs485Facts,
     SsiFacts,
     Table,
     Timeout,
     Timing,
+    Verdict,
 )
 from ._order_codes import OrderCode, Part, PartValue
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
@@ -127,6 +132,7 @@ __all__ = [
     "PresetOffset",
     "ProfileId",
     "REGISTERS",
+    "REPORTS",
     "RS485",
     "Reply",
     "Request",
@@ -247,19 +253,21 @@ class Variant:
         code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
         parts: The parts of the order code: output, supply, resolution.
-        resolution_um: Resolution; the length of one count (µm, 4.10 p.18; 5.2 p.20).
-        position_bits: Bits of the position over SSI and BiSS, padding not counted (bits, 5.2 p.20; 6.2 p.25).
-        ssi_gray: Whether the SSI word carries the position in Gray code, 1, or in binary, 0 (4.1 p.15; 5.2 p.20).
+        resolution_um: Resolution; the length of one count [4.10 p.18; 5.2 p.20]. Unit: µm.
+        position_bits: Bits of the position over SSI and BiSS, padding not counted [5.2 p.20; 6.2 p.25]. Unit: bits.
+        ssi_gray: Whether the SSI word carries the position in Gray code, 1, or in binary, 0 [4.1 p.15; 5.2 p.20].
         scd_padding_bits: Bits above the position in the position field of the BiSS single cycle data; zeros unless an
-            offset is selected (bits, 6.2 p.25; 6.4 p.32).
+            offset is selected [6.2 p.25; 6.4 p.32]. Unit: bits.
         offset_selected: Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset holds an offset,
-            0 while a preset (6.4 p.30; 6.4 p.32). Over BiSS C-mode only. The default of
-            configuration.select_preset_offset, unless with_registers() gives another.
-        profile_id: Profile ID in the BiSS registers 42h and 43h (6.4 p.28).
-        output_code: Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary (6.4 p.31). Over BiSS C-mode
-            only. The default of configuration.output_code, unless with_registers() gives another.
+            0 while a preset [6.4 p.30; 6.4 p.32]. Held at run time in register 49h
+            (``configuration.select_preset_offset``), 0 to 1. Over BiSS C-mode only. As delivered, unless
+            with_registers() gives another.
+        profile_id: Profile ID in the BiSS registers 42h and 43h [6.4 p.28].
+        output_code: Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary [6.4 p.31]. Held at run time in
+            register 49h (``configuration.output_code``), 0 to 1. Over BiSS C-mode only. As delivered, unless
+            with_registers() gives another.
         rs485_position_bits: Bits of the position in the 24-bit replies over RS-485; one less than elsewhere at 1 µm
-            (bits, 4.10 p.18; 7.3.3.2).
+            [4.10 p.18; 7.3.3.2]. Unit: bits.
         unlisted: Parts of the order code that the manual leaves open.
         tail: What followed the order code on the label.
         special_code: What the label ends in as /Sxxx. An encoder whose order code ends in /Sxxx may differ from the
@@ -293,31 +301,37 @@ class Variant:
 
     @property
     def positions(self) -> int:
-        """Positions that are told apart over SSI and BiSS; the manual's "max. informazioni" (counts, 5.2 p.20)."""
+        """Positions that are told apart over SSI and BiSS; the manual's "max. informazioni" [5.2 p.20]. Unit:
+        counts. Equals ``2^position_bits``.
+        """
         return 1 << self.position_bits
 
     @property
     def scd_position_bits(self) -> int:
-        """Bits of the position field of the BiSS single cycle data, 24 or 25 (bits, 6.2 p.25)."""
+        """Bits of the position field of the BiSS single cycle data, 24 or 25 [6.2 p.25]. Unit: bits. Equals
+        ``position_bits + scd_padding_bits``.
+        """
         return self.position_bits + self.scd_padding_bits
 
     @property
     def scd_value_bits(self) -> int:
-        """Bits of the position in the BiSS single cycle data, the whole field while an offset is selected (bits, 6.2
-        p.25; 6.4 p.32).
+        """Bits of the position in the BiSS single cycle data, the whole field while an offset is selected [6.2 p.25;
+        6.4 p.32]. Unit: bits. Equals ``position_bits + scd_padding_bits * offset_selected``.
         """
         return self.position_bits + self.scd_padding_bits * self.offset_selected
 
     @property
     def biss_gray(self) -> int:
-        """Whether the BiSS single cycle data carries the position in Gray code, 1, or in binary, 0 (6.4 p.31)."""
+        """Whether the BiSS single cycle data carries the position in Gray code, 1, or in binary, 0 [6.4 p.31].
+        Equals ``1 - output_code``.
+        """
         return 1 - self.output_code
 
     def with_registers(self, held: Mapping[int, int]) -> Variant:
         """The encoder as it is when its registers hold these bytes, by address.
 
-        These change how a frame is read: configuration at 49h. Registers that are left out stay as they are here, as
-        delivered at first.
+        These change how a frame is read, or a limit: configuration at 49h. Registers that are left out stay as they are
+        here, as delivered at first.
 
         Raises:
             RangeError: A register holds a value that cannot be.
@@ -385,6 +399,8 @@ class Variant:
     def decode(self, frame: Any, *, bits: int | None = None) -> Frame:
         """What the encoder sent: bytes, or where the line carries bits a number whose most significant bit was sent
         first, or text of 0 and 1.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
 
         Args:
             bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
@@ -487,35 +503,40 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """The CRC of 6 bits by x^6 + x + 1 over ``bits`` bits of ``number``, most significant first (6.2 p.26; prot: p.7-8;
-    renishaw: data sheet; icmu: p.30).
+    """CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
     range (position, error and warning bit) are those of public BiSS documents.
 
-    Erratum biss_crc_start, open (6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
-    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
-    0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30]
     """
     return crc_of_bits(number, bits, width=6, poly=0x03, init=0x0, refout=False, xorout=0x3F)
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """The CRC of 4 bits by x^4 + x + 1 over ``bits`` bits of ``number``, most significant first (6.3 p.27; prot:
-    p.9-14; icmu: p.30).
+    """CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27; prot: p.9-14; icmu: p.30].
+
+    Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those of public
     BiSS documents.
 
-    Erratum biss_crc_start, open (6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30). Printed:
-    Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost. Used: Start value
-    0.
+    Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
+    value; the logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet;
+    icmu: p.30]
     """
     return crc_of_bits(number, bits, width=4, poly=0x03, init=0x0, refout=False, xorout=0x0F)
 
 
 def crc_rs485_8(data: bytes) -> int:
-    """The CRC of 8 bits by x^8 + 1 over ``data`` (7.3.4 p.42).
+    """CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.3.4 p.42].
+
+    Computed over ``data``.
 
     Over all bytes sent before it, start bits and delimiters left out, least significant bit first. That is the XOR of
     the bytes: it does not notice bytes that changed places. Both printed frames fit start value 0.
@@ -544,68 +565,66 @@ def _remainder_biss_6_33(word: int) -> int:
 
 
 class DataId(IntEnum):
-    """What the request asks for; a reply repeats it."""
+    """cc0 ... cc3: What the request asks for; a reply repeats it."""
 
     POSITION = 4
-    """24-bit position and error code."""
+    """Data ID 4: 24-bit position and error code."""
     WIDE_POSITION = 5
-    """48-bit position."""
+    """Data ID 5: 48-bit position."""
     IDENTIFICATION = 0xA
-    """24-bit position, encoder ID and error code."""
+    """Data ID A: 24-bit position, encoder ID and error code."""
     RESET_ERRORS = 0xB
-    """Reset all errors; the reply carries 24-bit position and error code."""
+    """Data ID B: Reset all errors; the reply carries 24-bit position and error code."""
     RESET_POSITION = 0xF
-    """Reset the position to 0; the reply carries 24-bit position and error code."""
+    """Data ID F: Reset the position to 0; the reply carries 24-bit position and error code."""
 
 
 class CountingDirection(IntEnum):
-    """Counting direction of the absolute position; the incremental signals keep theirs."""
+    """Direzione di conteggio: Counting direction of the absolute position; the incremental signals keep theirs."""
 
     STANDARD = 0
-    """Counts up when the sensor moves in the direction of the arrow of Figure 1."""
+    """Standard: Counts up when the sensor moves in the direction of the arrow of Figure 1."""
     INVERTED = 1
-    """Counts up when the sensor moves against the arrow of Figure 1."""
+    """Invertita: Counts up when the sensor moves against the arrow of Figure 1."""
 
 
 class OutputCode(IntEnum):
-    """Code of the absolute position."""
+    """Codice d'uscita: Code of the absolute position."""
 
     GRAY = 0
-    """Position sent in Gray code."""
+    """Gray: Position sent in Gray code."""
     BINARY = 1
-    """Position sent in binary."""
+    """Binario: Position sent in binary."""
 
 
 class EnablePresetOffset(IntEnum):
-    """Enables preset and offset; 0 enables."""
+    """Abilita preset / offset: Enables preset and offset; 0 enables."""
 
     ENABLE = 0
-    """Preset and offset can be used."""
+    """Abilita: Preset and offset can be used."""
     DISABLE = 1
-    """Preset and offset cannot be used."""
+    """Disabilita: Preset and offset cannot be used."""
 
 
 class SelectPresetOffset(IntEnum):
-    """What the register Preset / Offset is; available only while the function is enabled (bit 2)."""
+    """Seleziona preset / offset: What the register Preset / Offset is; available only while the function is enabled
+    (bit 2).
+    """
 
     PRESET = 0
-    """The register Preset / Offset holds a preset."""
+    """Preset: The register Preset / Offset holds a preset."""
     OFFSET = 1
-    """The register Preset / Offset holds an offset."""
+    """Offset: The register Preset / Offset holds an offset."""
 
 
 # SSI
 #
-# Erratum ssi_cable_400_m, open (5.3 p.22). Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 1
-# MHz. Used: Both as printed.
+# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
+# 1 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3 p.22]
 #
-# Erratum ssi_cable_50_m, open (5.3 p.22). Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1
-# MHz. Used: Both as printed.
-#
-# Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
-# right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be frozen,
-# wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE, ea1 or an
-# alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
+# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1
+# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 1
+# MHz. [5.3 p.22]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=1_000_000, source="5.3 p.22"),
@@ -646,35 +665,55 @@ SSI: Final = SsiFacts(
 
 @by_class
 class SsiWord(NamedTuple):
-    """SSI word: sent by the encoder over SSI, as a string of bits (5.2 p.20).
+    """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant first [5.2 p.20].
+
+    ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
     21, 23, 24, 25 or 26 bits, position and error bit, the most significant first. Further clocks bring zeros after the
     word. No warning bit and no CRC. Bit 0 is the error bit; the LSB of the position is bit 1. The manual's name is
     "Struttura dell'informazione di posizione".
 
-    Erratum ssi_clock_count, open (5.1; 5.2 p.20). Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14
+    Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14
     for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; one clock more than the word has
-    bits satisfies both.
+    bits satisfies both. [5.1; 5.2 p.20]
 
-    Erratum gray_scope, open (5.2 p.20; 6.4 p.31). Printed: The output code can be binary or Gray, without saying which
-    bits of the frame it covers. Used: The position alone; error and warning bit and the CRC are sent as they are.
+    Erratum gray_scope (open, omission): Printed: The output code can be binary or Gray, without saying which bits of
+    the frame it covers. Used: The position alone; error and warning bit and the CRC are sent as they are. [5.2 p.20;
+    6.4 p.31]
 
-    Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
-    right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be
-    frozen, wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE,
-    ea1 or an alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
+    Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is right. ea1: a fault,
+    or an error in the position, or the motor has to stop. nE: the last valid position may be frozen, wrong data may be
+    sent. What single alarms and nW do to the position is not said. Used: Not usable with nE, ea1 or an alarm that ea1
+    sums up, stored ones until they are reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable
+    while none is active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        position: Position in counts; times the resolution it is a length.
-        error: True: an error is present, the LED is red; False: normal state, no active error, the LED is off; low
-            active. Reading error (tape not read properly: mounted wrongly, for instance turned round or upside down,
-            its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape).
+        position: Position in counts; times the resolution it is a length. Unit: counts.
+        error: Bit di errore: Reading error (tape not read properly: mounted wrongly, for instance turned round or
+            upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape).
+            True at 0: an error is present, the LED is red. False at 1: normal state, no active error, the LED is off.
+            While it is True, the position is not usable.
     """
 
     variant: Variant
     position: int
     error: bool = False
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.error:
+            return Verdict.NOT_USABLE
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active."""
+        told = {
+            "error": self.error,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @staticmethod
     def frame_bits(variant: Variant) -> int:
@@ -736,21 +775,22 @@ class SsiWord(NamedTuple):
 
 # BiSS C-mode
 #
-# Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
-# offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
-# register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the position,
-# and a frame with another bit there is refused.
+# Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are 0. 6.4: an offset of
+# up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the register
+# Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the position, and a
+# frame with another bit there is refused. Why: The limit of the offset is the whole field less the positions of the
+# resolution, with a reference to that field: the sum is meant to fill it, so that from 50 µm to 5 µm the bits above the
+# position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame of one with
+# an offset could show. [6.2 p.25; 6.4 p.32]
 #
-# Erratum profile_variants, open (6.4 p.28; asc85: 6.4 p.23). Printed: Variant 0-24+++ and 2819h for a field of 25 bits,
-# Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed.
+# Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24
+# and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85 manual has Variant 0-24++ and
+# 281Ah for 25 + 1 bits, where the low byte counts the whole field and not the position, and one bit more has one plus
+# less. A master that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85:
+# 6.4 p.23]
 #
-# Erratum biss_timeout, open (6.5 p.34; prot: p.18; asc85: 6.5 p.32). Printed: The BiSS time-out adapts itself to the
-# clock, 16 µs at most, without saying how. Used: At most 16 µs.
-#
-# Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
-# right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be frozen,
-# wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE, ea1 or an
-# alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
+# Erratum biss_timeout (open, omission): Printed: The BiSS time-out adapts itself to the clock, 16 µs at most, without
+# saying how. Used: At most 16 µs. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.5 p.34"),
@@ -809,53 +849,87 @@ BISS: Final = BissFacts(
 
 @by_class
 class SingleCycleData(NamedTuple):
-    """Single cycle data: sent by the encoder over BiSS C-mode, as a string of bits (6.2 p.25).
+    """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + scd_padding_bits + 8`` bits, most
+    significant first [6.2 p.25].
 
     In the manual: Single Cycle Data SCD.
+
+    ``position`` is in Gray code while ``biss_gray`` is 1, and in binary while it is 0.
 
     32 bits from 50 µm to 2 µm, 33 bits at 1 µm. The position is right-aligned in a field of 24 or 25 bits, most
     significant bit first, with zeros above it. While an offset is selected (bit 1 of the register Configuration) it
     takes the whole field. Output code Gray: zeros above a number stay zeros in Gray code, so that it does not matter
     whether they are taken in; that error and warning bit are not taken in is assumed.
 
-    Erratum gray_scope, open (5.2 p.20; 6.4 p.31). Printed: The output code can be binary or Gray, without saying which
-    bits of the frame it covers. Used: The position alone; error and warning bit and the CRC are sent as they are.
+    Erratum gray_scope (open, omission): Printed: The output code can be binary or Gray, without saying which bits of
+    the frame it covers. Used: The position alone; error and warning bit and the CRC are sent as they are. [5.2 p.20;
+    6.4 p.31]
 
-    Erratum scd_length, settled (6.2 p.25). Printed: SCD (32 bit), with a position of 24 or 25 bits. Used: 32 bits from
-    50 µm to 2 µm, 33 bits at 1 µm.
+    Erratum scd_length (settled, wrong data): Printed: SCD (32 bit), with a position of 24 or 25 bits. Used: 32 bits
+    from 50 µm to 2 µm, 33 bits at 1 µm. Why: Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm;
+    the table below has bits 32 to 0 for it. [6.2 p.25]
 
-    Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
-    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
-    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
-    position, and a frame with another bit there is refused.
+    Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are 0. 6.4: an offset of
+    up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the register
+    Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the position, and a
+    frame with another bit there is refused. Why: The limit of the offset is the whole field less the positions of the
+    resolution, with a reference to that field: the sum is meant to fill it, so that from 50 µm to 5 µm the bits above
+    the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame of
+    one with an offset could show. [6.2 p.25; 6.4 p.32]
 
-    Erratum position_below_zero, open (6.4 p.32; 7.3.3.2 p.41). Printed: Positions before the preset get a value
-    according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position
-    starts again after 2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart;
-    the 48-bit position goes below zero.
+    Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value according to it,
+    without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position starts again after
+    2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart; the 48-bit
+    position goes below zero. [6.4 p.32; 7.3.3.2 p.41]
 
-    Erratum warning_level, open (6.2 p.26; 9.1). Printed: Warning, nW, without saying which level means a warning. Used:
-    0 is a warning, as with the error bit.
+    Erratum warning_level (open, omission): Printed: Warning, nW, without saying which level means a warning. Used: 0 is
+    a warning, as with the error bit. Why: The name nW and the BiSS documents have it active low. The bit is for Lika's
+    technicians anyway. [6.2 p.26; 9.1]
 
-    Erratum position_under_error, open (6.2 p.26; 7.3.2 p.38; 9 p.47). Printed: ea0: danger of a fault, the position is
-    right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid position may be
-    frozen, wrong data may be sent. What single alarms and nW do to the position is not said. Used: Not usable with nE,
-    ea1 or an alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 sums up, or nW.
+    Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is right. ea1: a fault,
+    or an error in the position, or the motor has to stop. nE: the last valid position may be frozen, wrong data may be
+    sent. What single alarms and nW do to the position is not said. Used: Not usable with nE, ea1 or an alarm that ea1
+    sums up, stored ones until they are reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable
+    while none is active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        position: Position in counts; times the resolution it is a length.
-        error: True: an error is present, the LED is red; False: normal state, no active error, the LED is off; low
-            active. Reading error (tape not read properly: mounted wrongly, for instance turned round or upside down,
-            its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape).
-        warning: True: warning active; False: no warning active; low active. Used with the register Position check for
-            an automatic check of the position; only for Lika's technicians. Reserved for the maker.
+        position: Posizione: Position in counts; times the resolution it is a length. Unit: counts.
+        error: nE: Reading error (tape not read properly: mounted wrongly, for instance turned round or upside down, its
+            surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape). True at 0: an
+            error is present, the LED is red. False at 1: normal state, no active error, the LED is off. While it is
+            True, the position is not usable.
+        warning: Warning, nW: Used with the register Position check for an automatic check of the position; only for
+            Lika's technicians. True at 0: warning active. False at 1: no warning active. While it is True, the position
+            is usable, with a warning. Reserved for the manufacturer.
+
+    Checked by decode():
+        padding: Zeros above the position, part of the manual's Posizione; none while an offset is selected. Always 0.
+        crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
     variant: Variant
     position: int
     error: bool = False
     warning: bool = False
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.error:
+            return Verdict.NOT_USABLE
+        if self.warning:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active."""
+        told = {
+            "error": self.error,
+            "warning": self.warning,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @staticmethod
     def frame_bits(variant: Variant) -> int:
@@ -931,13 +1005,13 @@ class SingleCycleData(NamedTuple):
 
 # RS-485
 #
-# Erratum zero_setting_rs485, open (3.3; 7.3.1 p.38; 7.3.3.2 p.41). Printed: 3.3: zero setting and preset are needed
-# after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0.
-# Used: Data ID F as described in 7.3.1 and 7.3.3.2.
+# Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed after mounting but
+# available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0. Used: Data ID F as
+# described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38; 7.3.3.2 p.41]
 #
-# Erratum reset_interval, open (7.3.2 p.38; 7.3.3.2 p.41). Printed: Ten times in succession (in successione, in
-# sequenza), at transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each
-# request before the next one begins.
+# Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in sequenza), at
+# transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request
+# before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
@@ -1003,16 +1077,22 @@ RS485: Final = Rs485Facts(
 
 @by_class
 class DataRequest(NamedTuple):
-    """Data request: sent by the master over RS-485, as bytes (7.2 p.37; 7.2.1 p.37).
+    """Data request, sent by the master over RS-485: 1 byte [7.2 p.37; 7.2.1 p.37].
 
     In the manual: Master → Encoder: CF.
+
+    Carries ``data_id`` 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F (reset_position).
 
     One byte, without a CRC.
 
     Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
-        data_id: What the request asks for; a reply repeats it.
+        data_id: cc0 ... cc3: What the request asks for; a reply repeats it.
+
+    Checked by decode():
+        sync: SC: Sync code, binary 010. Always 2.
+        parity: cc4. Even parity of ``data_id``.
     """
 
     data_id: DataId
@@ -1065,47 +1145,70 @@ class DataRequest(NamedTuple):
 
 @by_class
 class PositionReply(NamedTuple):
-    """Position reply: sent by the encoder over RS-485, as bytes (7.2 p.37; 7.3.3 p.39).
+    """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 DF3 CRC.
+
+    Carries ``data_id`` 4 (position), B (reset_errors) or F (reset_position).
 
     position = (DF2 << 16) + (DF1 << 8) + DF0, always binary; bits above the resolution are 0: bit 23, bits 23:22 or
     bits 23:20.
 
-    Erratum position_below_zero, open (6.4 p.32; 7.3.3.2 p.41). Printed: Positions before the preset get a value
-    according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position
-    starts again after 2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart;
-    the 48-bit position goes below zero.
+    Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value according to it,
+    without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position starts again after
+    2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart; the 48-bit
+    position goes below zero. [6.4 p.32; 7.3.3.2 p.41]
 
-    Erratum abs_range_24, settled (7.3.3). Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+    Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+    Why: Seven digits are 28 bits. [7.3.3]
 
-    Erratum rs485_position_width, open (4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2). Printed: SSI and BiSS have a table of
-    the position by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits
-    at 50 µm, 22 at 10 µm, 23 at 5 µm, 24 at 2 µm and 1 µm.
+    Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position by model. RS-485
+    has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50 µm, 22 at 10 µm, 23 at
+    5 µm, 24 at 2 µm and 1 µm. [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]
 
-    Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
-    marked as the order of transmission. Used: ABS0 first.
+    Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
+    marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
+    sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, position_under_error, data_id_5_example_status,
-    error_bit_level, unimplemented_alarms.
+    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        data_id: What the request asks for; a reply repeats it.
-        status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
-            position is right; False: no encoder alarm; high active. Not stored; cleared as soon as the cause is gone.
-        status_error: True: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
-            motor has to stop; False: no encoder error; high active. Stored in the encoder until the errors are reset.
-        position: Position in counts; times the resolution it is a length.
-        overspeed: True: speed too high; False: no overspeed; high active.
-        initialization_error: True: error during the initialization, or absolute position not found; False: no
-            initialization error; high active.
-        hardware_error: True: error in the EEPROM; False: no hardware error; high active.
-        encoder_inharmonious_error: True: active; False: not active; high active. Not implemented. Not implemented.
-        higher_track_error: True: active; False: not active; high active. Not implemented. Not implemented.
-        low_amplitude_error: True: amplitude of the signal too low; False: no low amplitude error; high active.
-        signal_strength_alarm: True: active; False: not active; high active. Not implemented. Not implemented.
-        temperature_alarm: True: active; False: not active; high active. Not implemented. Not implemented.
+        data_id: cc0 ... cc3: What the request asks for; a reply repeats it.
+        status_alarm: ea0: Not stored; cleared as soon as the cause is gone. True at 1: encoder alarm (warning), the sum
+            of ALMC bits 6 and 7: danger of a fault, though the position is right. False at 0: no encoder alarm. Sums up
+            ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with a
+            warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
+            bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. False at 0: no encoder error.
+            Sums up ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``, ``hardware_error``,
+            ``initialization_error`` and ``overspeed``. While it is True, the position is not usable.
+        position: ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length. Unit: counts. Right-aligned
+            in 24 bits, zeros above it.
+        overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not
+            usable.
+        initialization_error: Initialization error. True at 1: error during the initialization, or absolute position not
+            found. False at 0: no initialization error. While it is True, the position is not usable.
+        hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
+            the position is not usable.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented.
+        higher_track_error: Higher track error: Not implemented.
+        low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
+            amplitude error. While it is True, the position is not usable.
+        signal_strength_alarm: Signal on the strength alarm: Not implemented.
+        temperature_alarm: Temperature alarm: Not implemented.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other
+            bits here the rest is decoded all the same, and the position is usable, with a warning.
+        bits 7:6, status_zero: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+
+    Checked by decode():
+        sync: SC: Sync code, binary 010. Always 2.
+        parity: cc4. Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
     variant: Variant
@@ -1121,6 +1224,48 @@ class PositionReply(NamedTuple):
     low_amplitude_error: bool = False
     signal_strength_alarm: bool = False
     temperature_alarm: bool = False
+    unused: int = 0
+
+    @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: no unused bit differs."""
+        return self.unused == 0
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if (
+            self.status_error
+            or self.overspeed
+            or self.initialization_error
+            or self.hardware_error
+            or self.encoder_inharmonious_error
+            or self.higher_track_error
+            or self.low_amplitude_error
+        ):
+            return Verdict.NOT_USABLE
+        if self.status_alarm or self.signal_strength_alarm or self.temperature_alarm or self.unused:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        told = {
+            "status_alarm": self.status_alarm,
+            "status_error": self.status_error,
+            "overspeed": self.overspeed,
+            "initialization_error": self.initialization_error,
+            "hardware_error": self.hardware_error,
+            "encoder_inharmonious_error": self.encoder_inharmonious_error,
+            "higher_track_error": self.higher_track_error,
+            "low_amplitude_error": self.low_amplitude_error,
+            "signal_strength_alarm": self.signal_strength_alarm,
+            "temperature_alarm": self.temperature_alarm,
+            "status_info": self.unused & 0xF,
+            "status_zero": self.unused & 0xC0,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
     def decode(cls, data: Data, variant: Variant) -> PositionReply:
@@ -1147,10 +1292,6 @@ class PositionReply(NamedTuple):
             raise ConstantError("sync", data[0] & 0x7, 0x2)
         if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0xF:
-            raise ConstantError("status_info", data[1] & 0xF, 0)
-        if data[1] >> 6:
-            raise ConstantError("status_zero", data[1] >> 6, 0)
         if (position := data[2] | data[3] << 8 | data[4] << 16) >> variant.rs485_position_bits:
             raise ConstantError("position_padding", position >> variant.rs485_position_bits, 0)
         if (data_id := data[0] >> 3 & 0xF) not in (4, 0xB, 0xF):
@@ -1169,6 +1310,7 @@ class PositionReply(NamedTuple):
             bool(data[5] & 0x20),
             bool(data[5] & 0x40),
             bool(data[5] & 0x80),
+            data[1] & 0xCF,
         )
         return made(cls, values)
 
@@ -1185,12 +1327,15 @@ class PositionReply(NamedTuple):
         if data_id not in (4, 0xB, 0xF):
             raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
         position = check_width("position", self.position, variant.rs485_position_bits)
+        unused = check_bits("unused", self.unused, 0xCF)
         number = (
             0x2
             | data_id << 3
             | (data_id.bit_count() & 1) << 7
+            | (unused & 0xF) << 8
             | bool(self.status_alarm) << 12
             | bool(self.status_error) << 13
+            | (unused >> 6 & 0x3) << 14
             | position << 16
             | bool(self.overspeed) << 40
             | bool(self.initialization_error) << 41
@@ -1232,48 +1377,97 @@ class PositionReply(NamedTuple):
 
 @by_class
 class WidePositionReply(NamedTuple):
-    """Wide position reply: sent by the encoder over RS-485, as bytes (7.2 p.37; 7.3.3 p.39).
+    """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
+    Carries ``data_id`` 5 (wide_position).
+
     Always binary, negative values as two's complement. No error code; the status field alone tells of errors.
 
-    Erratum position_below_zero, open (6.4 p.32; 7.3.3.2 p.41). Printed: Positions before the preset get a value
-    according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position
-    starts again after 2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart;
-    the 48-bit position goes below zero.
+    Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value according to it,
+    without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position starts again after
+    2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart; the 48-bit
+    position goes below zero. [6.4 p.32; 7.3.3.2 p.41]
 
-    Erratum abs_range_48, settled (7.3.3; a4: p.298). Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh. Used:
-    To 7FFFFFFFFFFFh.
+    Erratum abs_range_48 (settled, wrong limit): Printed: 48-bit position from 800000000000h to 7FFFFFFFFFh. Used: To
+    7FFFFFFFFFFFh. Why: Two digits are missing; the highest number of 48 bits as two's complement has twelve. [7.3.3;
+    a4: p.298]
 
-    Erratum wide_position_sign, open (7.3.3). Printed: Unused high bits are 0; the 48-bit position is signed. Used:
-    Signed, over all 48 bits.
+    Erratum wide_position_sign (open, omission): Printed: Unused high bits are 0; the 48-bit position is signed. Used:
+    Signed, over all 48 bits. [7.3.3]
 
-    Erratum data_id_5_example_status, open (7.3.4; 7.3.2 p.38). Printed: Reply to data ID 5 with SF = 02h. Used: dd0 to
-    dd3 are 0, as 7.3.2 has it; the example checks the CRC only, and as a reply it is refused for its constant.
+    Erratum data_id_5_example_status (open, wrong data): Printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are
+    unused and 0, as 7.3.2 has it; a reply that has them otherwise is decoded, and reports them. Why: 02h sets dd1,
+    which 7.3.2 fixes at 0; alarm and error would be 10h and 20h. Yet it is the only reply to data ID 5 that the manual
+    prints, with a right CRC. Whether the example is wrong, or an encoder may set these bits, only hardware can tell.
+    The manual says nothing of the position then; it is taken as usable with a warning. [7.3.4; 7.3.2 p.38]
 
-    Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
-    marked as the order of transmission. Used: ABS0 first.
+    Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
+    marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
+    sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, position_under_error, error_bit_level,
-    unimplemented_alarms.
+    Of its parts, see ERRATA: control_field_structure, position_under_error, error_bit_level.
 
     Attributes:
-        status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
-            position is right; False: no encoder alarm; high active. Not stored; cleared as soon as the cause is gone.
-        status_error: True: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
-            motor has to stop; False: no encoder error; high active. Stored in the encoder until the errors are reset.
-        position: Position in counts; times the resolution it is a length.
+        status_alarm: ea0: Not stored; cleared as soon as the cause is gone. True at 1: encoder alarm (warning), the sum
+            of ALMC bits 6 and 7: danger of a fault, though the position is right. False at 0: no encoder alarm. Sums up
+            ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with a
+            warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
+            bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. False at 0: no encoder error.
+            Sums up ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``, ``hardware_error``,
+            ``initialization_error`` and ``overspeed``. While it is True, the position is not usable.
+        position: ABS0 ... ABS5: Position in counts; times the resolution it is a length. Unit: counts. Signed, in two's
+            complement.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other
+            bits here the rest is decoded all the same, and the position is usable, with a warning.
+        bits 7:6, status_zero: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+
+    Checked by decode():
+        sync: SC: Sync code, binary 010. Always 2.
+        parity: cc4. Even parity of ``data_id``.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
     status_alarm: bool
     status_error: bool
     position: int
+    unused: int = 0
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """cc0 ... cc3: What the request asks for; a reply repeats it."""
         return DataId.WIDE_POSITION
+
+    @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: no unused bit differs."""
+        return self.unused == 0
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if self.status_error:
+            return Verdict.NOT_USABLE
+        if self.status_alarm or self.unused:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        told = {
+            "status_alarm": self.status_alarm,
+            "status_error": self.status_error,
+            "status_info": self.unused & 0xF,
+            "status_zero": self.unused & 0xC0,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
     def decode(cls, data: Data) -> WidePositionReply:
@@ -1296,16 +1490,13 @@ class WidePositionReply(NamedTuple):
             raise ConstantError("sync", data[0] & 0x7, 0x2)
         if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0xF:
-            raise ConstantError("status_info", data[1] & 0xF, 0)
-        if data[1] >> 6:
-            raise ConstantError("status_zero", data[1] >> 6, 0)
         if (data[0] >> 3 & 0xF) != 5:
             raise RangeError("data_id", data[0] >> 3 & 0xF, "5h")
         values = (
             bool(data[1] & 0x10),
             bool(data[1] & 0x20),
             signed(int.from_bytes(data[2:8], "little"), 48),
+            data[1] & 0xCF,
         )
         return made(cls, values)
 
@@ -1316,10 +1507,13 @@ class WidePositionReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         position = check_signed("position", self.position, 48)
+        unused = check_bits("unused", self.unused, 0xCF)
         number = (
             0x2A
+            | (unused & 0xF) << 8
             | bool(self.status_alarm) << 12
             | bool(self.status_error) << 13
+            | (unused >> 6 & 0x3) << 14
             | (position & 0xFFFFFFFFFFFF) << 16
         )
         body = number.to_bytes(8, "little")
@@ -1343,38 +1537,63 @@ class WidePositionReply(NamedTuple):
 
 @by_class
 class IdentificationReply(NamedTuple):
-    """Identification reply: sent by the encoder over RS-485, as bytes (7.2 p.37; 7.3.3 p.39).
+    """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
-    Erratum abs_range_24, settled (7.3.3). Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+    Carries ``data_id`` A (identification).
 
-    Erratum rs485_position_width, open (4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2). Printed: SSI and BiSS have a table of
-    the position by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits
-    at 50 µm, 22 at 10 µm, 23 at 5 µm, 24 at 2 µm and 1 µm.
+    Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+    Why: Seven digits are 28 bits. [7.3.3]
 
-    Erratum position_sending_order, settled (7.3.3 p.39). Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
-    marked as the order of transmission. Used: ABS0 first.
+    Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position by model. RS-485
+    has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50 µm, 22 at 10 µm, 23 at
+    5 µm, 24 at 2 µm and 1 µm. [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]
 
-    Of its parts, see ERRATA: control_field_structure, alarm_storage, position_under_error, data_id_5_example_status,
-    error_bit_level, unimplemented_alarms.
+    Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
+    marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
+    sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
+
+    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
 
     Attributes:
         variant: The encoder that the frame belongs to.
-        status_alarm: True: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
-            position is right; False: no encoder alarm; high active. Not stored; cleared as soon as the cause is gone.
-        status_error: True: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
-            motor has to stop; False: no encoder error; high active. Stored in the encoder until the errors are reset.
-        position: Position in counts; times the resolution it is a length.
-        overspeed: True: speed too high; False: no overspeed; high active.
-        initialization_error: True: error during the initialization, or absolute position not found; False: no
-            initialization error; high active.
-        hardware_error: True: error in the EEPROM; False: no hardware error; high active.
-        encoder_inharmonious_error: True: active; False: not active; high active. Not implemented. Not implemented.
-        higher_track_error: True: active; False: not active; high active. Not implemented. Not implemented.
-        low_amplitude_error: True: amplitude of the signal too low; False: no low amplitude error; high active.
-        signal_strength_alarm: True: active; False: not active; high active. Not implemented. Not implemented.
-        temperature_alarm: True: active; False: not active; high active. Not implemented. Not implemented.
+        status_alarm: ea0: Not stored; cleared as soon as the cause is gone. True at 1: encoder alarm (warning), the sum
+            of ALMC bits 6 and 7: danger of a fault, though the position is right. False at 0: no encoder alarm. Sums up
+            ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with a
+            warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
+            bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. False at 0: no encoder error.
+            Sums up ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``, ``hardware_error``,
+            ``initialization_error`` and ``overspeed``. While it is True, the position is not usable.
+        position: ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length. Unit: counts. Right-aligned
+            in 24 bits, zeros above it.
+        overspeed: Overspeed. True at 1: speed too high. False at 0: no overspeed. While it is True, the position is not
+            usable.
+        initialization_error: Initialization error. True at 1: error during the initialization, or absolute position not
+            found. False at 0: no initialization error. While it is True, the position is not usable.
+        hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
+            the position is not usable.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented.
+        higher_track_error: Higher track error: Not implemented.
+        low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
+            amplitude error. While it is True, the position is not usable.
+        signal_strength_alarm: Signal on the strength alarm: Not implemented.
+        temperature_alarm: Temperature alarm: Not implemented.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
+    Bits of unused:
+        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other
+            bits here the rest is decoded all the same, and the position is usable, with a warning.
+        bits 7:6, status_zero: Unused, 0 in the manual. With other bits here the rest is decoded all the same, and the
+            position is usable, with a warning.
+
+    Checked by decode():
+        sync: SC: Sync code, binary 010. Always 2.
+        parity: cc4. Even parity of ``data_id``.
+        encoder_id_1: ENID1: Encoder ID, first byte, fixed for the absolute linear encoder. Always 51h.
+        encoder_id_2: ENID2: Encoder ID, second byte, fixed. Always 0.
+        crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
     variant: Variant
@@ -1389,11 +1608,53 @@ class IdentificationReply(NamedTuple):
     low_amplitude_error: bool = False
     signal_strength_alarm: bool = False
     temperature_alarm: bool = False
+    unused: int = 0
 
     @property
     def data_id(self) -> DataId:
-        """What the request asks for; a reply repeats it."""
+        """cc0 ... cc3: What the request asks for; a reply repeats it."""
         return DataId.IDENTIFICATION
+
+    @property
+    def is_as_documented(self) -> bool:
+        """Whether it holds what the manual says: no unused bit differs."""
+        return self.unused == 0
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the position is worth: look at it before you use the position."""
+        if (
+            self.status_error
+            or self.overspeed
+            or self.initialization_error
+            or self.hardware_error
+            or self.encoder_inharmonious_error
+            or self.higher_track_error
+            or self.low_amplitude_error
+        ):
+            return Verdict.NOT_USABLE
+        if self.status_alarm or self.signal_strength_alarm or self.temperature_alarm or self.unused:
+            return Verdict.USABLE_WITH_WARNING
+        return Verdict.USABLE
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        told = {
+            "status_alarm": self.status_alarm,
+            "status_error": self.status_error,
+            "overspeed": self.overspeed,
+            "initialization_error": self.initialization_error,
+            "hardware_error": self.hardware_error,
+            "encoder_inharmonious_error": self.encoder_inharmonious_error,
+            "higher_track_error": self.higher_track_error,
+            "low_amplitude_error": self.low_amplitude_error,
+            "signal_strength_alarm": self.signal_strength_alarm,
+            "temperature_alarm": self.temperature_alarm,
+            "status_info": self.unused & 0xF,
+            "status_zero": self.unused & 0xC0,
+        }
+        return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
     def decode(cls, data: Data, variant: Variant) -> IdentificationReply:
@@ -1420,10 +1681,6 @@ class IdentificationReply(NamedTuple):
             raise ConstantError("sync", data[0] & 0x7, 0x2)
         if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
             raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-        if data[1] & 0xF:
-            raise ConstantError("status_info", data[1] & 0xF, 0)
-        if data[1] >> 6:
-            raise ConstantError("status_zero", data[1] >> 6, 0)
         if (position := data[2] | data[3] << 8 | data[4] << 16) >> variant.rs485_position_bits:
             raise ConstantError("position_padding", position >> variant.rs485_position_bits, 0)
         if data[5] != 0x51:
@@ -1445,6 +1702,7 @@ class IdentificationReply(NamedTuple):
             bool(data[7] & 0x20),
             bool(data[7] & 0x40),
             bool(data[7] & 0x80),
+            data[1] & 0xCF,
         )
         return made(cls, values)
 
@@ -1458,10 +1716,13 @@ class IdentificationReply(NamedTuple):
         if not isinstance(variant, Variant) or variant.interface is not _RS485:
             raise wrong_encoder(variant, Variant, _RS485)
         position = check_width("position", self.position, variant.rs485_position_bits)
+        unused = check_bits("unused", self.unused, 0xCF)
         number = (
             0x510000000052
+            | (unused & 0xF) << 8
             | bool(self.status_alarm) << 12
             | bool(self.status_error) << 13
+            | (unused >> 6 & 0x3) << 14
             | position << 16
             | bool(self.overspeed) << 56
             | bool(self.initialization_error) << 57
@@ -1573,6 +1834,130 @@ Frame: TypeAlias = Union[
     WidePositionReply,
     IdentificationReply,
 ]
+
+#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
+REPORTS: Final[Mapping[str, Report]] = Reports(
+    lambda: (
+        Report(
+            name="error",
+            printed_name="",
+            meaning=(
+                "an error is present, the LED is red. Reading error (tape not read properly: mounted wrongly, for "
+                "instance turned round or upside down, its surface damaged, or the sensor faulty) or frequency error "
+                "(sensor too fast over the tape)."
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="5.4 p.22",
+        ),
+        Report(
+            name="warning",
+            printed_name="Warning, nW",
+            meaning=(
+                "warning active. Used with the register Position check for an automatic check of the position; only "
+                "for Lika's technicians."
+            ),
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="6.2 p.26",
+        ),
+        Report(
+            name="status_info",
+            printed_name="dd0 ... dd3",
+            meaning="differs from the manual, which has 0 in these unused bits. Information, not used in this encoder.",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.3.2 p.38; a4: p.298",
+        ),
+        Report(
+            name="status_alarm",
+            printed_name="ea0",
+            meaning=(
+                "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
+                "right. Not stored; cleared as soon as the cause is gone."
+            ),
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.3.2 p.38; a4: p.298",
+        ),
+        Report(
+            name="status_error",
+            printed_name="ea1",
+            meaning=(
+                "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor has "
+                "to stop. Stored in the encoder until the errors are reset."
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.2 p.38; a4: p.298",
+        ),
+        Report(
+            name="status_zero",
+            printed_name="",
+            meaning="differs from the manual, which has 0 in these unused bits",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.3.2 p.38; a4: p.298",
+        ),
+        Report(
+            name="overspeed",
+            printed_name="Overspeed",
+            meaning="speed too high",
+            remedy="Reset the errors with data ID B",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.3.1 p.40; 7.3.2 p.38",
+        ),
+        Report(
+            name="initialization_error",
+            printed_name="Initialization error",
+            meaning="error during the initialization, or absolute position not found",
+            remedy=(
+                "Reset the errors with data ID B once the initialization is over and normal operation has started "
+                "again"
+            ),
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.3.1 p.40; 7.3.3.2 p.41",
+        ),
+        Report(
+            name="hardware_error",
+            printed_name="Hardware error",
+            meaning="error in the EEPROM",
+            remedy="Reset the errors with data ID B",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.3.1 p.40; 7.3.2 p.38",
+        ),
+        Report(
+            name="encoder_inharmonious_error",
+            printed_name="Encoder inharmonious error",
+            meaning="active, although the manual says that this encoder does not have it",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.3 p.39; 7.3.3.1 p.40",
+        ),
+        Report(
+            name="higher_track_error",
+            printed_name="Higher track error",
+            meaning="active, although the manual says that this encoder does not have it",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.3 p.39; 7.3.3.1 p.40",
+        ),
+        Report(
+            name="low_amplitude_error",
+            printed_name="Low amplitude error",
+            meaning="amplitude of the signal too low",
+            remedy="Reset the errors with data ID B",
+            makes_position=Verdict.NOT_USABLE,
+            source="7.3.3.1 p.40; 7.3.2 p.38",
+        ),
+        Report(
+            name="signal_strength_alarm",
+            printed_name="Signal on the strength alarm",
+            meaning="active, although the manual says that this encoder does not have it",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.3.3 p.39; 7.3.3.1 p.40",
+        ),
+        Report(
+            name="temperature_alarm",
+            printed_name="Temperature alarm",
+            meaning="active, although the manual says that this encoder does not have it",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.3.3 p.39; 7.3.3.1 p.40",
+        ),
+    )
+)
 
 #: What the manual says of each field of the frames, by the name of the frame.
 FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
@@ -1701,7 +2086,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_info",
                 printed_name="dd0 ... dd3",
                 meaning="Information, not used in this encoder",
-                constant=0,
+                unused=0,
                 source="7.3.2 p.38; a4: p.298",
             ),
             FieldFacts(
@@ -1728,7 +2113,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_inactive="no encoder error",
                 source="7.3.2 p.38; a4: p.298",
             ),
-            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.38; a4: p.298"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
@@ -1832,7 +2217,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_info",
                 printed_name="dd0 ... dd3",
                 meaning="Information, not used in this encoder",
-                constant=0,
+                unused=0,
                 source="7.3.2 p.38; a4: p.298",
             ),
             FieldFacts(
@@ -1859,7 +2244,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_inactive="no encoder error",
                 source="7.3.2 p.38; a4: p.298",
             ),
-            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.38; a4: p.298"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
             FieldFacts(
                 name="position",
                 printed_name="ABS0 ... ABS5",
@@ -1899,7 +2284,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_info",
                 printed_name="dd0 ... dd3",
                 meaning="Information, not used in this encoder",
-                constant=0,
+                unused=0,
                 source="7.3.2 p.38; a4: p.298",
             ),
             FieldFacts(
@@ -1926,7 +2311,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 when_inactive="no encoder error",
                 source="7.3.2 p.38; a4: p.298",
             ),
-            FieldFacts(name="status_zero", constant=0, source="7.3.2 p.38; a4: p.298"),
+            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
@@ -2267,20 +2652,24 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
 
 @by_class
 class ProfileId(NamedTuple):
-    """Profile id, register 42h to 43h, read only (6.4 p.28).
+    """Profile ID (it: ID Profilo), registers 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
 
     Code of the profile used.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 42h.
 
     Standard encoder profile, data format, Variant 0-24 from 50 µm to 2 µm, Variant 0-24+++ at 1 µm.
 
-    Erratum profile_variants, open (6.4 p.28; asc85: 6.4 p.23). Printed: Variant 0-24+++ and 2819h for a field of 25
-    bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed.
+    Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24
+    and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85 manual has Variant 0-24++
+    and 281Ah for 25 + 1 bits, where the low byte counts the whole field and not the position, and one bit more has one
+    plus less. A master that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28;
+    asc85: 6.4 p.23]
 
     Attributes:
         variant: The encoder that the register belongs to.
-        profile_id: 28h and, in decimal, the bits of the position.
+        profile_id: 28h and, in decimal, the bits of the position. Holds ``profile_id``, which identifies the encoder;
+            decoding accepts any value.
     """
 
     variant: Variant
@@ -2330,15 +2719,15 @@ class ProfileId(NamedTuple):
 
 @by_class
 class SerialNumber(NamedTuple):
-    """Serial number, register 44h to 47h, read only (6.4 p.29).
+    """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.29].
 
     Year and week of production and a running number, in hexadecimal.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 44h.
 
-    Erratum serial_number_coding, open (6.4 p.29; amm5: 6.4 p.38). Printed: Year, week and number in hexadecimal (in
-    esadecimale), without an example. Used: Three binary numbers: one byte, one byte, and two bytes with the high byte
-    first.
+    Erratum serial_number_coding (open, omission): Printed: Year, week and number in hexadecimal (in esadecimale),
+    without an example. Used: Three binary numbers: one byte, one byte, and two bytes with the high byte first. [6.4
+    p.29; amm5: 6.4 p.38]
 
     Attributes:
         year: Year of production.
@@ -2391,24 +2780,25 @@ class SerialNumber(NamedTuple):
 
 
 class Command(IntEnum):
-    """Command, register 48h, write only (6.4 p.29; 12 p.51).
+    """Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29; 12 p.51].
 
     Saves the parameters, activates preset or offset, or restores the defaults.
 
-    As delivered: 00. Goes back to its default by itself after a write. Wait at least 30 ms after a write.
+    Default: ``00``. Wait at least 30 ms after a write, before the next command. Goes back to its default by itself
+    after a write.
 
     After a command the register goes back to 00 by itself.
     """
 
     NORMAL = 0
-    """Normal operation."""
+    """Normale stato operativo: Normal operation."""
     SAVE_PARAMETERS = 1
-    """Saves newly set register values."""
+    """Salva i parametri in EEPROM: Saves newly set register values."""
     ACTIVATE_PRESET_OFFSET = 2
-    """Saves the preset or offset and activates it at the same time."""
+    """Salva e attiva Preset / Offset: Saves the preset or offset and activates it at the same time."""
     RESTORE_DEFAULTS = 4
-    """Loads the factory's parameters, for standard and safe operation, at once and overwrites all set before; they
-    are lost.
+    """Carica e salva tutti i parametri di default: Loads the factory's parameters, for standard and safe operation,
+    at once and overwrites all set before; they are lost.
     """
 
     @classmethod
@@ -2431,22 +2821,30 @@ class Command(IntEnum):
 
 @by_class
 class Configuration(NamedTuple):
-    """Configuration, register 49h, read and write (6.4 p.30; 12 p.51).
+    """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
 
     Preset or offset, output code and counting direction.
 
-    As delivered: 20. To be kept over power-off, a written value has to be saved.
+    Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
 
     A new setting is active at once after its transmission; save it with the Command register.
 
-    Erratum configuration_bit_8, settled (6.6.1 p.35; 6.4 p.30). Printed: Bit 8 Direzione di conteggio. Used: Bit 6.
+    Erratum configuration_bit_8 (settled, wrong data): Printed: Bit 8 Direzione di conteggio. Used: Bit 6. Why: The
+    register has bits 7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the example sets bits 6 and 5. [6.6.1
+    p.35; 6.4 p.30]
 
     Attributes:
-        counting_direction: Counting direction of the absolute position; the incremental signals keep theirs.
-        output_code: Code of the absolute position.
-        enable_preset_offset: Enables preset and offset; 0 enables.
-        select_preset_offset: What the register Preset / Offset is; available only while the function is enabled (bit
-            2).
+        counting_direction: Direzione di conteggio: Counting direction of the absolute position; the incremental signals
+            keep theirs. Default: 0.
+        output_code: Codice d'uscita: Code of the absolute position. Default: 1.
+        enable_preset_offset: Abilita preset / offset: Enables preset and offset; 0 enables. Default: 0.
+        select_preset_offset: Seleziona preset / offset: What the register Preset / Offset is; available only while the
+            function is enabled (bit 2). Default: 0.
+
+    Checked by decode():
+        unused_7: Non utilizzato: Not used. Always 0.
+        unused_3_4: Non utilizzato: Not used. Always 0.
+        unused_0: Non utilizzato: Not used. Always 0.
     """
 
     counting_direction: CountingDirection
@@ -2519,7 +2917,7 @@ class Configuration(NamedTuple):
 
 @by_class
 class AbsoluteResolution(NamedTuple):
-    """Absolute resolution, register 4Dh, read only (6.4 p.31).
+    """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Resolution of the absolute position.
 
@@ -2528,7 +2926,8 @@ class AbsoluteResolution(NamedTuple):
 
     Attributes:
         variant: The encoder that the register belongs to.
-        absolute_resolution: Length of one count (µm).
+        absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which identifies the encoder;
+            decoding accepts any value.
     """
 
     variant: Variant
@@ -2578,12 +2977,19 @@ class AbsoluteResolution(NamedTuple):
 
 @by_class
 class PresetOffset(NamedTuple):
-    """Preset / Offset, register 50h to 53h, read and write (6.4 p.32; 12 p.51).
+    """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
 
     Preset or offset, as the bit Select preset / offset of the Configuration register says.
 
-    The high byte is at the lowest address. As delivered: 00 00 00 00. Can be written while
-    configuration.enable_preset_offset holds enable. To be kept over power-off, a written value has to be saved.
+    Byte order: high byte first, at 50h. Default: ``00 00 00 00``. Write it only while
+    ``configuration.enable_preset_offset`` holds 0 (``enable``). Save the parameters after a write, or the encoder loses
+    the value at power-off. While ``configuration.select_preset_offset`` holds 0 (``preset``), it holds ``preset``, 0 to
+    ``2^position_bits - 1``: Value that the position gets, from the activation on, at the place where the sensor stands
+    at that moment; all positions before and after follow from it. It serves, for instance, to bring the zero points of
+    sensor and application together. [6.4 p.32] While ``configuration.select_preset_offset`` holds 1 (``offset``), it
+    holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``: Value by which the transmitted positions are
+    shifted: as many positions as before, from the offset up. It is applied to the position where the sensor stands at
+    the activation. [6.4 p.32]
 
     Available only while the bit Enable preset / offset of the Configuration register is 0 (enable). Activate it only
     with the device at rest, by the command Save and activate Preset / Offset. The highest preset is 00 0F FF FFh at 50
@@ -2591,20 +2997,24 @@ class PresetOffset(NamedTuple):
     is the number of positions of the 24-bit or 25-bit field less the number of positions of the resolution: F0 00 00h
     at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
-    Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
-    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
-    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
-    position, and a frame with another bit there is refused.
+    Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are 0. 6.4: an offset of
+    up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the register
+    Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the position, and a
+    frame with another bit there is refused. Why: The limit of the offset is the whole field less the positions of the
+    resolution, with a reference to that field: the sum is meant to fill it, so that from 50 µm to 5 µm the bits above
+    the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame of
+    one with an offset could show. [6.2 p.25; 6.4 p.32]
 
-    Erratum offset_meaning, open (6.4 p.32). Printed: An offset gives a position a wanted value, is applied to the
+    Erratum offset_meaning (open, wrong data): Printed: An offset gives a position a wanted value, is applied to the
     position at its activation, and shifts all values by its amount. Used: All transmitted values are shifted by the
-    offset.
+    offset. Why: The range that the text gives, from the offset up, and the limit fit a mere shift, which does not
+    depend on where the sensor stands; a value given to a position would be a preset. [6.4 p.32]
 
-    Erratum offset_range, settled (6.4 p.32). Printed: The values run from the offset to the sum of offset and number of
-    positions. Used: To that sum less 1.
+    Erratum offset_range (settled, wrong limit): Printed: The values run from the offset to the sum of offset and number
+    of positions. Used: To that sum less 1. [6.4 p.32]
 
     Attributes:
-        preset_offset: preset offset.
+        preset_offset: Preset offset.
     """
 
     preset_offset: int
@@ -2660,14 +3070,15 @@ class PresetOffset(NamedTuple):
 
 @by_class
 class DeviceType(NamedTuple):
-    """Device type, register 55h, read only (6.4 p.33).
+    """Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
 
     Type of the device.
 
-    As delivered: 08.
+    Default: ``08``.
 
     Attributes:
-        type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB.
+        type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which identifies the
+            encoder; decoding accepts any value.
     """
 
     type: int
@@ -2710,14 +3121,14 @@ class DeviceType(NamedTuple):
 
 @by_class
 class SineCosineResolution(NamedTuple):
-    """Sine cosine resolution, register 58h, read only (6.4 p.33).
+    """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode [6.4 p.33].
 
     Period of the sine and cosine signals.
 
-    As delivered: 00.
+    Default: ``00``.
 
     Attributes:
-        period: 00h: no sine and cosine signals.
+        period: 00h: no sine and cosine signals. Holds 00h, which identifies the encoder; decoding accepts any value.
     """
 
     period: int
@@ -2760,19 +3171,19 @@ class SineCosineResolution(NamedTuple):
 
 @by_class
 class PositionCheck(NamedTuple):
-    """Position check, register 59h, read and write (6.4 p.33).
+    """Position check (it: Controllo posizione), register 59h, read and write, over BiSS C-mode [6.4 p.33].
 
     Used with the warning bit for an automatic check of the position.
 
-    As delivered: 00.
+    Default: ``00``. Reserved for the manufacturer.
 
     Do not change the value; only for Lika's technicians.
 
-    Erratum position_check_default, open (6.4 p.33; 12 p.51). Printed: Register 59h can be written and has the default
-    00h; the list of defaults leaves it out. Used: 00h.
+    Erratum position_check_default (open, omission): Printed: Register 59h can be written and has the default 00h; the
+    list of defaults leaves it out. Used: 00h. [6.4 p.33; 12 p.51]
 
     Attributes:
-        position_check: position check.
+        position_check: Position check.
     """
 
     position_check: int
@@ -2810,17 +3221,18 @@ class PositionCheck(NamedTuple):
 
 @by_class
 class DeviceId(NamedTuple):
-    """Device id, register 78h to 7Dh, read only (6.4 p.34).
+    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
 
     Name of the device and its hardware-software release.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 78h.
 
-    Erratum device_id_shared, open (6.4 p.34; prot: p.14-15). Printed: One device ID, SM21 with the release, for all
-    models. Used: As printed.
+    Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all models. Used: As
+    printed. [6.4 p.34; prot: p.14-15]
 
     Attributes:
-        name: Name of the device, 53 4D 32 31 in hexadecimal.
+        name: Name of the device, 53 4D 32 31 in hexadecimal. ASCII text. Holds ``SM21``, which identifies the encoder;
+            decoding accepts any value.
         release: Hardware-software release, printed as xx xx.
     """
 
@@ -2870,14 +3282,15 @@ class DeviceId(NamedTuple):
 
 @by_class
 class ManufacturerId(NamedTuple):
-    """Manufacturer id, register 7Eh to 7Fh, read only (6.4 p.34).
+    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
 
     Manufacturer.
 
-    The high byte is at the lowest address.
+    Byte order: high byte first, at 7Eh.
 
     Attributes:
-        name: Lika Electronic, 4C 69 in hexadecimal.
+        name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
+            accepts any value.
     """
 
     name: str
@@ -2987,21 +3400,23 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 
 
 def set_configuration(configuration: Configuration | int, *, variant: Variant | None = None) -> tuple[Step, ...]:
-    """Set and save the configuration (6.4 p.31; 6.6.1 p.35).
+    """Set and save the configuration [6.4 p.31; 6.6.1 p.35].
 
-    After: The new configuration is active and saved.
+    Result: The new configuration is active and saved.
 
     Args:
-        configuration: Value of the whole register.
+        configuration: Value of the whole register; written to ``configuration``.
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
+        ConstantError: A number has a bit that its register always has otherwise.
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS)
+    Configuration.decode(whole("configuration", Configuration, configuration, 1, "big"))
     return (
         *writes(
             "configuration",
@@ -3015,16 +3430,16 @@ def set_configuration(configuration: Configuration | int, *, variant: Variant | 
 
 
 def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
-    """Set, save and activate a preset (6.4 p.32; 6.6.2 p.35).
+    """Set, save and activate a preset [6.4 p.32; 6.6.2 p.35].
 
     Before: Sensor at rest at the wanted position. In the Configuration register preset and offset are enabled and
     preset is selected, as delivered; otherwise select_preset comes first.
 
-    After: The position at which the activation arrived has the preset value; all other positions follow from it.
+    Result: The position at which the activation arrived has the preset value; all other positions follow from it.
 
     Args:
         variant: The encoder.
-        position: Value that the present position is to get.
+        position: Value that the present position is to get; written to ``preset_offset`` as its ``preset``.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
@@ -3051,9 +3466,9 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
 
 def select_preset(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Enable the function and select preset (6.4 p.30).
+    """Enable the function and select preset [6.4 p.30].
 
-    After: The register Preset / Offset holds a preset.
+    Result: The register Preset / Offset holds a preset.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3073,25 +3488,29 @@ def select_preset(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def set_offset(variant: Variant, offset: int) -> tuple[Step, ...]:
-    """Select, set, save and activate an offset (6.4 p.30; 6.4 p.32).
+    """Select, set, save and activate an offset [6.4 p.30; 6.4 p.32].
 
     Before: Sensor at rest at the wanted position. At 2 µm and 1 µm only 0 is within the limits.
 
-    After: The transmitted positions are shifted by the offset. From the selection on the position takes the whole field
-    of the single cycle data, so a decoder has to know what the register Configuration holds.
+    Result: The transmitted positions are shifted by the offset. From the selection on the position takes the whole
+    field of the single cycle data, so a decoder has to know what the register Configuration holds.
 
-    Erratum offset_in_the_padding, open (6.2 p.25; 6.4 p.32). Printed: 6.2: the bits above the position are 0. 6.4: an
-    offset of up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the
-    register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the
-    position, and a frame with another bit there is refused.
+    Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are 0. 6.4: an offset of
+    up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the register
+    Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the position, and a
+    frame with another bit there is refused. Why: The limit of the offset is the whole field less the positions of the
+    resolution, with a reference to that field: the sum is meant to fill it, so that from 50 µm to 5 µm the bits above
+    the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame of
+    one with an offset could show. [6.2 p.25; 6.4 p.32]
 
-    Erratum offset_meaning, open (6.4 p.32). Printed: An offset gives a position a wanted value, is applied to the
+    Erratum offset_meaning (open, wrong data): Printed: An offset gives a position a wanted value, is applied to the
     position at its activation, and shifts all values by its amount. Used: All transmitted values are shifted by the
-    offset.
+    offset. Why: The range that the text gives, from the offset up, and the limit fit a mere shift, which does not
+    depend on where the sensor stands; a value given to a position would be a preset. [6.4 p.32]
 
     Args:
         variant: The encoder.
-        offset: Value by which the positions are to be shifted.
+        offset: Value by which the positions are to be shifted; written to ``preset_offset`` as its ``offset``.
 
     Raises:
         RangeError: An argument is outside the limits of its register.
@@ -3122,9 +3541,9 @@ def set_offset(variant: Variant, offset: int) -> tuple[Step, ...]:
 
 
 def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Save the parameters (6.4 p.29).
+    """Save the parameters [6.4 p.29].
 
-    After: Newly set register values are saved.
+    Result: Newly set register values are saved.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3142,11 +3561,11 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Load and save all default parameters (6.4 p.29).
+    """Load and save all default parameters [6.4 p.29].
 
     Before: All parameters that were set before are lost.
 
-    After: The default parameters are active and saved.
+    Result: The default parameters are active and saved.
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3164,12 +3583,12 @@ def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Identify the device (6.4 p.28).
+    """Identify the device [6.4 p.28].
 
-    After: Manufacturer, device, resolution and serial number are known; the supply is not.
+    Result: Manufacturer, device, resolution and serial number are known; the supply is not.
 
-    Erratum device_id_shared, open (6.4 p.34; prot: p.14-15). Printed: One device ID, SM21 with the release, for all
-    models. Used: As printed.
+    Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all models. Used: As
+    printed. [6.4 p.34; prot: p.14-15]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3189,20 +3608,20 @@ def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Reset all errors (7.3.3.2 p.41).
+    """Reset all errors [7.3.3.2 p.41].
 
-    After: All errors are reset and the encoder initializes itself.
+    Result: All errors are reset and the encoder initializes itself.
 
     The ten requests have to follow one another: stop polling the position meanwhile. Send no request until the
     initialization, as after power-on, is over; the manual does not say how long it takes. An Initialization error has
     to be reset after the initialization is over and normal operation has started again.
 
-    Erratum reset_interval, open (7.3.2 p.38; 7.3.3.2 p.41). Printed: Ten times in succession (in successione, in
-    sequenza), at transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after
-    each request before the next one begins.
+    Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in sequenza), at
+    transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request
+    before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
 
-    Erratum rs485_reset_duration, open (7.3.3.2 p.41). Printed: Send no request until the initialization is over; none
-    is accepted while the position is reset. No time is given. Used: No wait is made up.
+    Erratum rs485_reset_duration (open, omission): Printed: Send no request until the initialization is over; none is
+    accepted while the position is reset. No time is given. Used: No wait is made up. [7.3.3.2 p.41]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3214,30 +3633,30 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\xda", times=10, every_us=40, meaning="in succession, no other request in between"),
+        Send(b"\xda", times=10, every_us=40, in_succession=True),
     )
 
 
 def reset_position(variant: Variant | None = None) -> tuple[Step, ...]:
-    """Reset the position to 0 (7.3.3.2 p.41).
+    """Reset the position to 0 [7.3.3.2 p.41].
 
     Before: Encoder at rest.
 
-    After: The position is 0.
+    Result: The position is 0.
 
     The ten requests have to follow one another: stop polling the position meanwhile. No request is accepted meanwhile,
     since the absolute positions are composed and the EEPROM is written; the manual does not say how long it takes.
 
-    Erratum zero_setting_rs485, open (3.3; 7.3.1 p.38; 7.3.3.2 p.41). Printed: 3.3: zero setting and preset are needed
-    after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0.
-    Used: Data ID F as described in 7.3.1 and 7.3.3.2.
+    Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed after mounting but
+    available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0. Used: Data ID F as
+    described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38; 7.3.3.2 p.41]
 
-    Erratum reset_interval, open (7.3.2 p.38; 7.3.3.2 p.41). Printed: Ten times in succession (in successione, in
-    sequenza), at transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after
-    each request before the next one begins.
+    Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in sequenza), at
+    transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request
+    before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
 
-    Erratum rs485_reset_duration, open (7.3.3.2 p.41). Printed: Send no request until the initialization is over; none
-    is accepted while the position is reset. No time is given. Used: No wait is made up.
+    Erratum rs485_reset_duration (open, omission): Printed: Send no request until the initialization is over; none is
+    accepted while the position is reset. No time is given. Used: No wait is made up. [7.3.3.2 p.41]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3249,7 +3668,7 @@ def reset_position(variant: Variant | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\x7a", times=10, every_us=40, meaning="in succession, no other request in between"),
+        Send(b"\x7a", times=10, every_us=40, in_succession=True),
     )
 
 
@@ -4288,6 +4707,19 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="6.4 p.34; prot: p.14-15",
     ),
     Erratum(
+        name="release_coding",
+        printed=(
+            "Name and release are expressed in hexadecimal values of ASCII. In the table 7Ch and 7Dh have xx, and in "
+            "its row ASCII a dash."
+        ),
+        used="A number of two bytes",
+        why="The dash contradicts the sentence before it; no value is printed that could tell.",
+        status="open",
+        severity="wording",
+        affects=("registers.device_id",),
+        source="6.4 p.34",
+    ),
+    Erratum(
         name="biss_timeout",
         printed="The BiSS time-out adapts itself to the clock, 16 µs at most, without saying how",
         used="At most 16 µs",
@@ -4360,8 +4792,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "nW do to the position is not said."
         ),
         used=(
-            "Not usable with nE, ea1 or an alarm that ea1 sums up; usable with a warning with ea0, an alarm that ea0 "
-            "sums up, or nW."
+            "Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are reset; usable with a "
+            "warning with ea0, an alarm that ea0 sums up, or nW; usable while none is active (9.1)."
         ),
         why=(
             "ea1 does not tell which of the three it is. An error in the EEPROM alone may leave the position right; "
@@ -4376,7 +4808,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "interfaces.biss.single_cycle_data.error",
             "interfaces.biss.single_cycle_data.warning",
         ),
-        source="6.2 p.26; 7.3.2 p.38; 9 p.47",
+        source="6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47",
     ),
     Erratum(
         name="abs_range_48",
@@ -4484,17 +4916,23 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="data_id_5_example_status",
         printed="Reply to data ID 5 with SF = 02h",
         used=(
-            "dd0 to dd3 are 0, as 7.3.2 has it; the example checks the CRC only, and as a reply it is refused for its "
-            "constant."
+            "dd0 to dd3 are unused and 0, as 7.3.2 has it; a reply that has them otherwise is decoded, and reports "
+            "them."
         ),
         why=(
             "02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h and 20h. Yet it is the only reply to "
             "data ID 5 that the manual prints, with a right CRC. Whether the example is wrong, or an encoder may set "
-            "these bits, only hardware can tell. Where sound replies are refused for status_info, the bits are set."
+            "these bits, only hardware can tell. The manual says nothing of the position then; it is taken as usable "
+            "with a warning."
         ),
         status="open",
         severity="wrong_data",
-        affects=("examples.reply_of_data_id_5", "field_groups.status_field", "interfaces.rs485.wide_position_reply"),
+        affects=(
+            "examples.reply_of_data_id_5",
+            "field_groups.status_field.status_info",
+            "field_groups.status_field.status_zero",
+            "interfaces.rs485.wide_position_reply",
+        ),
         source="7.3.4; 7.3.2 p.38",
     ),
     Erratum(

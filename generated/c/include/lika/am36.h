@@ -32,7 +32,8 @@
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
- * the functions _set_ make it so. Pointers must not be null.
+ * the functions _set_ make it so. A flag is true while it is active, whether that is sent as 0 or
+ * as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
  *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
@@ -48,19 +49,21 @@ extern "C" {
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /*
- * Order codes: {model}{singleturn}/{turns}-{output} [5; 5.2; 6; 6.5 p.31]
- *   model: Mechanical version: AM36 = Solid shaft; AMC36 = Hollow shaft
- *   singleturn: Singleturn resolution in bits: 16 = 65,536 counts per turn; 19 = 524,288 counts per
- *               turn
- *   turns: Number of revolutions: 4096 = Multiturn, 4,096 revolutions
- *   output: Interface and output code: I7 = BiSS C-mode; output code by the Configuration register;
- *           BG = SSI, binary code; GG = SSI, Gray code
- *   also written: {model}{singleturn}/{turns}{output}, as in edition 1.1 of the manual; what its
- *                 last digit, printed as x, stands for is not known here [am36_1_1_biss: p.21;
- *                 am36_1_1: p.22]
- *   also written: {model}{singleturn}/{turns}-{output}, as in edition 1.1 of the manual, with the
- *                 hyphen of edition 1.0; what its last digit, printed as x, stands for is not known
- *                 here [am36_1_1_biss: p.21; 5; 6]
+ * Order codes: {model}{singleturn}/{turns}-{output} [5; 5.2; 6; 6.5 p.31].
+ * model: Mechanical version: AM36 = Solid shaft; AMC36 = Hollow shaft.
+ * singleturn: Singleturn resolution in bits: 16 = 65,536 counts per turn; 19 = 524,288 counts per
+ * turn.
+ * Other values that match [0-9]{2} are accepted and shown as unlisted.
+ * turns: Number of revolutions: 4096 = Multiturn, 4,096 revolutions.
+ * Other values that match [0-9]{1,5} are accepted and shown as unlisted.
+ * output: Interface and output code: I7 = BiSS C-mode; output code by the Configuration register;
+ * BG = SSI, binary code; GG = SSI, Gray code.
+ * Other values that match 17 are accepted and shown as unlisted.
+ * Also written: {model}{singleturn}/{turns}{output}, as in edition 1.1 of the manual; what its last
+ * digit, printed as x, stands for is not known here [am36_1_1_biss: p.21; am36_1_1: p.22].
+ * Also written: {model}{singleturn}/{turns}-{output}, as in edition 1.1 of the manual, with the
+ * hyphen of edition 1.0; what its last digit, printed as x, stands for is not known here
+ * [am36_1_1_biss: p.21; 5; 6].
  * On the label a hyphen and further characters follow the output; the manual does not explain them.
  * For BiSS it prints AMx36xx/xxxx and, beside register 55h, AMx36xx/4096, without a value for the
  * singleturn resolution: the values listed are those of the SSI table, and others are accepted over
@@ -71,64 +74,75 @@ extern "C" {
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum (settled): printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-... Used: I7; 17 is accepted
- *                    as well and shown as unlisted. [6; 6.5 p.31]
- * Erratum (open): printed: Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1:
- *                 AMx36xx/4096SCx-..., in a table AMM3616/4096SCx... Used: Labels of both are read,
- *                 SCx as I7, and BG and GG without the hyphen and with a digit after them as well.
- *                 [5; 6; am36_1_1_biss: p.21; am36_1_1: p.22]
- * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
- *                 or Binary, see the order code. Used: BG is binary, GG is Gray. Why: Which is
- *                 which is printed nowhere. The AMM5 manual calls the output of its BG1 models
- *                 binary; the SMA21 manual calls that of its G1x models Gray and has BG and GG
- *                 beside them. That the letters mean the same here is an inference. Turn the shaft
- *                 slowly: if neighbouring positions jump, the code is the other one. [5; 5.1; 5.2;
- *                 amm5: 5 p.27; amm5: 5.2]
- * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
- *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
- *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
- *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
- *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
- *                 p.22; am36_1_1: p.29]
- * Erratum (open): printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and
- *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
- *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
- *                 the label says. [6.5 p.28; 6.5 p.31]
- * Erratum (settled): printed: AMx3616/4096: 28 bits, 268,425,456. Used: 268,435,456. Why: 2^28 is
- *                    268,435,456; 2^31 in the next row is right. [5.2]
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
- * Erratum (open): printed: Number of revolutions may be any number; register 57h shows the bits
- *                 used for it. Used: Register 57h is read, not computed. [6.5 p.28; 6.5 p.31]
+ * Erratum order_code_17 (settled, wrong limit): Printed: AMx36xx/xxxx-17-... and
+ * AMx36xx/4096-17-... Used: I7; 17 is accepted as well and shown as unlisted. [6; 6.5 p.31]
+ * Erratum order_code_edition_1_1 (open, wrong limit): Printed: Edition 1.0: AMx36xx/4096-BG-...,
+ * AMx36xx/4096-17-... Edition 1.1: AMx36xx/4096SCx-..., in a table AMM3616/4096SCx... Used: Labels
+ * of both are read, SCx as I7, and BG and GG without the hyphen and with a digit after them as
+ * well. [5; 6; am36_1_1_biss: p.21; am36_1_1: p.22]
+ * Erratum output_letters (open, wrong data): Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...;
+ * the output code can be Gray or Binary, see the order code. Used: BG is binary, GG is Gray. Why:
+ * Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the
+ * SMA21 manual calls that of its G1x models Gray and has BG and GG beside them. That the letters
+ * mean the same here is an inference. Turn the shaft slowly: if neighbouring positions jump, the
+ * code is the other one. [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]
+ * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
+ * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
+ * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
+ * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
+ * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
+ * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ * Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of
+ * revolutions: 65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047
+ * revolutions either way while switched off. Used: 65,536 for the registers and the frame; 4096 as
+ * what the label says. [6.5 p.28; 6.5 p.31]
+ * Erratum ssi_positions_28_bits (settled, wrong limit): Printed: AMx3616/4096: 28 bits,
+ * 268,425,456. Used: 268,435,456. Why: 2^28 is 268,435,456; 2^31 in the next row is right. [5.2]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
+ * Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any
+ * number; register 57h shows the bits used for it. Used: Register 57h is read, not computed. [6.5
+ * p.28; 6.5 p.31]
  */
 
 /* What differs between order codes. */
 typedef struct lika_am36_variant {
-    uint8_t singleturn_bits; /* Singleturn resolution by the order code [bits] */
-    uint8_t multiturn_bits; /* Bits that count the revolutions of the order code [bits] */
-    uint8_t ssi_gray; /* Code of the position over SSI, by the order code: 1 Gray, 0 binary */
+    uint8_t singleturn_bits; /* Singleturn resolution by the order code [5.2]. Unit: bits. */
+    /* Bits that count the revolutions of the order code [5.2]. Unit: bits. */
+    uint8_t multiturn_bits;
+    /* Code of the position over SSI, by the order code: 1 Gray, 0 binary [5; 5.2]. */
+    uint8_t ssi_gray;
     /*
      * Bits of the singleturn part of the BiSS position, as set; the base 2 logarithm of Information
-     * per revolution [bits]; held at run time in No. of bits used for singleturn resolution, 56h:
-     * lika_am36_take_singleturn_bits_used()
+     * per revolution [6.5 p.31]. Unit: bits. Held at run time in register 56h (Bits of No. of bits
+     * used for singleturn resolution), 0 to 20. lika_am36_take_singleturn_bits_used() takes it
+     * over.
      */
     uint8_t used_singleturn_bits;
     /*
-     * Bits of the multiturn part of the BiSS position, as set [bits]; held at run time in No. of
-     * bits used for multiturn resolution, 57h: lika_am36_take_multiturn_bits_used()
+     * Bits of the multiturn part of the BiSS position, as set [6.5 p.31]. Unit: bits. Held at run
+     * time in register 57h (Bits of No. of bits used for multiturn resolution), 0 to 16.
+     * lika_am36_take_multiturn_bits_used() takes it over.
      */
     uint8_t used_multiturn_bits;
     /*
-     * Revolutions after which the BiSS position starts again, as set [revolutions]; held at run
-     * time in Number of revolutions, 4Eh: lika_am36_take_number_of_revolutions()
+     * Revolutions after which the BiSS position starts again, as set [6.5 p.28]. Unit: revolutions.
+     * Held at run time in registers 4Eh to 4Fh (Revolutions of Number of revolutions), 1 to 65,536.
+     * lika_am36_take_number_of_revolutions() takes it over.
      */
     uint32_t used_revolutions;
     /*
-     * Code of the position over BiSS, as set: 0 Gray, 1 binary; held at run time in Configuration,
-     * 49h: lika_am36_take_configuration()
+     * Positions per revolution over BiSS, as set [6.5 p.27]. Unit: counts. Held at run time in
+     * registers 4Bh to 4Dh (Steps of Information per revolution), 1 to 1,048,576.
+     * lika_am36_take_information_per_revolution() takes it over.
+     */
+    uint32_t used_information;
+    /*
+     * Code of the position over BiSS, as set: 0 Gray, 1 binary [6.5 p.26]. Held at run time in
+     * register 49h (Output code of Configuration), 0 to 1. lika_am36_take_configuration() takes it
+     * over.
      */
     uint8_t output_code;
 } lika_am36_variant;
@@ -137,21 +151,22 @@ typedef struct lika_am36_variant {
  * The variant of each order code, for one chosen at compile time:
  *   static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;
  */
-#define LIKA_AM36_AM3616_4096_I7 { 16U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AM3616_4096_BG { 16U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AM3616_4096_GG { 16U, 12U, 1U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AM3619_4096_I7 { 19U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AM3619_4096_BG { 19U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AM3619_4096_GG { 19U, 12U, 1U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AMC3616_4096_I7 { 16U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AMC3616_4096_BG { 16U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AMC3616_4096_GG { 16U, 12U, 1U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AMC3619_4096_I7 { 19U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AMC3619_4096_BG { 19U, 12U, 0U, 20U, 16U, 65536U, 1U }
-#define LIKA_AM36_AMC3619_4096_GG { 19U, 12U, 1U, 20U, 16U, 65536U, 1U }
+#define LIKA_AM36_AM3616_4096_I7 { 16U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AM3616_4096_BG { 16U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AM3616_4096_GG { 16U, 12U, 1U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AM3619_4096_I7 { 19U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AM3619_4096_BG { 19U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AM3619_4096_GG { 19U, 12U, 1U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AMC3616_4096_I7 { 16U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AMC3616_4096_BG { 16U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AMC3616_4096_GG { 16U, 12U, 1U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AMC3619_4096_I7 { 19U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AMC3619_4096_BG { 19U, 12U, 0U, 20U, 16U, 65536U, 1048576U, 1U }
+#define LIKA_AM36_AMC3619_4096_GG { 19U, 12U, 1U, 20U, 16U, 65536U, 1048576U, 1U }
 
 /*
- * Bits of the whole position by the order code, revolutions included; the SSI word's length [bits]
+ * Bits of the whole position by the order code, revolutions included; the SSI word's length [5.2].
+ * Unit: bits.
  */
 static inline uint32_t lika_am36_position_bits(const lika_am36_variant *variant)
 {
@@ -160,20 +175,20 @@ static inline uint32_t lika_am36_position_bits(const lika_am36_variant *variant)
 
 /*
  * Positions that are told apart over all revolutions by the order code; the manual's "max. number
- * of information" [counts]
+ * of information" [5.2]. Unit: counts.
  */
 static inline uint32_t lika_am36_positions(const lika_am36_variant *variant)
 {
     return (uint32_t)((uint64_t)1U << lika_am36_position_bits(variant));
 }
 
-/* Bits of the whole BiSS position, as set; 36 at most [bits] */
+/* Bits of the whole BiSS position, as set; 36 at most [6.3.1 p.21]. Unit: bits. */
 static inline uint32_t lika_am36_used_position_bits(const lika_am36_variant *variant)
 {
     return (uint32_t)variant->used_singleturn_bits + variant->used_multiturn_bits;
 }
 
-/* Code of the position over BiSS, as set: 1 Gray, 0 binary */
+/* Code of the position over BiSS, as set: 1 Gray, 0 binary [6.5 p.26]. */
 static inline uint32_t lika_am36_biss_gray(const lika_am36_variant *variant)
 {
     return 1U - variant->output_code;
@@ -347,15 +362,15 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /*
- * CRC biss_6, x^6 + x + 1 [6.3.1 p.22; prot: p.7-8; renishaw: data sheet; icmu: p.30]: width 6,
- * polynomial 0x3, start 0x0, final XOR 0x3f.
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22; prot: p.7-8;
+ * renishaw: data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot:
+ * p.7-8; renishaw: data sheet; icmu: p.30]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot: p.7-8;
- *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 {
@@ -372,15 +387,14 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 }
 
 /*
- * CRC biss_4, x^4 + x + 1 [6.4; prot: p.9-14; icmu: p.30]: width 4, polynomial 0x3, start 0x0,
- * final XOR 0xf.
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4; prot: p.9-14; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot:
+ * p.7-8; renishaw: data sheet; icmu: p.30]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot: p.7-8;
- *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
 {
@@ -397,6 +411,43 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
     return (uint8_t)(v ^ 0x0FU);
 }
 
+/* -- what frames report ------------------------------------------------------------------------ */
+
+/* What frames report of the encoder; their functions _reports() give a mask of these bits. */
+typedef enum lika_am36_report {
+    LIKA_AM36_REPORT_ERROR = 0x1, /* Error, nE, unused [6.3.1 p.21]. */
+    LIKA_AM36_REPORT_WARNING = 0x2 /* Warning, nW, unused [6.3.1 p.21]. */
+} lika_am36_report;
+
+/* The text of a report; of several that of the lowest bit, of none one with empty members. */
+static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
+{
+    static const lika_report_text texts[] = {
+        {
+            "error",
+            "Error, nE",
+            "differs from the manual, which has 1 in these unused bits. Not used, always 1; at 0 "
+            "it is the error of the BiSS protocol.",
+            "",
+            "6.3.1 p.21"
+        },
+        {
+            "warning",
+            "Warning, nW",
+            "differs from the manual, which has 1 in these unused bits. Not used, always 1; at 0 "
+            "it is the warning of the BiSS protocol.",
+            "",
+            "6.3.1 p.21"
+        },
+        { "", "", "", "", "" }
+    };
+    size_t index = 0U;
+    while ((index < 2U) && (((reports >> index) & 1U) == 0U)) {
+        index++;
+    }
+    return &texts[index];
+}
+
 /* -- SSI --------------------------------------------------------------------------------------- */
 
 /*
@@ -405,26 +456,30 @@ static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
  * follows starts the transmission with the MSB, and each further one brings a bit down to the LSB.
  * The last rising edge ends the cycle, so that a word of n bits takes up to n + 1 rising edges (13
  * bits: 14 edges). After the word the time Tm may follow at once.
- * Signals: EIA RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock [5.2].
- * Output code: by order code [5.2].
- * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 3 MHz.
- *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
- *                 range. [5.3]
- * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3 MHz.
- *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
- *                 cable may be run at 400 kHz to 3 MHz. [5.3]
- * Erratum (open): printed: 5.1: ready again after Tm, typically 12 us. 5.3: pause of at least 12 us
- *                 (Tp > 12 us). Used: At least 12 us; take more. [5.1; 5.3; amm5: 5.3]
+ * Signals: EIA RS-422; clock and data have a logic level of typically 5 V [5].
+ * Alignment: left: the most significant bit comes with the first clock, zeros follow the word
+ * [5.2].
+ * Code: binary or Gray, by order code [5.2].
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 3 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 3 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 3 MHz. [5.3]
+ * Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 us. 5.3:
+ * pause of at least 12 us (Tp > 12 us). Used: At least 12 us; take more. [5.1; 5.3; amm5: 5.3]
  */
-#define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3] */
-#define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U /* highest clock [5.3] */
+#define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 3 MHz [5.3]. */
+#define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U
 /*
- * Tm: From the end of the clock signal until the encoder is ready for the next transmission and
- * sets the data line high [5.1]
+ * Tm: typically 12 us: From the end of the clock signal until the encoder is ready for the next
+ * transmission and sets the data line high [5.1].
  */
 #define LIKA_AM36_SSI_MONOFLOP_TYPICAL_US 12U
-/* Tp: Between two clock sequences; printed Tp > 12 us, so that exactly 12 us are no margin [5.3] */
+/*
+ * Tp: at least 12 us: Between two clock sequences; printed Tp > 12 us, so that exactly 12 us are no
+ * margin [5.3].
+ */
 #define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U
 
 /*
@@ -449,34 +504,35 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * SSI word, sent by the encoder: singleturn_bits + multiturn_bits bits [5.2].
+ * ssi_word, sent by the encoder over SSI: singleturn_bits + multiturn_bits bits, most significant
+ * first [5.2].
  * In the manual: Structure of the position information.
+ * position is in Gray code while ssi_gray is 1, and in binary while it is 0.
  * As many bits as the position has, 28 or 31, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC. In Gray code, multiturn and singleturn
  * are coded as one word.
- *   multiturn_bits from bit singleturn_bits up  multiturn
- *   singleturn_bits from bit 0 up               singleturn
- * Erratum (open): printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray
- *                 or Binary, see the order code. Used: BG is binary, GG is Gray. Why: Which is
- *                 which is printed nowhere. The AMM5 manual calls the output of its BG1 models
- *                 binary; the SMA21 manual calls that of its G1x models Gray and has BG and GG
- *                 beside them. That the letters mean the same here is an inference. Turn the shaft
- *                 slowly: if neighbouring positions jump, the code is the other one. [5; 5.1; 5.2;
- *                 amm5: 5 p.27; amm5: 5.2]
- * Erratum (settled): printed: SSI word with bits 28 ... 1 and 31 ... 1. Used: Bits 27:0 and 30:0.
- *                    Why: The table counts from 1; in section 6 the same manual counts from 0, as
- *                    this spec does everywhere. [5.2; 6.3.1 p.21]
- * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
- *                 as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy
- *                 both. [5.1; 5.2]
- * Erratum (open): printed: Only the length of the position; no words on which of singleturn and
- *                 multiturn comes first. Used: Multiturn first, as the more significant part;
- *                 singleturn after it; in Gray code both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
+ * Erratum output_letters (open, wrong data): Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...;
+ * the output code can be Gray or Binary, see the order code. Used: BG is binary, GG is Gray. Why:
+ * Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the
+ * SMA21 manual calls that of its G1x models Gray and has BG and GG beside them. That the letters
+ * mean the same here is an inference. Turn the shaft slowly: if neighbouring positions jump, the
+ * code is the other one. [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]
+ * Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI word with bits 28 ... 1 and 31 ... 1.
+ * Used: Bits 27:0 and 30:0. Why: The table counts from 1; in section 6 the same manual counts from
+ * 0, as this spec does everywhere. [5.2; 6.3.1 p.21]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits,
+ * 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1
+ * clocks satisfy both. [5.1; 5.2]
+ * Erratum position_order (open, omission): Printed: Only the length of the position; no words on
+ * which of singleturn and multiturn comes first. Used: Multiturn first, as the more significant
+ * part; singleturn after it; in Gray code both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
+ *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
+ *   from bit 0 up                singleturn  singleturn_bits bits.
  */
 typedef struct lika_am36_ssi_word {
-    uint16_t multiturn; /* Number of revolutions [revolutions] */
-    uint32_t singleturn; /* Position within one revolution [counts] */
-    uint32_t position; /* multiturn and singleturn as one number */
+    uint16_t multiturn; /* Number of revolutions. Unit: revolutions. */
+    uint32_t singleturn; /* Position within one revolution. Unit: counts. */
+    uint32_t position; /* position is made of multiturn and singleturn, most significant first. */
 } lika_am36_ssi_word;
 
 /* How many bits it has. */
@@ -539,73 +595,102 @@ static inline lika_result lika_am36_ssi_word_encode(
     return LIKA_OK;
 }
 
+/* What the position is worth: nothing in this frame tells. */
+static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *frame)
+{
+    (void)frame;
+    return LIKA_NOT_TOLD;
+}
+
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /*
  * The encoder is always a slave, alone with one master. It must never be installed in a network of
  * several slaves. For all that the manual leaves out it refers to www.biss-interface.com.
- * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO).
- * Profile: Standard encoder profile.
- * Network: point to point, never more than one slave [6].
+ * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6].
+ * Profile: Standard encoder profile [6].
+ * Description file: idbiss4C69.xml [6].
+ * Network: point to point, one slave only [6].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
- *               main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum (open): printed: BiSS time-out self-adaptable to the clock, 10 us max. Used: At most 10
- *                 us, without a rule. [6.6 p.32; prot: p.18]
+ * main fields and refers to the BiSS C protocol description for the whole structure.
+ * Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock,
+ * 10 us max. Used: At most 10 us, without a rule. [6.6 p.32; prot: p.18]
  */
-#define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /* lowest clock [6.6 p.32] */
-#define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U /* highest clock [6.6 p.32] */
-#define LIKA_AM36_BISS_TIMEOUT_AT_MOST_NS 10000U /* time-out after a frame [6.6 p.32] */
-/* Register address: Register to read or to write [6.4 p.22] */
+#define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /* Clock: 200 kHz to 10 MHz [6.6 p.32]. */
+#define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U
+/* Time-out: follows the clock, at most 10 us [6.6 p.32]. */
+#define LIKA_AM36_BISS_TIMEOUT_AT_MOST_NS 10000U
+/* Register address: 7 bits: Register to read or to write [6.4 p.22]. */
 #define LIKA_AM36_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
-#define LIKA_AM36_BISS_CONTROL_RW_BITS 2U /* RW: Direction of the access [6.4 p.22] */
-#define LIKA_AM36_BISS_CONTROL_RW_WRITE 0x01U /* "01": Write the register */
-#define LIKA_AM36_BISS_CONTROL_RW_READ 0x02U /* "10": Read the register */
 /*
- * DATA: Value to write, from the master, or value read, from the encoder; most significant bit
- * first [6.4 p.22]
+ * RW: 2 bits: Direction of the access; 1h write ("01"): Write the register; 2h read ("10"): Read
+ * the register [6.4 p.22].
+ */
+#define LIKA_AM36_BISS_CONTROL_RW_BITS 2U
+#define LIKA_AM36_BISS_CONTROL_RW_WRITE 0x01U
+#define LIKA_AM36_BISS_CONTROL_RW_READ 0x02U
+/*
+ * DATA: 8 bits: Value to write, from the master, or value read, from the encoder; most significant
+ * bit first [6.4 p.22].
  */
 #define LIKA_AM36_BISS_CONTROL_DATA_BITS 8U
-/* CRC: Check of the transmission, sent inverted [6.4 p.22] */
+/* CRC: 4 bits: Check of the transmission, sent inverted [6.4 p.22]. */
 #define LIKA_AM36_BISS_CONTROL_CRC_BITS 4U
 /*
- * From a write to the Command register to the next function, while the EEPROM is written [6.5 p.24]
+ * eeprom_write: at least 30 ms: From a write to the Command register to the next function, while
+ * the EEPROM is written [6.5 p.24].
  */
 #define LIKA_AM36_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /*
- * Single cycle data, sent by the encoder: used_singleturn_bits + used_multiturn_bits + 8 bits [6.3
- * p.21; 6.3.1 p.21].
+ * single_cycle_data, sent by the encoder over BiSS C-mode: used_singleturn_bits +
+ * used_multiturn_bits + 8 bits, most significant first [6.3 p.21; 6.3.1 p.21].
  * In the manual: Single Cycle Data SCD.
+ * position is in Gray code while biss_gray is 1, and in binary while it is 0.
  * 44 bits with the defaults, which is also the longest. Multiturn and singleturn together are what
  * the manual calls Position: up to 36 bits, most significant bit first. Their widths are those of
  * registers 57h and 56h, so that the frame becomes shorter as soon as a smaller resolution is
  * written; CRC, warning and error keep bits 5:0, 6 and 7. In Gray code (Configuration, bit 5),
  * multiturn and singleturn are coded as one word; where the number of revolutions is no power of
  * two, the step from the last position to the first then changes several bits at a time.
- *   used_multiturn_bits from bit used_singleturn_bits + 8 up  multiturn
- *   used_singleturn_bits from bit 8 up  singleturn
- *   bit 7                               error       Error, nE; always 0x1
- *   bit 6                               warning     Warning, nW; always 0x1
- *   bits 5:0                            crc         CRC; CRC biss_6 over everything before it
- * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
- *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
- *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
- *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
- *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
- *                 p.22; am36_1_1: p.29]
- * Erratum (open): printed: Only the length of the position; no words on which of singleturn and
- *                 multiturn comes first. Used: Multiturn first, as the more significant part;
- *                 singleturn after it; in Gray code both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
+ * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
+ * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
+ * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
+ * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
+ * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
+ * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ * Erratum position_order (open, omission): Printed: Only the length of the position; no words on
+ * which of singleturn and multiturn comes first. Used: Multiturn first, as the more significant
+ * part; singleturn after it; in Gray code both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
+ * Erratum error_and_warning_unused (open, omission): Printed: Error and warning: not used, always
+ * 1. Used: A frame with either at 0 is decoded and reports it. The position is not usable with nE
+ * at 0, and usable with a warning with nW at 0. [6.3.1 p.21; prot: p.3-5]
+ *   from bit used_singleturn_bits + 8 up  multiturn   used_multiturn_bits bits.
+ *   from bit 8 up                         singleturn  used_singleturn_bits bits.
+ *   bit 7                                 error       Error, nE: Not used, always 1; at 0 it is the
+ *                                                     error of the BiSS protocol. Unused, 1 in the
+ *                                                     manual. With other bits here the rest is
+ *                                                     decoded all the same, and the position is not
+ *                                                     usable.
+ *   bit 6                                 warning     Warning, nW: Not used, always 1; at 0 it is
+ *                                                     the warning of the BiSS protocol. Unused, 1
+ *                                                     in the manual. With other bits here the rest
+ *                                                     is decoded all the same, and the position is
+ *                                                     usable, with a warning.
+ *   bits 5:0                              crc         CRC: Check of the transmission, sent
+ *                                                     inverted. CRC biss_6 over everything before
+ *                                                     it.
  */
 typedef struct lika_am36_single_cycle_data {
-    uint16_t multiturn; /* Number of revolutions [revolutions] */
-    uint32_t singleturn; /* Position within one revolution [counts] */
-    uint64_t position; /* multiturn and singleturn as one number */
+    uint16_t multiturn; /* Number of revolutions. Unit: revolutions. */
+    uint32_t singleturn; /* Position within one revolution. Unit: counts. */
+    uint64_t position; /* position is made of multiturn and singleturn, most significant first. */
+    /* Unused bits, each 1 where it is not as the manual has it: 0 warning and 1 error. */
+    uint8_t unused;
 } lika_am36_single_cycle_data;
 
 /* How many bits it has. */
@@ -670,15 +755,10 @@ static inline lika_result lika_am36_single_cycle_data_decode(
         (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
     const uint16_t multiturn = (uint16_t)lika_above(plain, 8U + variant->used_singleturn_bits);
     const uint32_t singleturn = (uint32_t)lika_field(plain, 8U, variant->used_singleturn_bits);
-    if ((((uint32_t)plain >> 7U) & 0x01U) != 0x01U) { /* error */
-        return LIKA_FAULT_CONSTANT;
-    }
-    if ((((uint32_t)plain >> 6U) & 0x01U) != 0x01U) { /* warning */
-        return LIKA_FAULT_CONSTANT;
-    }
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = plain >> 8U;
+    out->unused = (uint8_t)((((uint32_t)plain >> 6U) & 0x03U) ^ 0x03U);
     return LIKA_OK;
 }
 
@@ -697,16 +777,46 @@ static inline lika_result lika_am36_single_cycle_data_encode(
         in->singleturn)) {
         return LIKA_FAULT_RANGE;
     }
+    if ((in->unused & 0xFCU) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     uint64_t word =
         ((uint64_t)in->multiturn << (8U + variant->used_singleturn_bits)) |
         ((uint64_t)in->singleturn << 8U) |
-        ((uint64_t)0x01U << 7U) |
-        ((uint64_t)0x01U << 6U);
+        ((uint64_t)(in->unused ^ 0x03U) << 6U);
     word = (lika_am36_biss_gray(variant) != 0U) ? lika_to_gray(word, 8U,
         (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
     word |= lika_am36_single_cycle_data_crc(word);
     *out = word;
     return LIKA_OK;
+}
+
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
+static inline bool lika_am36_single_cycle_data_is_expected(
+    const lika_am36_variant *variant, const lika_am36_single_cycle_data *in)
+{
+    (void)variant;
+    return in->unused == 0U;
+}
+
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_am36_single_cycle_data_verdict(
+    const lika_am36_single_cycle_data *frame)
+{
+    if ((frame->unused & 0x02U) != 0U) {
+        return LIKA_NOT_USABLE;
+    }
+    if ((frame->unused & 0x01U) != 0U) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_NOT_TOLD;
+}
+
+/* What the encoder reports: a mask of bits LIKA_AM36_REPORT_. */
+static inline uint32_t lika_am36_single_cycle_data_reports(const lika_am36_single_cycle_data *frame)
+{
+    return (((frame->unused & 0x01U) != 0U) ? (uint32_t)LIKA_AM36_REPORT_WARNING : 0U) |
+        (((frame->unused & 0x02U) != 0U) ? (uint32_t)LIKA_AM36_REPORT_ERROR : 0U);
 }
 
 /* -- positions --------------------------------------------------------------------------------- */
@@ -796,16 +906,16 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  */
 
 /*
- * Profile ID, 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
+ * Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
  * Identification code of the profile.
- * The lowest address holds the high byte.
+ * Byte order: high byte first, at 42h.
  * The manual refers to "Standard encoder profile", "data format", "Variant 0-24" beside it.
- *   bytes 0 to 1  profile  0x0 by the manual, not enforced
- * Erratum (open): printed: Profile ID 00 00; see Standard encoder profile, Variant 0-24. Used: 00
- *                 00, and no data length from it. Why: By the BiSS protocol description 0000 stands
- *                 for no profile; the SMA21 and ASC85 manuals have 28xx, with the data length in
- *                 the low byte, for variants 0-24 and the like. Nor does a position of up to 36
- *                 bits fit 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
+ * Erratum profile_id_variant (open, wrong data): Printed: Profile ID 00 00; see Standard encoder
+ * profile, Variant 0-24. Used: 00 00, and no data length from it. Why: By the BiSS protocol
+ * description 0000 stands for no profile; the SMA21 and ASC85 manuals have 28xx, with the data
+ * length in the low byte, for variants 0-24 and the like. Nor does a position of up to 36 bits fit
+ * 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
+ *   bits 15:0  profile
  */
 #define LIKA_AM36_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_AM36_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -813,7 +923,11 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
 #define LIKA_AM36_REG_PROFILE_ID_DEFAULT 0x0000U /* value as delivered */
 
 typedef struct lika_am36_reg_profile_id {
-    uint16_t profile; /* Printed as 00 00 for AMx36 */
+    /*
+     * Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder; decoding accepts any
+     * value.
+     */
+    uint16_t profile;
 } lika_am36_reg_profile_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
@@ -869,17 +983,17 @@ static inline lika_result lika_am36_read_profile_id(
 }
 
 /*
- * Serial number, 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
+ * Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
  * Year and week of production and a running number, "in hexadecimal notation".
- * The lowest address holds the high byte.
- * Erratum (open): printed: In hexadecimal notation; register 44: year, register 45: week, registers
- *                 46 and 47: serial number. Used: Plain binary numbers, the year as it stands in
- *                 its byte; of the serial number 46h is the high byte. Why: Whether year and week
- *                 are binary or packed decimal digits, where the year counts from, and which of 46h
- *                 and 47h is the high byte is not said, and there is no example. The same registers
- *                 hold decimal digits of one number in the AMM5, and one running number in the
- *                 ASC85, both high byte first; the AMM36 manual prints the AMM5's example with its
- *                 four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38]
+ * Byte order: high byte first, at 44h.
+ * Erratum serial_number_coding (open, wrong data): Printed: In hexadecimal notation; register 44:
+ * year, register 45: week, registers 46 and 47: serial number. Used: Plain binary numbers, the year
+ * as it stands in its byte; of the serial number 46h is the high byte. Why: Whether year and week
+ * are binary or packed decimal digits, where the year counts from, and which of 46h and 47h is the
+ * high byte is not said, and there is no example. The same registers hold decimal digits of one
+ * number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36 manual
+ * prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4;
+ * amm36: p.38]
  */
 #define LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AM36_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -892,9 +1006,9 @@ static inline lika_result lika_am36_read_profile_id(
 #define LIKA_AM36_REG_SERIAL_NUMBER_NUMBER_MASK 0xFFFFU
 
 typedef struct lika_am36_reg_serial_number {
-    uint8_t year; /* Year of production, register 44h */
-    uint8_t week; /* Week of production, register 45h */
-    uint16_t number; /* Serial number in ascending order, registers 46h and 47h */
+    uint8_t year; /* Year of production, register 44h. */
+    uint8_t week; /* Week of production, register 45h. */
+    uint16_t number; /* Serial number in ascending order, registers 46h and 47h. */
 } lika_am36_reg_serial_number;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
@@ -947,41 +1061,42 @@ static inline lika_result lika_am36_read_serial_number(
 }
 
 /*
- * Command, 48h, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
+ * Command, register 48h, write only, over BiSS C-mode [6.5 p.24; 7 p.33].
  * Saves the parameters, activates the preset, or restores the defaults.
+ * Wait at least 30 ms after a write, before the next command.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself. If a new resolution and a new preset are
  * set together, Save parameters and activate Preset stores the resolution but sets the preset to
  * zero, which then has to be written again.
- * Erratum (open): printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero.
- *                 48h, 50h: with a new resolution and a new preset set together, Save parameters
- *                 and activate Preset stores the resolution but zeroes the preset. Used:
- *                 set_resolution saves the resolution first, and only then writes and activates the
- *                 preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
+ * Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been
+ * entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together,
+ * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset. [6.5
+ * p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
  */
 #define LIKA_AM36_REG_COMMAND_ADDRESS 0x48U
 #define LIKA_AM36_REG_COMMAND_LENGTH 1U /* byte */
 #define LIKA_AM36_REG_COMMAND_ACCESS LIKA_ACCESS_WRITE_ONLY
 #define LIKA_AM36_REG_COMMAND_DEFAULT 0x00U /* value as delivered */
-#define LIKA_AM36_REG_COMMAND_WAIT_AT_LEAST_MS 30U /* after a write, before the next command */
+#define LIKA_AM36_REG_COMMAND_WAIT_AT_LEAST_MS 30U
 
 /* Values of Command. */
 typedef enum lika_am36_command {
-    /* Normal operational state: Nothing to be done [6.5 p.24] */
+    /* Normal operational state: Nothing to be done [6.5 p.24]. */
     LIKA_AM36_COMMAND_NORMAL_OPERATIONAL_STATE = 0x00,
     /*
      * Save parameters on EEPROM: Saves newly set register values; a preset is not activated by it
-     * [6.5 p.24]
+     * [6.5 p.24].
      */
     LIKA_AM36_COMMAND_SAVE_PARAMETERS = 0x01,
     /*
      * Save parameters and activate Preset: Saves newly set register values and gives the present
-     * position the preset value [6.5 p.24]
+     * position the preset value [6.5 p.24].
      */
     LIKA_AM36_COMMAND_SAVE_AND_ACTIVATE_PRESET = 0x02,
     /*
      * Load and save default parameters: Loads, activates and saves the defaults of the factory; all
-     * values set before are lost [6.5 p.24]
+     * values set before are lost [6.5 p.24].
      */
     LIKA_AM36_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_am36_command;
@@ -1007,30 +1122,30 @@ static inline lika_result lika_am36_write_command(
 }
 
 /*
- * Configuration, 49h, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
+ * Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
  * Preset function, output code and counting direction.
- * To be kept over power-off, a written value has to be saved.
+ * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new value takes effect at once; Save parameters on EEPROM keeps it. Bits 0, 1, 3, 4 and 7 are
  * not used; by the list of defaults they are 0.
- *   bit 7     -                   always 0
+ * Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit
+ * 2" to enable. Preset: values can be entered only if the bit is "1". The table of Configuration: 0
+ * is Enable, 1 is Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both
+ * examples and the list of defaults have 0 for enable, and so has the same bit in the SMA21 manual.
+ * Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4;
+ * am36_1_1: p.30]
+ * Erratum example_bit_8 (settled, wrong data): Printed: Bit 8 Counting direction, in the list of
+ * the configuration example. Used: Bit 6. Why: It stands between bits 5 and 7, the register has 8
+ * bits, the table has bit 6, and the result 60h = 01100000 has bit 6 set. [6.5 p.25; 6.5]
+ * Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address
+ * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
+ * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
+ * [6.5]
+ *   bit 7     -                   always zero.
  *   bit 6     counting_direction
  *   bit 5     output_code
- *   bits 4:3  -                   always 0
+ *   bits 4:3  -                   always zero.
  *   bit 2     enable_preset
- *   bits 1:0  -                   always 0
- * Erratum (settled): printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be
- *                    entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is
- *                    Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4,
- *                    both examples and the list of defaults have 0 for enable, and so has the same
- *                    bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25;
- *                    6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
- * Erratum (settled): printed: Bit 8 Counting direction, in the list of the configuration example.
- *                    Used: Bit 6. Why: It stands between bits 5 and 7, the register has 8 bits, the
- *                    table has bit 6, and the result 60h = 01100000 has bit 6 set. [6.5 p.25; 6.5]
- * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
- *                    register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is
- *                    written as a whole byte; 00h in 49h would also set the output code to Gray
- *                    (bit 5). [6.5]
+ *   bits 1:0  -                   always zero.
  */
 #define LIKA_AM36_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_AM36_REG_CONFIGURATION_LENGTH 1U /* byte */
@@ -1039,26 +1154,26 @@ static inline lika_result lika_am36_write_command(
 
 /*
  * Counting direction: Rotation with which the position counts up, seen from the shaft, while the
- * Counting direction input is at 0VDC
+ * Counting direction input is at 0VDC.
  */
 typedef enum lika_am36_counting_direction {
-    LIKA_AM36_COUNTING_DIRECTION_CW = 0x0, /* Counts up with clockwise rotation */
-    LIKA_AM36_COUNTING_DIRECTION_CCW = 0x1 /* Counts up with counter-clockwise rotation */
+    LIKA_AM36_COUNTING_DIRECTION_CW = 0x0, /* Counts up with clockwise rotation. */
+    LIKA_AM36_COUNTING_DIRECTION_CCW = 0x1 /* Counts up with counter-clockwise rotation. */
 } lika_am36_counting_direction;
 
-/* Output code: Code of the position */
+/* Output code: Code of the position. */
 typedef enum lika_am36_output_code {
-    LIKA_AM36_OUTPUT_CODE_GRAY = 0x0, /* Gray code */
-    LIKA_AM36_OUTPUT_CODE_BINARY = 0x1 /* Binary code */
+    LIKA_AM36_OUTPUT_CODE_GRAY = 0x0, /* Gray code. */
+    LIKA_AM36_OUTPUT_CODE_BINARY = 0x1 /* Binary code. */
 } lika_am36_output_code;
 
 /*
  * Enable preset: Whether the Preset registers can be written and the preset activated, by command
- * or by the Zero setting/Preset input
+ * or by the Zero setting/Preset input.
  */
 typedef enum lika_am36_enable_preset {
-    LIKA_AM36_ENABLE_PRESET_ENABLE = 0x0, /* Preset function enabled */
-    /* Preset function disabled, the Zero setting/Preset input as well */
+    LIKA_AM36_ENABLE_PRESET_ENABLE = 0x0, /* Preset function enabled. */
+    /* Preset function disabled, the Zero setting/Preset input as well. */
     LIKA_AM36_ENABLE_PRESET_DISABLE = 0x1
 } lika_am36_enable_preset;
 
@@ -1071,12 +1186,12 @@ typedef enum lika_am36_enable_preset {
 
 typedef struct lika_am36_reg_configuration {
     /*
-     * A high level at the Counting direction input turns the meaning round. After a change a new
-     * preset has to be set.
+     * Default: 0. A high level at the Counting direction input turns the meaning round. After a
+     * change a new preset has to be set.
      */
     lika_am36_counting_direction counting_direction;
-    lika_am36_output_code output_code;
-    lika_am36_enable_preset enable_preset;
+    lika_am36_output_code output_code; /* Default: 1. */
+    lika_am36_enable_preset enable_preset; /* Default: 0. */
 } lika_am36_reg_configuration;
 
 /* Decodes 1 byte. */
@@ -1158,33 +1273,33 @@ static inline lika_result lika_am36_write_configuration(
 }
 
 /*
- * Information per revolution, 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
+ * Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7
+ * p.33].
  * Singleturn resolution.
- * The lowest address holds the high byte.
- * To be kept over power-off, a written value has to be saved.
- * A value above the greatest is taken as the default.
- * A write clears Preset.
+ * Byte order: high byte first, at 4Bh.
+ * Save the parameters after a write, or the encoder loses the value at power-off.
+ * The encoder takes the default in place of a value above the limit.
+ * A write sets Preset to zero.
  * A new value takes effect at once, also on the length of the frame, and sets the preset to zero;
  * Save parameters on EEPROM keeps it. Only powers of two are accepted. The number of bits that
  * result is in register 56h.
- *   bytes 0 to 2  steps
- * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
- *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
- *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
- *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
- *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
- *                 p.22; am36_1_1: p.29]
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
- * Erratum (open): printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a
- *                 table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5 p.29; prot:
- *                 p.14-15]
- * Erratum (open): printed: A new value is active immediately after transmission; values that are no
- *                 power of two cannot be accepted. Used: The bytes are written in ascending order
- *                 of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
+ * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
+ * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
+ * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
+ * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
+ * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
+ * Erratum resolution_byte_order (open, omission): Printed: 10 00 00h for 4B ... 4D, 00 01h and the
+ * like for 4E - 4F, without a table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5
+ * p.29; prot: p.14-15]
+ * Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately
+ * after transmission; values that are no power of two cannot be accepted. Used: The bytes are
+ * written in ascending order of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ *   bits 23:0  steps
  */
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS 0x4BU
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH 3U /* bytes, 4Bh to 4Dh */
@@ -1194,7 +1309,7 @@ static inline lika_result lika_am36_write_configuration(
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MAX 1048576U
 
 typedef struct lika_am36_reg_information_per_revolution {
-    uint32_t steps; /* Positions per revolution [counts]; powers of two only */
+    uint32_t steps; /* Positions per revolution. Unit: counts. Takes powers of two only. */
 } lika_am36_reg_information_per_revolution;
 
 /* Decodes 3 bytes, the one of the lowest address first. */
@@ -1251,7 +1366,10 @@ static inline lika_result lika_am36_read_information_per_revolution(
     return lika_am36_reg_information_per_revolution_decode(variant, bytes, sizeof(bytes), out);
 }
 
-/* Writes Information per revolution, 4Bh to 4Dh. */
+/*
+ * Writes Information per revolution, 4Bh to 4Dh.
+ * The frames depend on it: lika_am36_read_state() makes the variant follow.
+ */
 static inline lika_result lika_am36_write_information_per_revolution(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_information_per_revolution *in, lika_failure *failure)
@@ -1267,31 +1385,31 @@ static inline lika_result lika_am36_write_information_per_revolution(
 }
 
 /*
- * Number of revolutions, 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
+ * Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
  * Multiturn resolution.
- * The lowest address holds the high byte.
- * To be kept over power-off, a written value has to be saved.
- * A write clears Preset.
+ * Byte order: high byte first, at 4Eh.
+ * Save the parameters after a write, or the encoder loses the value at power-off.
+ * A write sets Preset to zero.
  * Any number from 1 to 65,536, powers of two or not. A new value takes effect at once, also on the
  * length of the frame, and sets the preset to zero; Save parameters on EEPROM keeps it. The number
  * of bits that result is in register 57h. With more than 4,096 revolutions set, the shaft of an
  * encoder that is switched off must not turn by more than 2,047 revolutions either way, or the
  * absolute position is lost.
- *   bytes 0 to 1  revolutions
- * Erratum (open): printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and
- *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
- *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
- *                 the label says. [6.5 p.28; 6.5 p.31]
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
- * Erratum (open): printed: 10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a
- *                 table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5 p.29; prot:
- *                 p.14-15]
- * Erratum (open): printed: A new value is active immediately after transmission; values that are no
- *                 power of two cannot be accepted. Used: The bytes are written in ascending order
- *                 of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ * Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of
+ * revolutions: 65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047
+ * revolutions either way while switched off. Used: 65,536 for the registers and the frame; 4096 as
+ * what the label says. [6.5 p.28; 6.5 p.31]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
+ * Erratum resolution_byte_order (open, omission): Printed: 10 00 00h for 4B ... 4D, 00 01h and the
+ * like for 4E - 4F, without a table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5
+ * p.29; prot: p.14-15]
+ * Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately
+ * after transmission; values that are no power of two cannot be accepted. Used: The bytes are
+ * written in ascending order of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ *   bits 15:0  revolutions
  */
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS 0x4EU
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH 2U /* bytes, 4Eh to 4Fh */
@@ -1302,8 +1420,7 @@ static inline lika_result lika_am36_write_information_per_revolution(
 
 typedef struct lika_am36_reg_number_of_revolutions {
     /*
-     * Revolutions counted; 00 00 stands for 65,536 [revolutions]; 0 in the register stands for
-     * 65536
+     * Revolutions counted; 00 00 stands for 65,536. Unit: revolutions. Bits of 0 stand for 65,536.
      */
     uint32_t revolutions;
 } lika_am36_reg_number_of_revolutions;
@@ -1373,47 +1490,51 @@ static inline lika_result lika_am36_write_number_of_revolutions(
 }
 
 /*
- * Preset, 50h to 54h, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
+ * Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
  * Position that the encoder shows, from the activation on, at the place where its shaft stands at
  * that moment.
- * The lowest address holds the high byte.
- * Can be written only while Enable preset of Configuration is 0 (enable).
- * To be kept over power-off, a written value has to be saved.
- * At most Information per revolution x Number of revolutions - 1; the printed maximum is that of
- * the defaults. Set the bit Enable preset to 0 (enable) before writing. The value is saved without
- * effect by Save parameters on EEPROM, and saved and activated by Save parameters and activate
- * Preset, or activated by the Zero setting/Preset input; at a standstill, the manual suggests. To
- * be set again after a change of the counting direction, of Information per revolution or of Number
- * of revolutions. It serves, for instance, to bring the zero points of encoder and application
- * together.
- *   byte 0 bits 7:4  -         always 0
- *   bytes 0 to 4     position
- * Erratum (open): printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero.
- *                 48h, 50h: with a new resolution and a new preset set together, Save parameters
- *                 and activate Preset stores the resolution but zeroes the preset. Used:
- *                 set_resolution saves the resolution first, and only then writes and activates the
- *                 preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
- * Erratum (settled): printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be
- *                    entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is
- *                    Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4,
- *                    both examples and the list of defaults have 0 for enable, and so has the same
- *                    bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25;
- *                    6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
- * Erratum (settled): printed: Default = 00 00 00 00 00 00h. Used: Five bytes of 00. Why: The
- *                    register has five bytes, 50h to 54h; the list of defaults and both limits have
- *                    five. The byte after them is Device type. [6.5 p.29; 7 p.33]
+ * Byte order: high byte first, at 50h.
+ * Write it only while Enable preset of Configuration holds 0 (enable).
+ * Save the parameters after a write, or the encoder loses the value at power-off.
+ * The printed maximum, 0F FF FF FF FF, is that of the defaults. Set the bit Enable preset to 0
+ * (enable) before writing. The value is saved without effect by Save parameters on EEPROM, and
+ * saved and activated by Save parameters and activate Preset, or activated by the Zero
+ * setting/Preset input; at a standstill, the manual suggests. To be set again after a change of the
+ * counting direction, of Information per revolution or of Number of revolutions. It serves, for
+ * instance, to bring the zero points of encoder and application together.
+ * Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been
+ * entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together,
+ * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset. [6.5
+ * p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
+ * Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit
+ * 2" to enable. Preset: values can be entered only if the bit is "1". The table of Configuration: 0
+ * is Enable, 1 is Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both
+ * examples and the list of defaults have 0 for enable, and so has the same bit in the SMA21 manual.
+ * Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4;
+ * am36_1_1: p.30]
+ * Erratum preset_default_length (settled, wrong data): Printed: Default = 00 00 00 00 00 00h. Used:
+ * Five bytes of 00. Why: The register has five bytes, 50h to 54h; the list of defaults and both
+ * limits have five. The byte after them is Device type. [6.5 p.29; 7 p.33]
+ *   bits 39:36  -         always zero.
+ *   bits 35:0   position
  */
 #define LIKA_AM36_REG_PRESET_ADDRESS 0x50U
 #define LIKA_AM36_REG_PRESET_LENGTH 5U /* bytes, 50h to 54h */
 #define LIKA_AM36_REG_PRESET_ACCESS LIKA_ACCESS_READ_WRITE
 #define LIKA_AM36_REG_PRESET_DEFAULT UINT64_C(0x0000000000) /* value as delivered */
 #define LIKA_AM36_REG_PRESET_MIN 0U
-#define LIKA_AM36_REG_PRESET_MAX UINT64_C(68719476735)
 #define LIKA_AM36_REG_PRESET_POSITION_SHIFT 0U
 #define LIKA_AM36_REG_PRESET_POSITION_MASK UINT64_C(0xFFFFFFFFF)
 
+/* Greatest position: used_information * used_revolutions - 1. */
+static inline uint64_t lika_am36_reg_preset_max(const lika_am36_variant *variant)
+{
+    return ((uint64_t)variant->used_information * variant->used_revolutions) - 1U;
+}
+
 typedef struct lika_am36_reg_preset {
-    /* Position as one number, revolutions above the singleturn position [counts] */
+    /* Position as one number, revolutions above the singleturn position. Unit: counts. */
     uint64_t position;
 } lika_am36_reg_preset;
 
@@ -1440,11 +1561,13 @@ static inline lika_result lika_am36_reg_preset_decode(
 static inline lika_result lika_am36_reg_preset_encode(
     const lika_am36_variant *variant, const lika_am36_reg_preset *in, uint8_t *bytes, size_t length)
 {
-    (void)variant;
     if (length != LIKA_AM36_REG_PRESET_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
     if (in->position > UINT64_C(0xFFFFFFFFF)) {
+        return LIKA_FAULT_RANGE;
+    }
+    if (in->position > lika_am36_reg_preset_max(variant)) {
         return LIKA_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)((in->position >> 32U) & 0x0FU);
@@ -1484,9 +1607,10 @@ static inline lika_result lika_am36_write_preset(
 }
 
 /*
- * Device type, 55h, read only, over BiSS C-mode [6.5 p.31].
+ * Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
- * 02: multiturn rotary encoder with BiSS C interface.
+ * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
+ * decoding accepts any value.
  */
 #define LIKA_AM36_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_AM36_REG_DEVICE_TYPE_LENGTH 1U /* byte */
@@ -1511,20 +1635,19 @@ static inline lika_result lika_am36_read_device_type(
 }
 
 /*
- * No. of bits used for singleturn resolution, 56h, read only, over BiSS C-mode [6.5 p.31].
+ * No. of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the singleturn resolution, as set by Information per revolution.
- * Width of the singleturn part of the position [bits].
- * Erratum (open): printed: AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models
- *                 as default and maximum of registers 4Bh and 56h. Used: Widths by registers 56h
- *                 and 57h, with their printed defaults, whatever the order code says. Why: The only
- *                 singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition
- *                 1.1 lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and
- *                 keeps the default of 20 bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1:
- *                 p.22; am36_1_1: p.29]
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
+ * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
+ * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
+ * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
+ * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
+ * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
+ * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
+ * Width of the singleturn part of the position. Unit: bits.
  */
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS 0x56U
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH 1U /* byte */
@@ -1548,19 +1671,20 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
 }
 
 /*
- * No. of bits used for multiturn resolution, 57h, read only, over BiSS C-mode [6.5 p.31].
+ * No. of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the multiturn resolution, as set by Number of revolutions.
- * Width of the multiturn part of the position [bits].
- * Erratum (open): printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and
- *                 maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way
- *                 while switched off. Used: 65,536 for the registers and the frame; 4096 as what
- *                 the label says. [6.5 p.28; 6.5 p.31]
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
- * Erratum (open): printed: Number of revolutions may be any number; register 57h shows the bits
- *                 used for it. Used: Register 57h is read, not computed. [6.5 p.28; 6.5 p.31]
+ * Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of
+ * revolutions: 65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047
+ * revolutions either way while switched off. Used: 65,536 for the registers and the frame; 4096 as
+ * what the label says. [6.5 p.28; 6.5 p.31]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
+ * Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any
+ * number; register 57h shows the bits used for it. Used: Register 57h is read, not computed. [6.5
+ * p.28; 6.5 p.31]
+ * Width of the multiturn part of the position. Unit: bits.
  */
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS 0x57U
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH 1U /* byte */
@@ -1584,30 +1708,40 @@ static inline lika_result lika_am36_read_multiturn_bits_used(
 }
 
 /*
- * Device ID, 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
+ * Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
  * Encoder model, interface, enclosure and software version; the manual refers to the order code
  * beside it.
- * The lowest address holds the high byte.
- *   bytes 0 to 1  model
- *   bytes 2 to 3  interface_code
- *   byte 4        enclosure
- *   byte 5        software_version
- * Erratum (settled): printed: AMx36xx/xxxx-17-... and AMx36xx/4096-17-... Used: I7; 17 is accepted
- *                    as well and shown as unlisted. [6; 6.5 p.31]
- * Erratum (open): printed: One device ID, AM I7 2 with the software version, for all models. Used:
- *                 As printed. [6.5 p.31; prot: p.14-15]
+ * Byte order: high byte first, at 78h.
+ * Erratum order_code_17 (settled, wrong limit): Printed: AMx36xx/xxxx-17-... and
+ * AMx36xx/4096-17-... Used: I7; 17 is accepted as well and shown as unlisted. [6; 6.5 p.31]
+ * Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software
+ * version, for all models. Used: As printed. [6.5 p.31; prot: p.14-15]
+ *   bits 47:32  model
+ *   bits 31:16  interface_code
+ *   bits 15:8   enclosure
+ *   bits 7:0    software_version
  */
 #define LIKA_AM36_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_AM36_REG_DEVICE_ID_LENGTH 6U /* bytes, 78h to 7Dh */
 #define LIKA_AM36_REG_DEVICE_ID_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_am36_reg_device_id {
-    char model[2]; /* Encoder model, AMx36; 41 4D in hexadecimal: characters without a terminator */
-    /* Interface, BiSS C; 49 37 in hexadecimal: characters without a terminator */
+    /*
+     * Encoder model, AMx36; 41 4D in hexadecimal. ASCII text. Holds AM, which identifies the
+     * encoder; decoding accepts any value. No terminator.
+     */
+    char model[2];
+    /*
+     * Interface, BiSS C; 49 37 in hexadecimal. ASCII text. Holds I7, which identifies the encoder;
+     * decoding accepts any value. No terminator.
+     */
     char interface_code[2];
-    /* Enclosure of 36 mm diameter; 32 in hexadecimal: characters without a terminator */
+    /*
+     * Enclosure of 36 mm diameter; 32 in hexadecimal. ASCII text. Holds 2, which identifies the
+     * encoder; decoding accepts any value. No terminator.
+     */
     char enclosure[1];
-    char software_version[1]; /* Software version, printed as XX: characters without a terminator */
+    char software_version[1]; /* Software version, printed as XX. ASCII text. No terminator. */
 } lika_am36_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
@@ -1678,17 +1812,21 @@ static inline lika_result lika_am36_read_device_id(
 }
 
 /*
- * Manufacturer ID, 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
+ * Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
  * Manufacturer.
- * The lowest address holds the high byte.
- *   bytes 0 to 1  name
+ * Byte order: high byte first, at 7Eh.
+ *   bits 15:0  name
  */
 #define LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_AM36_REG_MANUFACTURER_ID_LENGTH 2U /* bytes, 7Eh to 7Fh */
 #define LIKA_AM36_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_am36_reg_manufacturer_id {
-    char name[2]; /* Lika Electronic, 4C 69 in hexadecimal: characters without a terminator */
+    /*
+     * Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds Li, which identifies the encoder;
+     * decoding accepts any value. No terminator.
+     */
+    char name[2];
 } lika_am36_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
@@ -1804,6 +1942,24 @@ static inline lika_result lika_am36_take_number_of_revolutions(
     return LIKA_OK;
 }
 
+/*
+ * Takes over into the variant what the register Information per revolution holds: used_information.
+ */
+static inline lika_result lika_am36_take_information_per_revolution(
+    lika_am36_variant *variant, const uint8_t *bytes, size_t length)
+{
+    if (length != LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH) {
+        return LIKA_FAULT_LENGTH;
+    }
+    const uint32_t used_information = (uint32_t)bytes[2] | ((uint32_t)bytes[1] << 8U) |
+        ((uint32_t)bytes[0] << 16U);
+    if ((used_information < 1U) || (used_information > 1048576U)) {
+        return LIKA_FAULT_RANGE;
+    }
+    variant->used_information = used_information;
+    return LIKA_OK;
+}
+
 /* Takes over into the variant what the register Configuration holds: output_code. */
 static inline lika_result lika_am36_take_configuration(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
@@ -1828,6 +1984,7 @@ static inline lika_result lika_am36_read_state(
     uint8_t singleturn_bits_used[LIKA_AM36_REG_SINGLETURN_BITS_USED_LENGTH];
     uint8_t multiturn_bits_used[LIKA_AM36_REG_MULTITURN_BITS_USED_LENGTH];
     uint8_t number_of_revolutions[LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
+    uint8_t information_per_revolution[LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_LENGTH];
     uint8_t configuration[LIKA_AM36_REG_CONFIGURATION_LENGTH];
     lika_am36_variant taken = *variant;
     lika_result result;
@@ -1861,10 +2018,20 @@ static inline lika_result lika_am36_read_state(
     if (result != LIKA_OK) {
         return result;
     }
+    result = lika_read(transport, LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS,
+        information_per_revolution, sizeof(information_per_revolution), failure);
+    if (result != LIKA_OK) {
+        return lika_failed_at(result, 3U, failure);
+    }
+    result = lika_am36_take_information_per_revolution(&taken, information_per_revolution,
+        sizeof(information_per_revolution));
+    if (result != LIKA_OK) {
+        return result;
+    }
     result = lika_read(transport, LIKA_AM36_REG_CONFIGURATION_ADDRESS, configuration,
         sizeof(configuration), failure);
     if (result != LIKA_OK) {
-        return lika_failed_at(result, 3U, failure);
+        return lika_failed_at(result, 4U, failure);
     }
     result = lika_am36_take_configuration(&taken, configuration, sizeof(configuration));
     if (result != LIKA_OK) {
@@ -1963,7 +2130,7 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
 
 /*
  * Set and save the configuration [6.5 p.25].
- * configuration: Value of the whole register, its unused bits 0.
+ * configuration: Value of the whole register, its unused bits 0; written to Configuration.
  * Result: Preset function, output code and counting direction are set and saved.
  * After a change of the counting direction a new preset has to be set; after one of the output code
  * the frames have another code.
@@ -1976,9 +2143,15 @@ static inline lika_result lika_am36_set_configuration_steps(
     uint8_t configuration,
     lika_step *steps, size_t capacity, size_t *count)
 {
-    (void)variant;
     if (capacity < LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT) {
         return LIKA_FAULT_LENGTH;
+    }
+    const uint8_t configuration_configuration_sent[] = { configuration };
+    lika_am36_reg_configuration configuration_configuration_held;
+    /* bits that the register does not have */
+    if (lika_am36_reg_configuration_decode(variant, configuration_configuration_sent,
+        sizeof(configuration_configuration_sent), &configuration_configuration_held) != LIKA_OK) {
+        return LIKA_FAULT_RANGE;
     }
     steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* takes effect at once */
     steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it */
@@ -2009,14 +2182,14 @@ static inline lika_result lika_am36_set_configuration(
 
 /*
  * Set, save and activate a preset [6.5 p.29].
+ * position: Value that the present position is to get; written to Preset.
  * Before: Suggested with the shaft at a standstill.
- * position: Value that the present position is to get.
  * Result: The position at which the command arrived has the preset value; all other positions
- *         follow from it.
- * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
- *                    register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is
- *                    written as a whole byte; 00h in 49h would also set the output code to Gray
- *                    (bit 5). [6.5]
+ * follow from it.
+ * Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address
+ * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
+ * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
+ * [6.5]
  */
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 8U
 
@@ -2072,13 +2245,13 @@ static inline lika_result lika_am36_set_preset(
 
 /*
  * Set and save a preset without activating it [6.5 p.29; 4.4 p.15].
- * position: Value to keep for a later activation.
+ * position: Value to keep for a later activation; written to Preset.
  * Result: The preset is saved; the position is the same as before. The Zero setting/Preset input or
- *         activate_preset activates it.
- * Erratum (settled): printed: Table of the preset example: address 49, bit 2, data 0. Used: 20h in
- *                    register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is
- *                    written as a whole byte; 00h in 49h would also set the output code to Gray
- *                    (bit 5). [6.5]
+ * activate_preset activates it.
+ * Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address
+ * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
+ * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
+ * [6.5]
  */
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 8U
 
@@ -2141,7 +2314,7 @@ static inline lika_result lika_am36_store_preset(
 static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save parameters */
+        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_SAVE_PARAMETERS_STEPS_COUNT;
@@ -2169,7 +2342,7 @@ static inline lika_result lika_am36_save_parameters(
 static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x02U, 1U, 0U }, /* Command: save and activate preset */
+        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x02U, 1U, 0U }, /* Command: save_and_activate_preset */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_ACTIVATE_PRESET_STEPS_COUNT;
@@ -2190,18 +2363,18 @@ static inline lika_result lika_am36_activate_preset(
 /*
  * Load and save the default parameters [6.5 p.24; 7 p.33].
  * Result: All parameters have their defaults, which are active and saved; what was set before is
- *         lost, the preset included. With them the frame has 44 bits again.
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
+ * lost, the preset included. With them the frame has 44 bits again.
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
  */
 #define LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT 2U
 
 static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore defaults */
+        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT;
@@ -2221,27 +2394,29 @@ static inline lika_result lika_am36_restore_defaults(
 
 /*
  * Change the resolution, then set and activate the preset again [6.5 p.24; 6.5 p.29].
+ * information_per_revolution: Positions per revolution, a power of two; written to Information per
+ * revolution.
+ * number_of_revolutions: Revolutions to count, 1 to 65,536; written to Number of revolutions.
+ * position: Value that the present position is to get, below the product of the other two; written
+ * to Preset.
  * Before: Suggested with the shaft at a standstill.
- * information_per_revolution: Positions per revolution, a power of two.
- * number_of_revolutions: Revolutions to count, 1 to 65,536.
- * position: Value that the present position is to get, below the product of the other two.
  * Result: The new resolution is saved, and the position at which the last command arrived has the
- *         preset value. Frames have the widths read in the last two steps.
+ * preset value. Frames have the widths read in the last two steps.
  * The frame changes its length as soon as the resolution is written; the master has to follow
  * before it can read a position again. The order of the steps is drawn from the warnings of
  * registers 48h, 4Bh, 4Eh and 50h.
- * Erratum (open): printed: Position has a variable length according to the resolution of the
- *                 encoder, 36 bits at the most. Used: The position has as many bits as registers
- *                 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- *                 p.31]
- * Erratum (open): printed: 4Bh, 4Eh: after a new value has been entered the preset is set to zero.
- *                 48h, 50h: with a new resolution and a new preset set together, Save parameters
- *                 and activate Preset stores the resolution but zeroes the preset. Used:
- *                 set_resolution saves the resolution first, and only then writes and activates the
- *                 preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
- * Erratum (open): printed: A new value is active immediately after transmission; values that are no
- *                 power of two cannot be accepted. Used: The bytes are written in ascending order
- *                 of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
+ * p.31]
+ * Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been
+ * entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together,
+ * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset. [6.5
+ * p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
+ * Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately
+ * after transmission; values that are no power of two cannot be accepted. Used: The bytes are
+ * written in ascending order of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
  */
 #define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 17U
 
@@ -2261,24 +2436,35 @@ static inline lika_result lika_am36_set_resolution_steps(
     uint8_t position_bytes[LIKA_AM36_REG_PRESET_LENGTH];
     size_t index;
     lika_result result;
+    lika_am36_variant written = *variant; /* as it is once the steps before were written */
     if (capacity < LIKA_AM36_SET_RESOLUTION_STEPS_COUNT) {
         return LIKA_FAULT_LENGTH;
     }
     information_per_revolution_register.steps = information_per_revolution;
-    result = lika_am36_reg_information_per_revolution_encode(variant,
+    result = lika_am36_reg_information_per_revolution_encode(&written,
         &information_per_revolution_register, information_per_revolution_bytes,
         sizeof(information_per_revolution_bytes));
     if (result != LIKA_OK) {
         return result;
     }
+    result = lika_am36_take_information_per_revolution(&written, information_per_revolution_bytes,
+        sizeof(information_per_revolution_bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
     number_of_revolutions_register.revolutions = number_of_revolutions;
-    result = lika_am36_reg_number_of_revolutions_encode(variant, &number_of_revolutions_register,
+    result = lika_am36_reg_number_of_revolutions_encode(&written, &number_of_revolutions_register,
         number_of_revolutions_bytes, sizeof(number_of_revolutions_bytes));
     if (result != LIKA_OK) {
         return result;
     }
+    result = lika_am36_take_number_of_revolutions(&written, number_of_revolutions_bytes,
+        sizeof(number_of_revolutions_bytes));
+    if (result != LIKA_OK) {
+        return result;
+    }
     position_register.position = position;
-    result = lika_am36_reg_preset_encode(variant, &position_register, position_bytes,
+    result = lika_am36_reg_preset_encode(&written, &position_register, position_bytes,
         sizeof(position_bytes));
     if (result != LIKA_OK) {
         return result;
@@ -2305,8 +2491,10 @@ static inline lika_result lika_am36_set_resolution_steps(
     }
     steps[13] = lika_step_write(0x48U, 0xFFU, 0x02U); /* save the preset and let it take effect */
     steps[14] = lika_step_wait(30000U); /* EEPROM writing time */
-    steps[15] = lika_step_read(0x56U); /* singleturn bits of the frames from now on */
-    steps[16] = lika_step_read(0x57U); /* multiturn bits of the frames from now on */
+    /* No. of bits used for singleturn resolution: singleturn bits of the frames from now on */
+    steps[15] = lika_step_read(0x56U);
+    /* No. of bits used for multiturn resolution: multiturn bits of the frames from now on */
+    steps[16] = lika_step_read(0x57U);
     *count = LIKA_AM36_SET_RESOLUTION_STEPS_COUNT;
     return LIKA_OK;
 }
@@ -2351,16 +2539,16 @@ static inline lika_result lika_am36_set_resolution(
 /*
  * Read what identifies the encoder [6.5].
  * Result: AM36 and AMC36, and all resolutions, answer alike but for the last two registers, which
- *         hold what is set, not what the order code says.
+ * hold what is set, not what the order code says.
  */
 #define LIKA_AM36_IDENTIFY_STEPS_COUNT 17U
 
 static inline const lika_step *lika_am36_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AM36_IDENTIFY_STEPS_COUNT] = {
-        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Li is Lika Electronic */
+        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: Li is Lika Electronic */
         { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
-        /* AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
+        /* Device ID: AM, I7 and 2: AM36 or AMC36 with BiSS; then the software version */
         { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
@@ -2369,13 +2557,15 @@ static inline const lika_step *lika_am36_identify_steps(size_t *count)
         { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID */
         { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x55U, 0xFFU, 0U, 1U, 0U }, /* 02 is a multiturn encoder */
+        { LIKA_STEP_READ, 0x55U, 0xFFU, 0U, 1U, 0U }, /* Device type: 02 is a multiturn encoder */
         { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
         { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x56U, 0xFFU, 0U, 1U, 0U }, /* singleturn bits of the frame */
-        { LIKA_STEP_READ, 0x57U, 0xFFU, 0U, 1U, 0U } /* multiturn bits of the frame */
+        /* No. of bits used for singleturn resolution: singleturn bits of the frame */
+        { LIKA_STEP_READ, 0x56U, 0xFFU, 0U, 1U, 0U },
+        /* No. of bits used for multiturn resolution: multiturn bits of the frame */
+        { LIKA_STEP_READ, 0x57U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_AM36_IDENTIFY_STEPS_COUNT;
     return steps;
@@ -2433,39 +2623,39 @@ static inline lika_result lika_am36_identify(
 
 /*
  * Zero setting/Preset: Sets the position to 0 (SSI) or activates the preset value of the Preset
- * registers (BiSS) by a signal of a PLC or another controller [4.4 p.15; Electrical safety p.8]
- *   low: 0VDC: normal level, nothing happens.
- *   high: +VDC: zero setting or preset is activated.
- *   pulse: 100 us at least.
- *   subject to: configuration.enable_preset.
- *   unused: connect it to 0VDC.
+ * registers (BiSS) by a signal of a PLC or another controller [4.4 p.15; Electrical safety p.8].
+ * Low level: 0VDC: normal level, nothing happens.
+ * High level: +VDC: zero setting or preset is activated.
+ * Pulse: at least 100 us.
+ * Acts only while Enable preset of Configuration enables it.
+ * Connect it to 0VDC when it is not used.
  * Connect to +VDC for at least 100 us, then disconnect. The bit Enable preset has to be 0 (enable),
  * else the input is dead; that holds over BiSS only. To be set after the counting direction, and
  * preferably with the shaft at a standstill. Over BiSS the Command register does the same.
- * Erratum (open): printed: The inputs are connected to 0VDC or +VDC, low and high logic level.
- *                 Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
- * Erratum (settled): printed: Enable preset: "set to 1 the bit 2" to enable. Preset: values can be
- *                    entered only if the bit is "1". The table of Configuration: 0 is Enable, 1 is
- *                    Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4,
- *                    both examples and the list of defaults have 0 for enable, and so has the same
- *                    bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset. [6.5 p.25;
- *                    6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30]
+ * Erratum input_levels (open, omission): Printed: The inputs are connected to 0VDC or +VDC, low and
+ * high logic level. Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
+ * Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit
+ * 2" to enable. Preset: values can be entered only if the bit is "1". The table of Configuration: 0
+ * is Enable, 1 is Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both
+ * examples and the list of defaults have 0 for enable, and so has the same bit in the SMA21 manual.
+ * Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4;
+ * am36_1_1: p.30]
  */
 
 /*
  * Counting direction (Complementary input): Sets whether the position counts up with clockwise (CW)
  * or with counter-clockwise (CCW) rotation, seen from the shaft end [4.5 p.15; Electrical safety
- * p.8; 6.5 p.26]
- *   low: 0VDC: counts up clockwise (CW); over BiSS as the bit Counting direction says.
- *   high: +VDC: counts up counter-clockwise (CCW); over BiSS contrary to what the bit Counting
- *         direction says.
- *   inverts: configuration.counting_direction.
- *   unused: connect it to 0VDC.
+ * p.8; 6.5 p.26].
+ * Low level: 0VDC: counts up clockwise (CW); over BiSS as the bit Counting direction says.
+ * High level: +VDC: counts up counter-clockwise (CCW); over BiSS contrary to what the bit Counting
+ * direction says.
+ * A high level inverts Counting direction of Configuration.
+ * Connect it to 0VDC when it is not used.
  * Low is 0VDC, high is +VDC. Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high
  * counter-clockwise, 1 (CCW) and low counter-clockwise, 1 and high clockwise. After a change of the
  * direction a new zero or preset has to be set.
- * Erratum (open): printed: The inputs are connected to 0VDC or +VDC, low and high logic level.
- *                 Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
+ * Erratum input_levels (open, omission): Printed: The inputs are connected to 0VDC or +VDC, low and
+ * high logic level. Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
  */
 
 #ifdef __cplusplus

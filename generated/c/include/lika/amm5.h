@@ -28,7 +28,8 @@
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
- * the functions _set_ make it so. Pointers must not be null.
+ * the functions _set_ make it so. A flag is true while it is active, whether that is sent as 0 or
+ * as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
  *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
@@ -44,34 +45,37 @@ extern "C" {
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /*
- * Order codes: AMM5{mount}{singleturn}/{turns}{interface} [Cover; 5 p.27; 6 p.31; 7 p.41]
- *   mount: Mechanical version: A = AMM5A; sizes in Figure 3; B = AMM5B, introduced with manual 1.8;
- *          sizes in Figure 4
- *   singleturn: Singleturn resolution in bits: 17 = 131,072 counts per turn; 21 = 2,097,152 counts
- *               per turn; 23 = 8,388,608 counts per turn
- *   turns: Number of revolutions: 1 = Singleturn; 65K = Multiturn, 65,536 revolutions, with a
- *          battery
- *   interface: Interface and additional signals: BG1 = SSI with 1 Vpp sine and cosine; SC1 = BiSS
- *              C-mode with 1 Vpp sine and cosine; JP1 = RS-485 serial interface
+ * Order codes: AMM5{mount}{singleturn}/{turns}{interface} [Cover; 5 p.27; 6 p.31; 7 p.41].
+ * mount: Mechanical version: A = AMM5A; sizes in Figure 3; B = AMM5B, introduced with manual 1.8;
+ * sizes in Figure 4.
+ * singleturn: Singleturn resolution in bits: 17 = 131,072 counts per turn; 21 = 2,097,152 counts
+ * per turn; 23 = 8,388,608 counts per turn.
+ * turns: Number of revolutions: 1 = Singleturn; 65K = Multiturn, 65,536 revolutions, with a
+ * battery.
+ * interface: Interface and additional signals: BG1 = SSI with 1 Vpp sine and cosine; SC1 = BiSS
+ * C-mode with 1 Vpp sine and cosine; JP1 = RS-485 serial interface.
  * On the label a hyphen and further characters follow the interface; the manual does not explain
  * them. Order code and serial number are on the label of the body and in the delivery document;
  * Lika asks for both in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum (settled): printed: Heading of the cable table: ...G1-... and ...SC1-... order codes.
- *                    Used: ...BG1-... and ...SC1-... Why: The connector that the cable mates with
- *                    (4.1.1) and all lists of models have BG1; no model has G1. [4.1.2 p.20; it:
- *                    4.1.2 p.21]
- * Erratum (settled): printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
- *                    Used: 65KBG1. Why: The table just below it and the Italian edition have
- *                    65KBG1; no model has KG1. [5.2; it: 5.2]
+ * Erratum heading_g1 (settled, wrong limit): Printed: Heading of the cable table: ...G1-... and
+ * ...SC1-... order codes. Used: ...BG1-... and ...SC1-... Why: The connector that the cable mates
+ * with (4.1.1) and all lists of models have BG1; no model has G1. [4.1.2 p.20; it: 4.1.2 p.21]
+ * Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the
+ * English table of word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition
+ * have 65KBG1; no model has KG1. [5.2; it: 5.2]
  */
 
 /* What differs between order codes. */
 typedef struct lika_amm5_variant {
-    uint8_t singleturn_bits; /* Singleturn resolution [bits] */
-    uint8_t multiturn_bits; /* Bits that count revolutions; 0 in singleturn models [bits] */
+    uint8_t singleturn_bits; /* Singleturn resolution [Preliminary information p.7]. Unit: bits. */
+    /*
+     * Bits that count revolutions; 0 in singleturn models [Preliminary information p.7]. Unit:
+     * bits.
+     */
+    uint8_t multiturn_bits;
 } lika_amm5_variant;
 
 /*
@@ -117,20 +121,20 @@ typedef struct lika_amm5_variant {
 
 /*
  * Bits of the whole position, revolutions included; the manual's "encoder resolution" and
- * "nbitres", 17 to 39 [bits]
+ * "nbitres", 17 to 39 [6.2.1 p.32]. Unit: bits.
  */
 static inline uint32_t lika_amm5_position_bits(const lika_amm5_variant *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
 }
 
-/* Positions per revolution [counts] */
+/* Positions per revolution [Preliminary information p.7]. Unit: counts. */
 static inline uint32_t lika_amm5_counts_per_turn(const lika_amm5_variant *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->singleturn_bits);
 }
 
-/* Revolutions that are told apart [revolutions] */
+/* Revolutions that are told apart [Preliminary information p.7]. Unit: revolutions. */
 static inline uint32_t lika_amm5_revolutions(const lika_amm5_variant *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
@@ -138,7 +142,7 @@ static inline uint32_t lika_amm5_revolutions(const lika_amm5_variant *variant)
 
 /*
  * Positions that are told apart over all revolutions; the manual's "max. number of information"
- * [counts]
+ * [5.2]. Unit: counts.
  */
 static inline uint64_t lika_amm5_positions(const lika_amm5_variant *variant)
 {
@@ -255,15 +259,15 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /*
- * CRC biss_6, x^6 + x + 1 [6.2.1 p.33; prot: p.7-8; renishaw: data sheet; icmu: p.30]: width 6,
- * polynomial 0x3, start 0x0, final XOR 0x3f.
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33; prot: p.7-8;
+ * renishaw: data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34;
+ * prot: p.7-8; renishaw: data sheet; icmu: p.30]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34; prot: p.7-8;
- *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 {
@@ -280,15 +284,15 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 }
 
 /*
- * CRC biss_4, x^4 + x + 1 [6.3 p.34; prot: p.9-14; icmu: p.30]: width 4, polynomial 0x3, start 0x0,
- * final XOR 0xf.
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34; prot: p.9-14; icmu:
+ * p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34;
+ * prot: p.7-8; renishaw: data sheet; icmu: p.30]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34; prot: p.7-8;
- *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 {
@@ -306,17 +310,17 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 }
 
 /*
- * CRC rs485_8, x^8 + 1 [7.6 p.47]: width 8, polynomial 0x1, start 0x0, final XOR 0x0, input and
- * output reflected.
+ * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.6
+ * p.47].
  * Over all bytes sent before it, start bits and delimiters left out, least significant bit first.
  * That is the XOR of the bytes: it does not notice bytes that changed places. Start value 0 is set
  * in the printed code.
+ * Erratum crc_code_bit_order (settled, wrong data): Printed: Data is configured LSB first; the
+ * printed code takes the bits of a string in order. Used: The XOR of all bytes before the CRC,
+ * which is x^8 + 1 with input and output reflected. Why: Fed with the bits of the example LSB first
+ * the code returns CDh, the printed B3h with its bits reversed; it returns B3h only when each byte
+ * is fed MSB first. [7.6]
  * With this polynomial the CRC of whole bytes is their XOR.
- * Erratum (settled): printed: Data is configured LSB first; the printed code takes the bits of a
- *                    string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1
- *                    with input and output reflected. Why: Fed with the bits of the example LSB
- *                    first the code returns CDh, the printed B3h with its bits reversed; it returns
- *                    B3h only when each byte is fed MSB first. [7.6]
  */
 static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
@@ -328,6 +332,191 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
     return crc;
 }
 
+/* -- what the manual leaves open --------------------------------------------------------------- */
+
+/*
+ * Where the byte ADF of an EEPROM access over RS-485 has the address [7.5 p.46].
+ * Decide it for your encoder: what is known does not settle it, and there is no default.
+ * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
+ * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
+ * user that has no default. A wrong one reaches twice the address or half of it, and a write
+ * destroys other data there: read before you write, and compare. Why: Two independent T-format
+ * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
+ * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
+ * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
+ * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
+ * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ */
+typedef enum lika_amm5_eeprom_address {
+    /* Bits 7:1, MEM BUSY in bit 0, as the manual prints it [7.5 p.46]. */
+    LIKA_AMM5_EEPROM_ADDRESS_AS_PRINTED = 0x0,
+    /*
+     * Bits 6:0, as public T-format stacks have it; MEM BUSY then is the bit that is left, 7
+     * [hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+     * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c].
+     */
+    LIKA_AMM5_EEPROM_ADDRESS_AS_T_FORMAT = 0x1
+} lika_amm5_eeprom_address;
+
+/* Lowest bit of the EEPROM address in ADF [7.5 p.46]. */
+static inline uint32_t lika_amm5_eeprom_address_bit(lika_amm5_eeprom_address eeprom_address)
+{
+    return (eeprom_address == LIKA_AMM5_EEPROM_ADDRESS_AS_PRINTED) ? 1U : 0U;
+}
+
+/* Bit of ADF that is MEM BUSY [7.5 p.46]. */
+static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_address)
+{
+    return (eeprom_address == LIKA_AMM5_EEPROM_ADDRESS_AS_PRINTED) ? 0U : 7U;
+}
+
+/* -- what frames report ------------------------------------------------------------------------ */
+
+/* What frames report of the encoder; their functions _reports() give a mask of these bits. */
+typedef enum lika_amm5_report {
+    LIKA_AMM5_REPORT_ERROR = 0x0001, /* Error, nE [6.2.1 p.32]. */
+    LIKA_AMM5_REPORT_WARNING = 0x0002, /* Warning, nW [6.2.1 p.33]. */
+    LIKA_AMM5_REPORT_STATUS_INFO = 0x0004, /* EI_3 ... EI_0, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+    LIKA_AMM5_REPORT_STATUS_ST_ERROR = 0x0008, /* EE_0 [7.3.2 p.42; it: 7.3.2 p.43]. */
+    LIKA_AMM5_REPORT_STATUS_OTHER_ERROR = 0x0010, /* EE_1 [7.3.2 p.42; it: 7.3.2 p.43]. */
+    LIKA_AMM5_REPORT_STATUS_ZERO = 0x0020, /* Status zero, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+    LIKA_AMM5_REPORT_ALARM_ZERO_0 = 0x0040, /* Alarm zero 0, unused [7.4 p.43]. */
+    LIKA_AMM5_REPORT_BUSY = 0x0080, /* BUSY [7.4.1 p.44]. */
+    LIKA_AMM5_REPORT_ST_ERROR = 0x0100, /* STERR [7.4.1 p.44]. */
+    LIKA_AMM5_REPORT_ALARM_ZERO_3_4 = 0x0200, /* Alarm zero 3 4, unused [7.4 p.43]. */
+    LIKA_AMM5_REPORT_PS_ERROR = 0x0400, /* PSERR [7.4.1 p.44]. */
+    LIKA_AMM5_REPORT_MT_ERROR = 0x0800, /* MTERR [7.4.1 p.44; it: 7.4.1 p.45]. */
+    LIKA_AMM5_REPORT_BATTERY_ALARM = 0x1000, /* BATT [7.4.1 p.44; it: 7.4.1 p.45]. */
+    LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY = 0x2000, /* MEM BUSY [7.5 p.46]. */
+    LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY = 0x4000 /* MEM BUSY [7.5 p.46]. */
+} lika_amm5_report;
+
+/* The text of a report; of several that of the lowest bit, of none one with empty members. */
+static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
+{
+    static const lika_report_text texts[] = {
+        {
+            "error",
+            "Error, nE",
+            "error active in the system. Reports, for instance, that circuitry and disk are not "
+            "aligned (gap out of tolerance, circuitry not installed properly), or that the "
+            "battery is spent; the encoder cannot operate then and the battery has to be replaced "
+            "(4.3.2).",
+            "",
+            "6.2.1 p.32"
+        },
+        {
+            "warning",
+            "Warning, nW",
+            "warning active in the system. Reports an error in the magnetic multiturn system, or "
+            "that the battery is low; the battery has to be replaced as soon as possible then "
+            "(4.3.1).",
+            "",
+            "6.2.1 p.33"
+        },
+        {
+            "status_info",
+            "EI_3 ... EI_0",
+            "differs from the manual, which has 0 in these unused bits. Encoder information.",
+            "",
+            "7.3.2 p.42; it: 7.3.2 p.43"
+        },
+        {
+            "status_st_error",
+            "EE_0",
+            "ST error",
+            "",
+            "7.3.2 p.42; it: 7.3.2 p.43"
+        },
+        {
+            "status_other_error",
+            "EE_1",
+            "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. "
+            "One bit for BUSY, which goes by itself, and for errors that stay until they are "
+            "reset. Read data ID 3 then: its ALMC tells which it is.",
+            "",
+            "7.3.2 p.42; it: 7.3.2 p.43"
+        },
+        {
+            "status_zero",
+            "",
+            "differs from the manual, which has 0 in these unused bits",
+            "",
+            "7.3.2 p.42; it: 7.3.2 p.43"
+        },
+        {
+            "alarm_zero_0",
+            "",
+            "differs from the manual, which has 0 in these unused bits",
+            "",
+            "7.4 p.43"
+        },
+        {
+            "busy",
+            "BUSY",
+            "not ready after power-on or during a reset; all position data are 0",
+            "Clears itself (speed of rotation down to 300 rpm or less)",
+            "7.4.1 p.44"
+        },
+        {
+            "st_error",
+            "STERR",
+            "counted and calculated data disagree",
+            "Turn on the main power twice, or reset the error with data ID 7 or C",
+            "7.4.1 p.44"
+        },
+        {
+            "alarm_zero_3_4",
+            "",
+            "differs from the manual, which has 0 in these unused bits",
+            "",
+            "7.4 p.43"
+        },
+        {
+            "ps_error",
+            "PSERR",
+            "singleturn and multiturn count out of step, or a counting error",
+            "Turn on the main power twice, or reset the error with data ID 7 or C",
+            "7.4.1 p.44"
+        },
+        {
+            "mt_error",
+            "MTERR",
+            "external battery below 3.05 V",
+            "Reset the error with data ID 7 or C",
+            "7.4.1 p.44; it: 7.4.1 p.45"
+        },
+        {
+            "battery_alarm",
+            "BATT",
+            "external battery below 3.15 V",
+            "Reset the error with data ID 7 or C",
+            "7.4.1 p.44; it: 7.4.1 p.45"
+        },
+        {
+            "eeprom_write_reply_mem_busy",
+            "MEM BUSY",
+            "writing, request not executed",
+            "",
+            "7.5 p.46"
+        },
+        {
+            "eeprom_read_reply_mem_busy",
+            "MEM BUSY",
+            "memory busy, request not executed",
+            "",
+            "7.5 p.46"
+        },
+        { "", "", "", "", "" }
+    };
+    size_t index = 0U;
+    while ((index < 15U) && (((reports >> index) & 1U) == 0U)) {
+        index++;
+    }
+    return &texts[index];
+}
+
 /* -- SSI --------------------------------------------------------------------------------------- */
 
 /*
@@ -336,24 +525,26 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
  * follows starts the transmission with the MSB, and each further one brings a bit down to the LSB.
  * The last rising edge ends the cycle, so that a word of n bits takes up to n + 1 rising edges (13
  * bits: 14 edges). After the word the time Tm may follow at once.
- * Signals: EIA RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.28].
- * Output code: binary [5.2 p.28].
- * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
- *                 range. [5.3]
- * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
- *                 cable may be run at 400 kHz to 4 MHz. [5.3]
+ * Signals: EIA RS-422; clock and data have a logic level of typically 5 V [5 p.27].
+ * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
+ * p.28].
+ * Code: binary [5.2 p.28].
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 4 MHz. [5.3]
  */
-#define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3 p.29] */
-#define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U /* highest clock [5.3 p.29] */
+#define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.29]. */
+#define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U
 /*
- * Tm: From the end of the clock signal until the encoder is ready for the next transmission and
- * sets the data line high [5.1]
+ * Tm: typically 12 us: From the end of the clock signal until the encoder is ready for the next
+ * transmission and sets the data line high [5.1].
  */
 #define LIKA_AMM5_SSI_MONOFLOP_TYPICAL_US 12U
-#define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U /* Tp: Between two clock sequences [5.3] */
+/* Tp: at least 20 us: Between two clock sequences [5.3]. */
+#define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U
 
 /*
  * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
@@ -377,30 +568,31 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * SSI word, sent by the encoder: singleturn_bits + multiturn_bits bits [5.2 p.28].
+ * ssi_word, sent by the encoder over SSI: singleturn_bits + multiturn_bits bits, most significant
+ * first [5.2 p.28].
  * In the manual: Structure of the position information.
  * As many bits as the position has, 17 to 39, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC.
- *   multiturn_bits from bit singleturn_bits up  multiturn
- *   singleturn_bits from bit 0 up               singleturn
- * Erratum (settled): printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2:
- *                    the output code is BINARY, see the order code. Used: Binary. Why: 5.1
- *                    describes SSI in general, 5.2 this encoder; the order code has no place for a
- *                    code and only one SSI variant, BG1. [5.1; 5.2]
- * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary),
- *                 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is
- *                 enforced; n + 1 clocks satisfy both. [5.1; 5.2; it: 5.1]
- * Erratum (settled): printed: AMM5A17/65KKG1... and five more in the English table of word lengths.
- *                    Used: 65KBG1. Why: The table just below it and the Italian edition have
- *                    65KBG1; no model has KG1. [5.2; it: 5.2]
- * Erratum (open): printed: Only "17 + 16 bits" and the like; no words on which of singleturn and
- *                 multiturn comes first in the position. Used: Multiturn first, as the more
- *                 significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
+ * Erratum ssi_output_code (settled, wrong data): Printed: 5.1: the output code can be Binary or
+ * Gray, see the order code. 5.2: the output code is BINARY, see the order code. Used: Binary. Why:
+ * 5.1 describes SSI in general, 5.2 this encoder; the order code has no place for a code and only
+ * one SSI variant, BG1. [5.1; 5.2]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits
+ * (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least as many clocks as data bits. Used:
+ * Neither is enforced; n + 1 clocks satisfy both. [5.1; 5.2; it: 5.1]
+ * Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the
+ * English table of word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition
+ * have 65KBG1; no model has KG1. [5.2; it: 5.2]
+ * Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on
+ * which of singleturn and multiturn comes first in the position. Used: Multiturn first, as the more
+ * significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
+ *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
+ *   from bit 0 up                singleturn  singleturn_bits bits.
  */
 typedef struct lika_amm5_ssi_word {
-    uint16_t multiturn; /* Number of revolutions [revolutions] */
-    uint32_t singleturn; /* Position within one revolution [counts] */
-    uint64_t position; /* multiturn and singleturn as one number */
+    uint16_t multiturn; /* Number of revolutions. Unit: revolutions. */
+    uint32_t singleturn; /* Position within one revolution. Unit: counts. */
+    uint64_t position; /* position is made of multiturn and singleturn, most significant first. */
 } lika_amm5_ssi_word;
 
 /* How many bits it has. */
@@ -459,46 +651,56 @@ static inline lika_result lika_amm5_ssi_word_encode(
     return LIKA_OK;
 }
 
+/* What the position is worth: nothing in this frame tells. */
+static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *frame)
+{
+    (void)frame;
+    return LIKA_NOT_TOLD;
+}
+
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /*
  * The encoder is always a slave, alone with one master. It must never be installed in a network of
  * several slaves. For all that the manual leaves out it refers to www.biss-interface.com.
- * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO).
- * Profile: Standard encoder profile.
- * Network: point to point, never more than one slave [6 p.31].
+ * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6 p.31].
+ * Profile: Standard encoder profile [6 p.31].
+ * Network: point to point, one slave only [6 p.31].
+ * Time-out: 1.5 clock periods (30 us at 50 kHz; 7.5 us at 200 kHz; 150 ns at 10 MHz) [6.5 p.40].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
- *               main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum (open): printed: The encoder complies with the "Standard encoder profile"; no register
- *                 42h to 43h is listed. Used: No profile ID. [6 p.31; 6.4 p.35; prot: p.14-15]
- * Erratum (open): printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz as well.
- *                 Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40;
- *                 prot: p.18]
+ * main fields and refers to the BiSS C protocol description for the whole structure.
+ * Erratum profile_id_missing (open, omission): Printed: The encoder complies with the "Standard
+ * encoder profile"; no register 42h to 43h is listed. Used: No profile ID. [6 p.31; 6.4 p.35; prot:
+ * p.14-15]
+ * Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is
+ * worked out for 50 kHz as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz.
+ * [6.5 p.40; prot: p.18]
  */
-#define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /* lowest clock [6.5 p.40] */
-#define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U /* highest clock [6.5 p.40] */
-/* Register address: Register to read or to write [6.3 p.34] */
+#define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /* Clock: 50 kHz to 10 MHz [6.5 p.40]. */
+#define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U
+/* Register address: 7 bits: Register to read or to write [6.3 p.34]. */
 #define LIKA_AMM5_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
-#define LIKA_AMM5_BISS_CONTROL_RW_BITS 2U /* RW: Direction of the access [6.3 p.34] */
-#define LIKA_AMM5_BISS_CONTROL_RW_WRITE 0x01U /* "01": Write the register */
-#define LIKA_AMM5_BISS_CONTROL_RW_READ 0x02U /* "10": Read the register */
 /*
- * DATA: Value to write, from the master, or value read, from the encoder; most significant bit
- * first [6.3 p.34]
+ * RW: 2 bits: Direction of the access; 1h write ("01"): Write the register; 2h read ("10"): Read
+ * the register [6.3 p.34].
+ */
+#define LIKA_AMM5_BISS_CONTROL_RW_BITS 2U
+#define LIKA_AMM5_BISS_CONTROL_RW_WRITE 0x01U
+#define LIKA_AMM5_BISS_CONTROL_RW_READ 0x02U
+/*
+ * DATA: 8 bits: Value to write, from the master, or value read, from the encoder; most significant
+ * bit first [6.3 p.34].
  */
 #define LIKA_AMM5_BISS_CONTROL_DATA_BITS 8U
-/* CRC: Check of the transmission, sent inverted [6.3 p.34] */
+/* CRC: 4 bits: Check of the transmission, sent inverted [6.3 p.34]. */
 #define LIKA_AMM5_BISS_CONTROL_CRC_BITS 4U
 /*
- * From a write to the Command register to the next function, while the EEPROM is written [6.4 p.39]
+ * eeprom_write: at least 30 ms: From a write to the Command register to the next function, while
+ * the EEPROM is written [6.4 p.39].
  */
 #define LIKA_AMM5_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
-/*
- * Time-out after a frame in nanoseconds, rounded up: 3 halves of a clock period [6.5 p.40]; 0
- * without a clock.
- * The manual's own values: 30000 ns at 50000 Hz; 7500 ns at 200000 Hz; 150 ns at 10000000 Hz.
- */
+/* Time-out after a frame in nanoseconds, rounded up; 0 without a clock. */
 static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 {
     const uint32_t product = 1500000000U;
@@ -509,51 +711,54 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 }
 
 /*
- * Single cycle data, sent by the encoder: singleturn_bits + multiturn_bits + 8 bits [6.2.1 p.32].
+ * single_cycle_data, sent by the encoder over BiSS C-mode: singleturn_bits + multiturn_bits + 8
+ * bits, most significant first [6.2.1 p.32].
  * In the manual: Single Cycle Data SCD.
  * Multiturn and singleturn together are what the manual calls Position (it: Posizione): 17 to 39
  * bits, most significant bit first.
- *   multiturn_bits from bit singleturn_bits + 8 up  multiturn
- *   singleturn_bits from bit 8 up                   singleturn
- *   bit 7                                           error       active low
- *   bit 6                                           warning     active low
- *   bits 5:0                                        crc         CRC; CRC biss_6 over everything
- *                                                               before it
- * Erratum (open): printed: Only "17 + 16 bits" and the like; no words on which of singleturn and
- *                 multiturn comes first in the position. Used: Multiturn first, as the more
- *                 significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
- * Erratum (settled): printed: SCD data is nbitres+7 long. Used: position_bits + 8. Why: Position, 1
- *                    error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8; nbitres+7 is
- *                    the number of the top bit in the table. [6.2.1 p.32; it: 6.2.1 p.32]
- * Erratum (open): printed: nE and LED 1: misalignment and the like, or battery spent, see MT error.
- *                 nW and LED 2: an error in the magnetic multiturn system, or battery low, see
- *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
- *                 alarm and MT error. Used: Each as printed, none derived from another. [6.2.1
- *                 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
- * Erratum (open): printed: BUSY: all position data are 0. A spent battery: the encoder cannot
- *                 operate. A low one, with the warning alone: the position is kept. What the other
- *                 errors do to the position is not said. Used: Not usable with an error, BUSY, PS
- *                 error, ST error or MT error, latched ones until they are reset. Usable with a
- *                 warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS
- *                 error, battery alarm and MT error, makes it not usable, unless the frame carries
- *                 these four as well (data ID 3): then they decide. [6.2.1 p.32; 6.2.1 p.33; 4.3.1
- *                 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
+ * Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on
+ * which of singleturn and multiturn comes first in the position. Used: Multiturn first, as the more
+ * significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
+ * Erratum scd_length (settled, wrong data): Printed: SCD data is nbitres+7 long. Used:
+ * position_bits + 8. Why: Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres +
+ * 8; nbitres+7 is the number of the top bit in the table. [6.2.1 p.32; it: 6.2.1 p.32]
+ * Erratum error_bits_leds_alarms (open, omission): Printed: nE and LED 1: misalignment and the
+ * like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn system, or
+ * battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
+ * alarm and MT error. Used: Each as printed, none derived from another. [6.2.1 p.32; 6.2.1 p.33;
+ * 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
+ * Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent
+ * battery: the encoder cannot operate. A low one, with the warning alone: the position is kept.
+ * What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
+ * error, ST error or MT error, latched ones until they are reset. Usable with a warning with the
+ * warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error,
+ * makes it not usable, unless the frame carries these four as well (data ID 3): then they decide.
+ * [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
+ *   from bit singleturn_bits + 8 up  multiturn   multiturn_bits bits.
+ *   from bit 8 up                    singleturn  singleturn_bits bits.
+ *   bit 7                            error
+ *   bit 6                            warning
+ *   bits 5:0                         crc         CRC: Check of the transmission, sent inverted. CRC
+ *                                                biss_6 over everything before it.
  */
 typedef struct lika_amm5_single_cycle_data {
-    uint16_t multiturn; /* Number of revolutions [revolutions] */
-    uint32_t singleturn; /* Position within one revolution [counts] */
+    uint16_t multiturn; /* Number of revolutions. Unit: revolutions. */
+    uint32_t singleturn; /* Position within one revolution. Unit: counts. */
     /*
-     * Error, nE: error active in the system. Reports, for instance, that circuitry and disk are not
-     * aligned (gap out of tolerance, circuitry not installed properly), or that the battery is
-     * spent; the encoder cannot operate then and the battery has to be replaced (4.3.2).
+     * Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of
+     * tolerance, circuitry not installed properly), or that the battery is spent; the encoder
+     * cannot operate then and the battery has to be replaced (4.3.2). Active at 0: error active in
+     * the system. Inactive at 1: no active error. While it is active, the position is not usable.
      */
     bool error;
     /*
-     * Warning, nW: warning active in the system. Reports an error in the magnetic multiturn system,
-     * or that the battery is low; the battery has to be replaced as soon as possible then (4.3.1).
+     * Warning, nW: Reports an error in the magnetic multiturn system, or that the battery is low;
+     * the battery has to be replaced as soon as possible then (4.3.1). Active at 0: warning active
+     * in the system. Inactive at 1: no active warning. While it is active, the position is usable,
+     * with a warning.
      */
     bool warning;
-    uint64_t position; /* multiturn and singleturn as one number */
+    uint64_t position; /* position is made of multiturn and singleturn, most significant first. */
 } lika_amm5_single_cycle_data;
 
 /* How many bits it has. */
@@ -648,6 +853,26 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
     return LIKA_OK;
 }
 
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_amm5_single_cycle_data_verdict(
+    const lika_amm5_single_cycle_data *frame)
+{
+    if (frame->error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->warning) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
+static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_single_cycle_data *frame)
+{
+    return (frame->error ? (uint32_t)LIKA_AMM5_REPORT_ERROR : 0U) |
+        (frame->warning ? (uint32_t)LIKA_AMM5_REPORT_WARNING : 0U);
+}
+
 /* -- RS-485 ------------------------------------------------------------------------------------ */
 
 /*
@@ -656,109 +881,130 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
  * first, in binary code (7.4). The master asks, the encoder answers with the control field it
  * received. Whether a byte has really been written to the EEPROM is checked by reading it back with
  * data ID D. The manual gives no time for writing it over this interface; MEM BUSY tells.
- * Access to the memory, by the busy flag of the reply:
- *   read, busy 0: The byte was read. Address: that of the request; data: the EEPROM's data [7.5
- *                 p.46].
- *   read, busy 1: The memory is busy, reading by the table, writing by the sentence below it; the
- *                 request is invalid. Address: that of the request; data: 00h [7.5 p.46].
- *   write, busy 0: The request was accepted. Address: that of the request; data: that of the
- *                  request [7.5 p.46].
- *   write, busy 1: A write is being carried out, the request is invalid and not executed. Address:
- *                  that of the request; data: 00h [7.5 p.46].
- * Erratum (open): printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn
- *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. Why:
- *                 The table says it twice, the note only in passing. But public T-format documents
- *                 know three resets, of the data in one revolution, of the multiturn data, and of
- *                 errors; with C and 7 taken, the first is left for this request. [7.4.2 p.45;
- *                 ti_sdk: docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
- * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
- *                 Used: No other request in between, and 40 us or more after each request before
- *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum (settled): printed: One byte for each data ID, without its structure. Used: Bits 2:0 are
- *                    010, bits 6:3 the data ID, bit 7 the even parity of the data ID. Why: All nine
- *                    printed bytes fit this structure, which public sources give for the T-format.
- *                    [7.3.1 p.42; stmbl: src/comps/smartabs.c]
- * Erratum (open): printed: nE and LED 1: misalignment and the like, or battery spent, see MT error.
- *                 nW and LED 2: an error in the magnetic multiturn system, or battery low, see
- *                 Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
- *                 alarm and MT error. Used: Each as printed, none derived from another. [6.2.1
- *                 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
- * Erratum (open): printed: BUSY: all position data are 0. A spent battery: the encoder cannot
- *                 operate. A low one, with the warning alone: the position is kept. What the other
- *                 errors do to the position is not said. Used: Not usable with an error, BUSY, PS
- *                 error, ST error or MT error, latched ones until they are reset. Usable with a
- *                 warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS
- *                 error, battery alarm and MT error, makes it not usable, unless the frame carries
- *                 these four as well (data ID 3): then they decide. [6.2.1 p.32; 6.2.1 p.33; 4.3.1
- *                 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
- * Erratum (open): printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error. Used: One
- *                 flag, status_other_error; the position beside it is not to be trusted until ALMC
- *                 has been read. [7.3.2 p.42; 7.4.1 p.44]
- * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
- *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
- *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
- * Erratum (open): printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself
- *                 (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1 p.44;
- *                 it: 7.4.1 p.44]
+ * Memory read, busy 0: The byte was read. Address: that of the request; data: the EEPROM's data
+ * [7.5 p.46].
+ * Memory read, busy 1: The memory is busy, reading by the table, writing by the sentence below it;
+ * the request is invalid. Address: that of the request; data: 00h [7.5 p.46].
+ * Memory write, busy 0: The request was accepted. Address: that of the request; data: that of the
+ * request [7.5 p.46].
+ * Memory write, busy 1: A write is being carried out, the request is invalid and not executed.
+ * Address: that of the request; data: 00h [7.5 p.46].
+ * Erratum error_bits_leds_alarms (open, omission): Printed: nE and LED 1: misalignment and the
+ * like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn system, or
+ * battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
+ * alarm and MT error. Used: Each as printed, none derived from another. [6.2.1 p.32; 6.2.1 p.33;
+ * 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
+ * Erratum unused_status_bits (open, omission): Printed: EI_3 to EI_0 and four more bits of SF and
+ * ALMC: 0. Used: A reply that has them otherwise is decoded, and reports them; its position is
+ * usable with a warning. [7.3.2 p.42; 7.4 p.43]
+ * Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent
+ * battery: the encoder cannot operate. A low one, with the warning alone: the position is kept.
+ * What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
+ * error, ST error or MT error, latched ones until they are reset. Usable with a warning with the
+ * warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error,
+ * makes it not usable, unless the frame carries these four as well (data ID 3): then they decide.
+ * [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
+ * Erratum control_field_structure (settled, omission): Printed: One byte for each data ID, without
+ * its structure. Used: Bits 2:0 are 010, bits 6:3 the data ID, bit 7 the even parity of the data
+ * ID. Why: All nine printed bytes fit this structure, which public sources give for the T-format.
+ * [7.3.1 p.42; stmbl: src/comps/smartabs.c]
+ * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
+ * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
+ * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and
+ * multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and
+ * multiturn. Why: The table says it twice, the note only in passing. But public T-format documents
+ * know three resets, of the data in one revolution, of the multiturn data, and of errors; with C
+ * and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
+ * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
+ * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
+ * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
+ * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
+ * p.44; it: 7.4.1 p.44]
  */
-#define LIKA_AMM5_RS485_BAUD 2500000U /* baud rate in bits per second [7.1 p.41] */
-#define LIKA_AMM5_RS485_DATA_BITS 8U /* data bits of a byte */
-#define LIKA_AMM5_RS485_PARITY 'N' /* parity: none; flow control: none */
-#define LIKA_AMM5_RS485_STOP_BITS 1U /* stop bits */
-/* Between the ten requests of a reset [7.4.2 p.45] */
+/* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
+#define LIKA_AMM5_RS485_BAUD 2500000U
+#define LIKA_AMM5_RS485_DATA_BITS 8U
+#define LIKA_AMM5_RS485_PARITY 'N'
+#define LIKA_AMM5_RS485_STOP_BITS 1U
+/* reset_interval: at least 40 us: Between the ten requests of a reset [7.4.2 p.45]. */
 #define LIKA_AMM5_RS485_RESET_INTERVAL_AT_LEAST_US 40U
-/* BUSY flag after the tenth request with data ID 7 or C [7.4.2] */
+/* busy_after_reset: at most 2 ms: BUSY flag after the tenth request with data ID 7 or C [7.4.2]. */
 #define LIKA_AMM5_RS485_BUSY_AFTER_RESET_AT_MOST_US 2000U
-/* Execution after the tenth request with data ID 8, EEPROM writing included [7.4.2] */
+/*
+ * data_reset: at most 18 ms: Execution after the tenth request with data ID 8, EEPROM writing
+ * included [7.4.2].
+ */
 #define LIKA_AMM5_RS485_DATA_RESET_AT_MOST_US 18000U
 
-/* Data ID: What the request asks for; a reply repeats it */
+/* Data ID: What the request asks for; a reply repeats it. */
 typedef enum lika_amm5_data_id {
-    LIKA_AMM5_DATA_ID_SINGLETURN = 0x0, /* Data ID 0: Singleturn position [7.3.1 p.42] */
-    LIKA_AMM5_DATA_ID_MULTITURN = 0x1, /* Data ID 1: Multiturn data [7.3.1 p.42] */
-    /* Data ID 2: Encoder ID, printed as the fixed value 23h [7.3.1 p.42] */
+    LIKA_AMM5_DATA_ID_SINGLETURN = 0x0, /* Data ID 0: Singleturn position [7.3.1 p.42]. */
+    LIKA_AMM5_DATA_ID_MULTITURN = 0x1, /* Data ID 1: Multiturn data [7.3.1 p.42]. */
+    /* Data ID 2: Encoder ID, printed as the fixed value 23h [7.3.1 p.42]. */
     LIKA_AMM5_DATA_ID_ENCODER_ID = 0x2,
-    /* Data ID 3: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42; 7.4 p.43] */
+    /* Data ID 3: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42; 7.4 p.43]. */
     LIKA_AMM5_DATA_ID_ALL_DATA = 0x3,
-    LIKA_AMM5_DATA_ID_EEPROM_WRITE = 0x6, /* Data ID 6: Write one byte of the EEPROM [7.3.1 p.42] */
-    LIKA_AMM5_DATA_ID_EEPROM_READ = 0xD, /* Data ID D: Read one byte of the EEPROM [7.3.1 p.42] */
+    /* Data ID 6: Write one byte of the EEPROM [7.3.1 p.42]. */
+    LIKA_AMM5_DATA_ID_EEPROM_WRITE = 0x6,
+    LIKA_AMM5_DATA_ID_EEPROM_READ = 0xD, /* Data ID D: Read one byte of the EEPROM [7.3.1 p.42]. */
     /*
      * Data ID 7: Reset all errors; the reply carries the singleturn position [7.3.1 p.42; 7.4.2
-     * p.45]
+     * p.45].
      */
     LIKA_AMM5_DATA_ID_RESET_ERRORS = 0x7,
     /*
      * Data ID 8: Reset singleturn and multiturn data to 0; the reply carries the singleturn
-     * position [7.3.1 p.42; 7.4.2 p.45]
+     * position [7.3.1 p.42; 7.4.2 p.45].
      */
     LIKA_AMM5_DATA_ID_RESET_SINGLETURN_AND_MULTITURN = 0x8,
     /*
      * Data ID C: Reset multiturn data and all errors; the reply carries the singleturn position
-     * [7.3.1 p.42; 7.4.2 p.45]
+     * [7.3.1 p.42; 7.4.2 p.45].
      */
     LIKA_AMM5_DATA_ID_RESET_MULTITURN_AND_ERRORS = 0xC
 } lika_amm5_data_id;
 
 /* The first byte of each request and of its reply. */
-#define LIKA_AMM5_RS485_CONTROL_SINGLETURN 0x02U /* data ID 0, capture [7.3.1 p.42] */
-#define LIKA_AMM5_RS485_CONTROL_MULTITURN 0x8AU /* data ID 1, capture [7.3.1 p.42] */
-#define LIKA_AMM5_RS485_CONTROL_ENCODER_ID 0x92U /* data ID 2, capture [7.3.1 p.42] */
-#define LIKA_AMM5_RS485_CONTROL_ALL_DATA 0x1AU /* data ID 3, capture [7.3.1 p.42; 7.4 p.43] */
-#define LIKA_AMM5_RS485_CONTROL_EEPROM_WRITE 0x32U /* data ID 6, write [7.3.1 p.42] */
-#define LIKA_AMM5_RS485_CONTROL_EEPROM_READ 0xEAU /* data ID D, read [7.3.1 p.42] */
-#define LIKA_AMM5_RS485_CONTROL_RESET_ERRORS 0xBAU /* data ID 7, reset [7.3.1 p.42; 7.4.2 p.45] */
-/* data ID 8, reset [7.3.1 p.42; 7.4.2 p.45] */
+/* Data ID 0: 02h, capture: Singleturn position [7.3.1 p.42]. */
+#define LIKA_AMM5_RS485_CONTROL_SINGLETURN 0x02U
+/* Data ID 1: 8Ah, capture: Multiturn data [7.3.1 p.42]. */
+#define LIKA_AMM5_RS485_CONTROL_MULTITURN 0x8AU
+/* Data ID 2: 92h, capture: Encoder ID, printed as the fixed value 23h [7.3.1 p.42]. */
+#define LIKA_AMM5_RS485_CONTROL_ENCODER_ID 0x92U
+/* Data ID 3: 1Ah, capture: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42; 7.4 p.43]. */
+#define LIKA_AMM5_RS485_CONTROL_ALL_DATA 0x1AU
+/* Data ID 6: 32h, write: Write one byte of the EEPROM [7.3.1 p.42]. */
+#define LIKA_AMM5_RS485_CONTROL_EEPROM_WRITE 0x32U
+/* Data ID D: EAh, read: Read one byte of the EEPROM [7.3.1 p.42]. */
+#define LIKA_AMM5_RS485_CONTROL_EEPROM_READ 0xEAU
+/*
+ * Data ID 7: BAh, reset: Reset all errors; the reply carries the singleturn position [7.3.1 p.42;
+ * 7.4.2 p.45].
+ */
+#define LIKA_AMM5_RS485_CONTROL_RESET_ERRORS 0xBAU
+/*
+ * Data ID 8: C2h, reset: Reset singleturn and multiturn data to 0; the reply carries the singleturn
+ * position [7.3.1 p.42; 7.4.2 p.45].
+ */
 #define LIKA_AMM5_RS485_CONTROL_RESET_SINGLETURN_AND_MULTITURN 0xC2U
-/* data ID C, reset [7.3.1 p.42; 7.4.2 p.45] */
+/*
+ * Data ID C: 62h, reset: Reset multiturn data and all errors; the reply carries the singleturn
+ * position [7.3.1 p.42; 7.4.2 p.45].
+ */
 #define LIKA_AMM5_RS485_CONTROL_RESET_MULTITURN_AND_ERRORS 0x62U
 
 /*
- * Data request, sent by the master: 1 byte; data ID 0, 1, 2, 3, 7, 8, C [7.2.1 p.41].
+ * data_request, sent by the master over RS-485: 1 byte [7.2.1 p.41].
  * In the manual: Master -> Encoder: CF.
+ * Carries data_id 0 (singleturn), 1 (multiturn), 2 (encoder_id), 3 (all_data), 7 (reset_errors), 8
+ * (reset_singleturn_and_multiturn) or C (reset_multiturn_and_errors).
  * One byte, without a CRC.
- *   bits 2:0  sync     always 0x2; Start of a frame, binary 010
- *   bits 6:3  data_id
- *   bit 7     parity   even parity of data_id
+ *   byte 0, bits 2:0  sync     Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id
+ *   byte 0, bit 7     parity   Even parity of data_id.
  */
 #define LIKA_AMM5_DATA_REQUEST_LENGTH 1U
 
@@ -820,63 +1066,68 @@ static inline lika_result lika_amm5_data_request_encode(
 }
 
 /*
- * EEPROM write request, sent by the master: 4 bytes; data ID 6 [7.2.2 p.41; 7.5 p.46].
+ * eeprom_write_request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5
+ * p.46].
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
- *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id   Data ID; always 0x6
- *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  MEM BUSY; always 0
- *   byte 1 bits 7:1  address
- *   byte 2           data
- *   byte 3           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
- *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
- *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. Why: Two independent T-format stacks
- *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
- *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
- *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
- *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
- *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Carries data_id 6 (eeprom_write).
+ * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
+ * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
+ * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
+ * user that has no default. A wrong one reaches twice the address or half of it, and a write
+ * destroys other data there: read before you write, and compare. Why: Two independent T-format
+ * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
+ * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
+ * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
+ * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
+ * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
+ *                                                 repeats it.
+ *   byte 0, bit 7                       parity    Even parity of data_id.
+ *   from bit eeprom_address_bit + 8 up  address   7 bits.
+ *   from bit mem_busy_bit + 8 up        mem_busy  1 bit. MEM BUSY: Always 0 from the master.
+ *   byte 2                              data
+ *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH 4U
 
 typedef struct lika_amm5_eeprom_write_request {
-    uint8_t address; /* ADD6 ... ADD0: EEPROM address, bits 7:1 of ADF */
-    uint8_t data; /* EDF: Byte to write */
+    uint8_t address; /* ADD6 ... ADD0: EEPROM address. */
+    uint8_t data; /* EDF: Byte to write. */
 } lika_amm5_eeprom_write_request;
 
 /* Decodes 4 bytes. */
 static inline lika_result lika_amm5_eeprom_write_request_decode(
-    const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
-    lika_amm5_eeprom_write_request *out)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_eeprom_write_request *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    const uint64_t word =
+        (uint64_t)bytes[0] |
+        ((uint64_t)bytes[1] << 8U) |
+        ((uint64_t)bytes[2] << 16U) |
+        ((uint64_t)bytes[3] << 24U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    const uint8_t data = bytes[2];
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
+    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t address =
+        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+    const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
+    if ((word & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
+    if (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) && (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
+    /* data ID of another frame, unless its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
-        return LIKA_FAULT_CONSTANT;
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
     out->address = address;
     out->data = data;
@@ -885,8 +1136,8 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
 
 /* Encodes 4 bytes. */
 static inline lika_result lika_amm5_eeprom_write_request_encode(
-    const lika_amm5_variant *variant, const lika_amm5_eeprom_write_request *in, uint8_t *bytes,
-    size_t length)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
+    const lika_amm5_eeprom_write_request *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH) {
@@ -895,68 +1146,79 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
     if (in->address > 0x7FU) {
         return LIKA_FAULT_RANGE;
     }
-    bytes[0] = 0x32U;
-    bytes[1] = (uint8_t)((uint32_t)in->address << 1U);
-    bytes[2] = in->data;
+    uint64_t word =
+        0x02U |
+        ((uint64_t)0x06U << 3U) |
+        ((uint64_t)0U << 7U) |
+        ((uint64_t)in->address << (8U + lika_amm5_eeprom_address_bit(eeprom_address))) |
+        ((uint64_t)in->data << 16U);
+    bytes[0] = (uint8_t)word;
+    bytes[1] = (uint8_t)(word >> 8U);
+    bytes[2] = (uint8_t)(word >> 16U);
+    bytes[3] = (uint8_t)(word >> 24U);
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH - 1U);
     return LIKA_OK;
 }
 
 /*
- * EEPROM read request, sent by the master: 3 bytes; data ID D [7.2.3 p.42; 7.5 p.46].
+ * eeprom_read_request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42; 7.5
+ * p.46].
  * In the manual: Master -> Encoder: CF ADF CRC.
- *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id   Data ID; always 0xd
- *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  MEM BUSY; always 0
- *   byte 1 bits 7:1  address
- *   byte 2           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
- *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
- *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. Why: Two independent T-format stacks
- *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
- *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
- *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
- *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
- *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Carries data_id D (eeprom_read).
+ * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
+ * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
+ * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
+ * user that has no default. A wrong one reaches twice the address or half of it, and a write
+ * destroys other data there: read before you write, and compare. Why: Two independent T-format
+ * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
+ * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
+ * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
+ * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
+ * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
+ *                                                 repeats it.
+ *   byte 0, bit 7                       parity    Even parity of data_id.
+ *   from bit eeprom_address_bit + 8 up  address   7 bits.
+ *   from bit mem_busy_bit + 8 up        mem_busy  1 bit. MEM BUSY: Always 0 from the master.
+ *   byte 2                              crc       CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH 3U
 
 typedef struct lika_amm5_eeprom_read_request {
-    uint8_t address; /* ADD6 ... ADD0: EEPROM address, bits 7:1 of ADF */
+    uint8_t address; /* ADD6 ... ADD0: EEPROM address. */
 } lika_amm5_eeprom_read_request;
 
 /* Decodes 3 bytes. */
 static inline lika_result lika_amm5_eeprom_read_request_decode(
-    const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
-    lika_amm5_eeprom_read_request *out)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_eeprom_read_request *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    const uint64_t word =
+        (uint64_t)bytes[0] |
+        ((uint64_t)bytes[1] << 8U) |
+        ((uint64_t)bytes[2] << 16U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
+    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t address =
+        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+    if ((word & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0x01U) != 0x00U) { /* mem busy */
+    if (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0x00U) { /* mem busy */
         return LIKA_FAULT_CONSTANT;
     }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) && (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
+    /* data ID of another frame, unless its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
-        return LIKA_FAULT_CONSTANT;
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
     out->address = address;
     return LIKA_OK;
@@ -964,8 +1226,8 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
 
 /* Encodes 3 bytes. */
 static inline lika_result lika_amm5_eeprom_read_request_encode(
-    const lika_amm5_variant *variant, const lika_amm5_eeprom_read_request *in, uint8_t *bytes,
-    size_t length)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
+    const lika_amm5_eeprom_read_request *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH) {
@@ -974,47 +1236,75 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
     if (in->address > 0x7FU) {
         return LIKA_FAULT_RANGE;
     }
-    bytes[0] = 0xEAU;
-    bytes[1] = (uint8_t)((uint32_t)in->address << 1U);
+    uint64_t word =
+        0x02U |
+        ((uint64_t)0x0DU << 3U) |
+        ((uint64_t)1U << 7U) |
+        ((uint64_t)in->address << (8U + lika_amm5_eeprom_address_bit(eeprom_address)));
+    bytes[0] = (uint8_t)word;
+    bytes[1] = (uint8_t)(word >> 8U);
+    bytes[2] = (uint8_t)(word >> 16U);
     bytes[2] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH - 1U);
     return LIKA_OK;
 }
 
 /*
- * Singleturn reply, sent by the encoder: 6 bytes; data ID 0, 7, 8, C [7.2.1 p.41; 7.4 p.43].
+ * singleturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4
+ * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
+ * Carries data_id 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
+ * (reset_multiturn_and_errors).
  * position = (DF2 << 16) + (DF1 << 8) + DF0; bits above the resolution are 0: bit 23, bits 23:21 or
  * bits 23:17.
- *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id
- *   byte 0 bit 7     parity              even parity of data_id
- *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     active high
- *   byte 1 bit 5     status_other_error  active high
- *   byte 1 bits 7:6  status_zero         always 0
- *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
- *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error. Used: One
- *                 flag, status_other_error; the position beside it is not to be trusted until ALMC
- *                 has been read. [7.3.2 p.42; 7.4.1 p.44]
- * Erratum (settled): printed: Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF,
- *                    DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is refused for
- *                    its length. Why: The CRC is right. A reply begins with the control field of
- *                    its request; 32h is that of data ID 6, whose reply has four bytes and no SF.
- *                    No data ID has four data bytes. [7.6]
+ * Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error,
+ * Battery alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to
+ * be trusted until ALMC has been read. [7.3.2 p.42; 7.4.1 p.44]
+ * Erratum crc_example_frame (settled, wrong data): Printed: Request 02h, reply 32h 10h 01h 28h B0h
+ * 08h B3h with fields CF, SF, DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is
+ * refused for its length. Why: The CRC is right. A reply begins with the control field of its
+ * request; 32h is that of data ID 6, whose reply has four bytes and no SF. No data ID has four data
+ * bytes. [7.6]
+ *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id
+ *   byte 0, bit 7     parity              Even parity of data_id.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
+ *                                         manual. With other bits here the rest is decoded all the
+ *                                         same, and the position is usable, with a warning.
+ *   byte 1, bit 4     status_st_error
+ *   byte 1, bit 5     status_other_error
+ *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. With other bits here the rest is
+ *                                         decoded all the same, and the position is usable, with a
+ *                                         warning.
+ *   bytes 2 to 4      singleturn          singleturn_bits bits.
+ *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_SINGLETURN_REPLY_LENGTH 6U
 
 typedef struct lika_amm5_singleturn_reply {
     lika_amm5_data_id data_id;
-    bool status_st_error; /* EE_0: ST error */
     /*
-     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
-     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
-     * data ID 3 then: its ALMC tells which it is.
+     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
+     * active, the position is not usable.
+     */
+    bool status_st_error;
+    /*
+     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
+     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
+     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
+     * it is active, the position is not usable.
      */
     bool status_other_error;
-    uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
+    /*
+     * ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits,
+     * zeros above it.
+     */
+    uint32_t singleturn;
+    /*
+     * Unused bits, each 1 where it is not as the manual has it: 3:0 status_info and 7:6
+     * status_zero.
+     */
+    uint8_t unused;
 } lika_amm5_singleturn_reply;
 
 /* Decodes 6 bytes. */
@@ -1038,9 +1328,6 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
     if (parity != lika_parity(data_id)) { /* even parity of data ID */
         return LIKA_FAULT_CONSTANT;
     }
@@ -1052,6 +1339,7 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
     }
     out->data_id = (lika_amm5_data_id)data_id;
     const uint8_t flags = bytes[1];
+    out->unused = (uint8_t)(flags & 0xCFU);
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->singleturn = singleturn;
@@ -1075,9 +1363,12 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
     if (in->singleturn > lika_mask(variant->singleturn_bits)) {
         return LIKA_FAULT_RANGE;
     }
+    if ((in->unused & 0x30U) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     bytes[0] = (uint8_t)(0x02U | ((uint32_t)in->data_id << 3U) |
         (lika_parity((uint32_t)in->data_id) << 7U));
-    bytes[1] = (uint8_t)((in->status_st_error ? 0x10U : 0x00U) |
+    bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
         (in->status_other_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->singleturn;
     bytes[3] = (uint8_t)(in->singleturn >> 8U);
@@ -1086,34 +1377,84 @@ static inline lika_result lika_amm5_singleturn_reply_encode(
     return LIKA_OK;
 }
 
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
+static inline bool lika_amm5_singleturn_reply_is_expected(
+    const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in)
+{
+    (void)variant;
+    return in->unused == 0U;
+}
+
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_amm5_singleturn_reply_verdict(
+    const lika_amm5_singleturn_reply *frame)
+{
+    if (frame->status_st_error || frame->status_other_error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->unused != 0U) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
+static inline uint32_t lika_amm5_singleturn_reply_reports(const lika_amm5_singleturn_reply *frame)
+{
+    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
+}
+
 /*
- * Multiturn reply, sent by the encoder: 6 bytes; data ID 1 [7.2.1 p.41; 7.4 p.43].
+ * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
+ * Carries data_id 1 (multiturn).
  * In singleturn models no bit of the three bytes is used; unused high bits are 0.
- *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id             Data ID; always 0x1
- *   byte 0 bit 7     parity              even parity of data_id
- *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     active high
- *   byte 1 bit 5     status_other_error  active high
- *   byte 1 bits 7:6  status_zero         always 0
- *   bytes 2 to 4     multiturn           multiturn_bits, those above always 0
- *   byte 5           crc                 CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error. Used: One
- *                 flag, status_other_error; the position beside it is not to be trusted until ALMC
- *                 has been read. [7.3.2 p.42; 7.4.1 p.44]
+ * Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error,
+ * Battery alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to
+ * be trusted until ALMC has been read. [7.3.2 p.42; 7.4.1 p.44]
+ *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
+ *   byte 0, bit 7     parity              Even parity of data_id.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
+ *                                         manual. With other bits here the rest is decoded all the
+ *                                         same, and the position is usable, with a warning.
+ *   byte 1, bit 4     status_st_error
+ *   byte 1, bit 5     status_other_error
+ *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. With other bits here the rest is
+ *                                         decoded all the same, and the position is usable, with a
+ *                                         warning.
+ *   bytes 2 to 4      multiturn           multiturn_bits bits.
+ *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_MULTITURN_REPLY_LENGTH 6U
 
 typedef struct lika_amm5_multiturn_reply {
-    bool status_st_error; /* EE_0: ST error */
     /*
-     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
-     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
-     * data ID 3 then: its ALMC tells which it is.
+     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
+     * active, the position is not usable.
+     */
+    bool status_st_error;
+    /*
+     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
+     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
+     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
+     * it is active, the position is not usable.
      */
     bool status_other_error;
-    uint16_t multiturn; /* ABM0, ABM1, ABM2: Number of revolutions [revolutions] */
+    /*
+     * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, zeros
+     * above it.
+     */
+    uint16_t multiturn;
+    /*
+     * Unused bits, each 1 where it is not as the manual has it: 3:0 status_info and 7:6
+     * status_zero.
+     */
+    uint8_t unused;
 } lika_amm5_multiturn_reply;
 
 /* Decodes 6 bytes. */
@@ -1136,21 +1477,14 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
     if (bytes[4] != 0x00U) { /* above multiturn */
         return LIKA_FAULT_CONSTANT;
     }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) && (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_MULTITURN) || (parity != 1U)) {
-        return LIKA_FAULT_CONSTANT;
+    if (bytes[0] != 0x8AU) { /* data ID of another frame, unless its even parity is wrong */
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
+    out->unused = (uint8_t)(flags & 0xCFU);
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->multiturn = multiturn;
@@ -1168,8 +1502,11 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
     if (in->multiturn > lika_mask(variant->multiturn_bits)) {
         return LIKA_FAULT_RANGE;
     }
+    if ((in->unused & 0x30U) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     bytes[0] = 0x8AU;
-    bytes[1] = (uint8_t)((in->status_st_error ? 0x10U : 0x00U) |
+    bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
         (in->status_other_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->multiturn;
     bytes[3] = (uint8_t)(in->multiturn >> 8U);
@@ -1178,37 +1515,86 @@ static inline lika_result lika_amm5_multiturn_reply_encode(
     return LIKA_OK;
 }
 
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
+static inline bool lika_amm5_multiturn_reply_is_expected(
+    const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in)
+{
+    (void)variant;
+    return in->unused == 0U;
+}
+
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_amm5_multiturn_reply_verdict(const lika_amm5_multiturn_reply *frame)
+{
+    if (frame->status_st_error || frame->status_other_error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->unused != 0U) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
+static inline uint32_t lika_amm5_multiturn_reply_reports(const lika_amm5_multiturn_reply *frame)
+{
+    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
+}
+
 /*
- * Encoder ID reply, sent by the encoder: 4 bytes; data ID 2 [7.2.1 p.41; 7.4 p.43].
+ * encoder_id_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41; 7.4
+ * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 CRC.
- *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id             Data ID; always 0x2
- *   byte 0 bit 7     parity              even parity of data_id
- *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     active high
- *   byte 1 bit 5     status_other_error  active high
- *   byte 1 bits 7:6  status_zero         always 0
- *   byte 2           encoder_id          ENID; 0x23 by the manual, not enforced
- *   byte 3           crc                 CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID
- *                 should be; a frame with another one is decoded, and the other one reported. Why:
- *                 T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
- *                 sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for
- *                 hexadecimal, and the value says nothing about the frame: sync code, data ID,
- *                 length and CRC do. [7.3.1 p.42; 7.4 p.43; hpm_sdk:
- *                 samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Carries data_id 2 (encoder_id).
+ * Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used:
+ * 23h is what the encoder ID should be; a frame with another one is decoded, and the other one
+ * reported. Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
+ * sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for hexadecimal, and the
+ * value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1 p.42; 7.4 p.43;
+ * hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
+ *   byte 0, bit 7     parity              Even parity of data_id.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
+ *                                         manual. With other bits here the rest is decoded all the
+ *                                         same, and the position is usable, with a warning.
+ *   byte 1, bit 4     status_st_error
+ *   byte 1, bit 5     status_other_error
+ *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. With other bits here the rest is
+ *                                         decoded all the same, and the position is usable, with a
+ *                                         warning.
+ *   byte 2            encoder_id
+ *   byte 3            crc                 CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_ENCODER_ID_REPLY_LENGTH 4U
 
 typedef struct lika_amm5_encoder_id_reply {
-    bool status_st_error; /* EE_0: ST error */
     /*
-     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
-     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
-     * data ID 3 then: its ALMC tells which it is.
+     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
+     * active, the position is not usable.
+     */
+    bool status_st_error;
+    /*
+     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
+     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
+     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
+     * it is active, the position is not usable.
      */
     bool status_other_error;
-    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; a frame with another one is decoded */
+    /*
+     * ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which
+     * identifies the encoder; decoding accepts any value.
+     */
+    uint8_t encoder_id;
+    /*
+     * Unused bits, each 1 where it is not as the manual has it: 3:0 status_info and 7:6
+     * status_zero.
+     */
+    uint8_t unused;
 } lika_amm5_encoder_id_reply;
 
 /* Decodes 4 bytes. */
@@ -1229,18 +1615,11 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) && (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ENCODER_ID) || (parity != 1U)) {
-        return LIKA_FAULT_CONSTANT;
+    if (bytes[0] != 0x92U) { /* data ID of another frame, unless its even parity is wrong */
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
+    out->unused = (uint8_t)(flags & 0xCFU);
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->encoder_id = encoder_id;
@@ -1256,8 +1635,11 @@ static inline lika_result lika_amm5_encoder_id_reply_encode(
     if (length != LIKA_AMM5_ENCODER_ID_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    if ((in->unused & 0x30U) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     bytes[0] = 0x92U;
-    bytes[1] = (uint8_t)((in->status_st_error ? 0x10U : 0x00U) |
+    bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
         (in->status_other_error ? 0x20U : 0x00U));
     bytes[2] = in->encoder_id;
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_ENCODER_ID_REPLY_LENGTH - 1U);
@@ -1272,57 +1654,117 @@ static inline bool lika_amm5_encoder_id_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in)
 {
     (void)variant;
-    return in->encoder_id == LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED;
+    return (in->encoder_id == LIKA_AMM5_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED) && (in->unused == 0U);
+}
+
+/* What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
+static inline uint32_t lika_amm5_encoder_id_reply_reports(const lika_amm5_encoder_id_reply *frame)
+{
+    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U);
 }
 
 /*
- * Complete reply, sent by the encoder: 11 bytes; data ID 3 [7.2.1 p.41; 7.4 p.43].
+ * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF7 CRC.
- *   byte 0 bits 2:0  sync                always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id             Data ID; always 0x3
- *   byte 0 bit 7     parity              even parity of data_id
- *   byte 1 bits 3:0  status_info         EI_3 ... EI_0; always 0; Encoder information
- *   byte 1 bit 4     status_st_error     active high
- *   byte 1 bit 5     status_other_error  active high
- *   byte 1 bits 7:6  status_zero         always 0
- *   bytes 2 to 4     singleturn          singleturn_bits, those above always 0
- *   byte 5           encoder_id          ENID; 0x23 by the manual, not enforced
- *   bytes 6 to 8     multiturn           multiturn_bits, those above always 0
- *   byte 9 bit 0     alarm_zero_0        always 0
- *   byte 9 bit 1     busy                active high
- *   byte 9 bit 2     st_error            active high
- *   byte 9 bits 4:3  alarm_zero_3_4      always 0
- *   byte 9 bit 5     ps_error            active high
- *   byte 9 bit 6     mt_error            active high
- *   byte 9 bit 7     battery_alarm       active high
- *   byte 10          crc                 CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder ID
- *                 should be; a frame with another one is decoded, and the other one reported. Why:
- *                 T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
- *                 sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for
- *                 hexadecimal, and the value says nothing about the frame: sync code, data ID,
- *                 length and CRC do. [7.3.1 p.42; 7.4 p.43; hpm_sdk:
- *                 samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Carries data_id 3 (all_data).
+ * Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used:
+ * 23h is what the encoder ID should be; a frame with another one is decoded, and the other one
+ * reported. Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
+ * sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for hexadecimal, and the
+ * value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1 p.42; 7.4 p.43;
+ * hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
+ *   byte 0, bit 7     parity              Even parity of data_id.
+ *   byte 1, bits 3:0  status_info         EI_3 ... EI_0: Encoder information. Unused, 0 in the
+ *                                         manual. With other bits here the rest is decoded all the
+ *                                         same, and the position is usable, with a warning.
+ *   byte 1, bit 4     status_st_error
+ *   byte 1, bit 5     status_other_error
+ *   byte 1, bits 7:6  status_zero         Unused, 0 in the manual. With other bits here the rest is
+ *                                         decoded all the same, and the position is usable, with a
+ *                                         warning.
+ *   bytes 2 to 4      singleturn          singleturn_bits bits.
+ *   byte 5            encoder_id
+ *   bytes 6 to 8      multiturn           multiturn_bits bits.
+ *   byte 9, bit 0     alarm_zero_0        Unused, 0 in the manual. With other bits here the rest is
+ *                                         decoded all the same, and the position is usable, with a
+ *                                         warning.
+ *   byte 9, bit 1     busy
+ *   byte 9, bit 2     st_error
+ *   byte 9, bits 4:3  alarm_zero_3_4      Unused, 0 in the manual. With other bits here the rest is
+ *                                         decoded all the same, and the position is usable, with a
+ *                                         warning.
+ *   byte 9, bit 5     ps_error
+ *   byte 9, bit 6     mt_error
+ *   byte 9, bit 7     battery_alarm
+ *   byte 10           crc                 CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_COMPLETE_REPLY_LENGTH 11U
 
 typedef struct lika_amm5_complete_reply {
-    bool status_st_error; /* EE_0: ST error */
     /*
-     * EE_1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0.
-     * One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read
-     * data ID 3 then: its ALMC tells which it is.
+     * EE_0. Active at 1: ST error. Inactive at 0: no ST error. Sums up st_error. While it is
+     * active, the position is not usable.
+     */
+    bool status_st_error;
+    /*
+     * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
+     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
+     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
+     * it is active, the position is not usable.
      */
     bool status_other_error;
-    uint32_t singleturn; /* ABS0, ABS1, ABS2: Position within one revolution [counts] */
-    uint8_t encoder_id; /* ENID: Encoder ID, printed as 23h; a frame with another one is decoded */
-    uint16_t multiturn; /* ABM0, ABM1, ABM2: Number of revolutions [revolutions] */
-    bool busy; /* BUSY: not ready after power-on or during a reset; all position data are 0 */
-    bool st_error; /* STERR: counted and calculated data disagree */
-    bool ps_error; /* PSERR: singleturn and multiturn count out of step, or a counting error */
-    bool mt_error; /* MTERR: external battery below 3.05 V */
-    bool battery_alarm; /* BATT: external battery below 3.15 V */
-    uint64_t position; /* multiturn and singleturn as one number */
+    /*
+     * ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits,
+     * zeros above it.
+     */
+    uint32_t singleturn;
+    /*
+     * ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which
+     * identifies the encoder; decoding accepts any value.
+     */
+    uint8_t encoder_id;
+    /*
+     * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, zeros
+     * above it.
+     */
+    uint16_t multiturn;
+    /*
+     * BUSY. Active at 1: not ready after power-on or during a reset; all position data are 0.
+     * Inactive at 0: ready. While it is active, the position is not usable.
+     */
+    bool busy;
+    /*
+     * STERR. Active at 1: counted and calculated data disagree. Inactive at 0: no ST error. While
+     * it is active, the position is not usable.
+     */
+    bool st_error;
+    /*
+     * PSERR. Active at 1: singleturn and multiturn count out of step, or a counting error. Inactive
+     * at 0: no PS error. While it is active, the position is not usable.
+     */
+    bool ps_error;
+    /*
+     * MTERR. Active at 1: external battery below 3.05 V. Inactive at 0: no MT error. While it is
+     * active, the position is not usable.
+     */
+    bool mt_error;
+    /*
+     * BATT. Active at 1: external battery below 3.15 V. Inactive at 0: no battery alarm. While it
+     * is active, the position is usable, with a warning.
+     */
+    bool battery_alarm;
+    uint64_t position; /* position is made of multiturn and singleturn, most significant first. */
+    /*
+     * Unused bits, each 1 where it is not as the manual has it: 3:0 status_info, 7:6 status_zero, 8
+     * alarm_zero_0 and 12:11 alarm_zero_3_4.
+     */
+    uint16_t unused;
 } lika_amm5_complete_reply;
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
@@ -1365,30 +1807,22 @@ static inline lika_result lika_amm5_complete_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
     if (bytes[8] != 0x00U) { /* above multiturn */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[9] & 0x19U) != 0x00U) { /* alarm zero 0, alarm zero 3 4 */
-        return LIKA_FAULT_CONSTANT;
-    }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) && (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_ALL_DATA) || (parity != 0U)) {
-        return LIKA_FAULT_CONSTANT;
+    if (bytes[0] != 0x1AU) { /* data ID of another frame, unless its even parity is wrong */
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
     uint8_t flags = bytes[1];
+    uint32_t unused = flags;
     out->status_st_error = ((flags & 0x10U) != 0U);
     out->status_other_error = ((flags & 0x20U) != 0U);
     out->singleturn = singleturn;
     out->encoder_id = encoder_id;
     out->multiturn = multiturn;
     flags = bytes[9];
+    unused |= (uint32_t)flags << 8U;
+    out->unused = (uint16_t)(unused & 0x19CFU);
     out->busy = ((flags & 0x02U) != 0U);
     out->st_error = ((flags & 0x04U) != 0U);
     out->ps_error = ((flags & 0x20U) != 0U);
@@ -1416,8 +1850,11 @@ static inline lika_result lika_amm5_complete_reply_encode(
     if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
         return LIKA_FAULT_RANGE;
     }
+    if ((in->unused & 0xE630U) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     bytes[0] = 0x1AU;
-    bytes[1] = (uint8_t)((in->status_st_error ? 0x10U : 0x00U) |
+    bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_st_error ? 0x10U : 0x00U) |
         (in->status_other_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->singleturn;
     bytes[3] = (uint8_t)(in->singleturn >> 8U);
@@ -1426,9 +1863,9 @@ static inline lika_result lika_amm5_complete_reply_encode(
     bytes[6] = (uint8_t)in->multiturn;
     bytes[7] = (uint8_t)(in->multiturn >> 8U);
     bytes[8] = 0x00U;
-    bytes[9] = (uint8_t)((in->busy ? 0x02U : 0x00U) | (in->st_error ? 0x04U : 0x00U) |
-        (in->ps_error ? 0x20U : 0x00U) | (in->mt_error ? 0x40U : 0x00U) |
-        (in->battery_alarm ? 0x80U : 0x00U));
+    bytes[9] = (uint8_t)(((in->unused >> 8U) & 0x19U) | (in->busy ? 0x02U : 0x00U) |
+        (in->st_error ? 0x04U : 0x00U) | (in->ps_error ? 0x20U : 0x00U) |
+        (in->mt_error ? 0x40U : 0x00U) | (in->battery_alarm ? 0x80U : 0x00U));
     bytes[10] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_COMPLETE_REPLY_LENGTH - 1U);
     return LIKA_OK;
 }
@@ -1441,77 +1878,111 @@ static inline bool lika_amm5_complete_reply_is_expected(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in)
 {
     (void)variant;
-    return in->encoder_id == LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED;
+    return (in->encoder_id == LIKA_AMM5_COMPLETE_REPLY_ENCODER_ID_EXPECTED) && (in->unused == 0U);
+}
+
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_amm5_complete_reply_verdict(const lika_amm5_complete_reply *frame)
+{
+    if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm) ||
+        frame->busy || frame->st_error || frame->ps_error || frame->mt_error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->battery_alarm || (frame->unused != 0U)) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
+static inline uint32_t lika_amm5_complete_reply_reports(const lika_amm5_complete_reply *frame)
+{
+    return (frame->status_st_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ST_ERROR : 0U) |
+        (frame->status_other_error ? (uint32_t)LIKA_AMM5_REPORT_STATUS_OTHER_ERROR : 0U) |
+        (frame->busy ? (uint32_t)LIKA_AMM5_REPORT_BUSY : 0U) |
+        (frame->st_error ? (uint32_t)LIKA_AMM5_REPORT_ST_ERROR : 0U) |
+        (frame->ps_error ? (uint32_t)LIKA_AMM5_REPORT_PS_ERROR : 0U) |
+        (frame->mt_error ? (uint32_t)LIKA_AMM5_REPORT_MT_ERROR : 0U) |
+        (frame->battery_alarm ? (uint32_t)LIKA_AMM5_REPORT_BATTERY_ALARM : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_STATUS_ZERO : 0U) |
+        (((frame->unused & 0x100U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_ALARM_ZERO_0 : 0U) |
+        (((frame->unused & 0x1800U) != 0U) ? (uint32_t)LIKA_AMM5_REPORT_ALARM_ZERO_3_4 : 0U);
 }
 
 /*
- * EEPROM write reply, sent by the encoder: 4 bytes; data ID 6 [7.2.2 p.41; 7.5 p.46].
+ * eeprom_write_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5
+ * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
- *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id   Data ID; always 0x6
- *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  active high
- *   byte 1 bits 7:1  address
- *   byte 2           data
- *   byte 3           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
- *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
- *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. Why: Two independent T-format stacks
- *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
- *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
- *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
- *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
- *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Carries data_id 6 (eeprom_write).
+ * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
+ * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
+ * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
+ * user that has no default. A wrong one reaches twice the address or half of it, and a write
+ * destroys other data there: read before you write, and compare. Why: Two independent T-format
+ * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
+ * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
+ * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
+ * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
+ * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
+ *                                                 repeats it.
+ *   byte 0, bit 7                       parity    Even parity of data_id.
+ *   from bit eeprom_address_bit + 8 up  address   7 bits.
+ *   from bit mem_busy_bit + 8 up        mem_busy  1 bit.
+ *   byte 2                              data
+ *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH 4U
 
 typedef struct lika_amm5_eeprom_write_reply {
-    bool mem_busy; /* MEM BUSY: writing, request not executed */
-    uint8_t address; /* ADD6 ... ADD0: EEPROM address of the request */
-    uint8_t data; /* EDF: Byte of the request, or 00h while busy */
+    uint8_t address; /* ADD6 ... ADD0: EEPROM address of the request. */
+    /* MEM BUSY. Active at 1: writing, request not executed. Inactive at 0: request accepted. */
+    bool mem_busy;
+    uint8_t data; /* EDF: Byte of the request, or 00h while busy. */
 } lika_amm5_eeprom_write_reply;
 
 /* Decodes 4 bytes. */
 static inline lika_result lika_amm5_eeprom_write_reply_decode(
-    const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
-    lika_amm5_eeprom_write_reply *out)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_eeprom_write_reply *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    const uint64_t word =
+        (uint64_t)bytes[0] |
+        ((uint64_t)bytes[1] << 8U) |
+        ((uint64_t)bytes[2] << 16U) |
+        ((uint64_t)bytes[3] << 24U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    const uint8_t data = bytes[2];
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
+    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t address =
+        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+    const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
+    if ((word & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) && (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
+    /* data ID of another frame, unless its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_WRITE) || (parity != 0U)) {
-        return LIKA_FAULT_CONSTANT;
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
-    const uint8_t flags = bytes[1];
-    out->mem_busy = ((flags & 0x01U) != 0U);
     out->address = address;
+    out->mem_busy = (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0U);
     out->data = data;
     return LIKA_OK;
 }
 
 /* Encodes 4 bytes. */
 static inline lika_result lika_amm5_eeprom_write_reply_encode(
-    const lika_amm5_variant *variant, const lika_amm5_eeprom_write_reply *in, uint8_t *bytes,
-    size_t length)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
+    const lika_amm5_eeprom_write_reply *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH) {
@@ -1520,81 +1991,101 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
     if (in->address > 0x7FU) {
         return LIKA_FAULT_RANGE;
     }
-    bytes[0] = 0x32U;
-    bytes[1] = (uint8_t)((in->mem_busy ? 0x01U : 0x00U) | ((uint32_t)in->address << 1U));
-    bytes[2] = in->data;
+    uint64_t word =
+        0x02U |
+        ((uint64_t)0x06U << 3U) |
+        ((uint64_t)0U << 7U) |
+        ((uint64_t)in->address << (8U + lika_amm5_eeprom_address_bit(eeprom_address))) |
+        ((uint64_t)(in->mem_busy ? 1U : 0U) << (8U + lika_amm5_mem_busy_bit(eeprom_address))) |
+        ((uint64_t)in->data << 16U);
+    bytes[0] = (uint8_t)word;
+    bytes[1] = (uint8_t)(word >> 8U);
+    bytes[2] = (uint8_t)(word >> 16U);
+    bytes[3] = (uint8_t)(word >> 24U);
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH - 1U);
     return LIKA_OK;
 }
 
+/* What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
+static inline uint32_t lika_amm5_eeprom_write_reply_reports(
+    const lika_amm5_eeprom_write_reply *frame)
+{
+    return (frame->mem_busy ? (uint32_t)LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY : 0U);
+}
+
 /*
- * EEPROM read reply, sent by the encoder: 4 bytes; data ID D [7.2.3 p.42; 7.5 p.46].
+ * eeprom_read_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42; 7.5
+ * p.46].
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
- *   byte 0 bits 2:0  sync      always 0x2; Start of a frame, binary 010
- *   byte 0 bits 6:3  data_id   Data ID; always 0xd
- *   byte 0 bit 7     parity    even parity of data_id
- *   byte 1 bit 0     mem_busy  active high
- *   byte 1 bits 7:1  address
- *   byte 2           data
- *   byte 3           crc       CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that
- *                 address 5 is sent as 0Ah. Used: As printed. Where the encoder puts the address
- *                 into bits 6:0, these requests reach twice the address, and a write destroys other
- *                 data: read before you write, and compare. Why: Two independent T-format stacks
- *                 put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C
- *                 (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h),
- *                 in which bit 0 is 1, against the 0 that it must be from a master here; TI's
- *                 driver sends the address as given, EA 05 EF for address 5, where this manual has
- *                 EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- *                 samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- *                 tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Carries data_id D (eeprom_read).
+ * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
+ * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
+ * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
+ * user that has no default. A wrong one reaches twice the address or half of it, and a write
+ * destroys other data there: read before you write, and compare. Why: Two independent T-format
+ * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
+ * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
+ * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
+ * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
+ * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
+ *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
+ *                                                 repeats it.
+ *   byte 0, bit 7                       parity    Even parity of data_id.
+ *   from bit eeprom_address_bit + 8 up  address   7 bits.
+ *   from bit mem_busy_bit + 8 up        mem_busy  1 bit.
+ *   byte 2                              data
+ *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_AMM5_EEPROM_READ_REPLY_LENGTH 4U
 
 typedef struct lika_amm5_eeprom_read_reply {
-    bool mem_busy; /* MEM BUSY: memory busy, request not executed */
-    uint8_t address; /* ADD6 ... ADD0: EEPROM address of the request */
-    uint8_t data; /* EDF: Byte read, or 00h while busy */
+    uint8_t address; /* ADD6 ... ADD0: EEPROM address of the request. */
+    /* MEM BUSY. Active at 1: memory busy, request not executed. Inactive at 0: byte read. */
+    bool mem_busy;
+    uint8_t data; /* EDF: Byte read, or 00h while busy. */
 } lika_amm5_eeprom_read_reply;
 
 /* Decodes 4 bytes. */
 static inline lika_result lika_amm5_eeprom_read_reply_decode(
-    const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
-    lika_amm5_eeprom_read_reply *out)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_eeprom_read_reply *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) {
         return LIKA_FAULT_LENGTH;
     }
+    const uint64_t word =
+        (uint64_t)bytes[0] |
+        ((uint64_t)bytes[1] << 8U) |
+        ((uint64_t)bytes[2] << 16U) |
+        ((uint64_t)bytes[3] << 24U);
     if (lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
-    const uint8_t address = (uint8_t)(bytes[1] >> 1U);
-    const uint8_t data = bytes[2];
-    if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
+    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t address =
+        (uint8_t)lika_field(word, 8U + lika_amm5_eeprom_address_bit(eeprom_address), 7U);
+    const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
+    if ((word & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) && (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
+    /* data ID of another frame, unless its even parity is wrong */
     if ((data_id != (uint8_t)LIKA_AMM5_DATA_ID_EEPROM_READ) || (parity != 1U)) {
-        return LIKA_FAULT_CONSTANT;
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
-    const uint8_t flags = bytes[1];
-    out->mem_busy = ((flags & 0x01U) != 0U);
     out->address = address;
+    out->mem_busy = (lika_field(word, 8U + lika_amm5_mem_busy_bit(eeprom_address), 1U) != 0U);
     out->data = data;
     return LIKA_OK;
 }
 
 /* Encodes 4 bytes. */
 static inline lika_result lika_amm5_eeprom_read_reply_encode(
-    const lika_amm5_variant *variant, const lika_amm5_eeprom_read_reply *in, uint8_t *bytes,
-    size_t length)
+    const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
+    const lika_amm5_eeprom_read_reply *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_EEPROM_READ_REPLY_LENGTH) {
@@ -1603,11 +2094,25 @@ static inline lika_result lika_amm5_eeprom_read_reply_encode(
     if (in->address > 0x7FU) {
         return LIKA_FAULT_RANGE;
     }
-    bytes[0] = 0xEAU;
-    bytes[1] = (uint8_t)((in->mem_busy ? 0x01U : 0x00U) | ((uint32_t)in->address << 1U));
-    bytes[2] = in->data;
+    uint64_t word =
+        0x02U |
+        ((uint64_t)0x0DU << 3U) |
+        ((uint64_t)1U << 7U) |
+        ((uint64_t)in->address << (8U + lika_amm5_eeprom_address_bit(eeprom_address))) |
+        ((uint64_t)(in->mem_busy ? 1U : 0U) << (8U + lika_amm5_mem_busy_bit(eeprom_address))) |
+        ((uint64_t)in->data << 16U);
+    bytes[0] = (uint8_t)word;
+    bytes[1] = (uint8_t)(word >> 8U);
+    bytes[2] = (uint8_t)(word >> 16U);
+    bytes[3] = (uint8_t)(word >> 24U);
     bytes[3] = lika_amm5_crc_rs485_8(bytes, LIKA_AMM5_EEPROM_READ_REPLY_LENGTH - 1U);
     return LIKA_OK;
+}
+
+/* What the encoder reports: a mask of bits LIKA_AMM5_REPORT_. */
+static inline uint32_t lika_amm5_eeprom_read_reply_reports(const lika_amm5_eeprom_read_reply *frame)
+{
+    return (frame->mem_busy ? (uint32_t)LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY : 0U);
 }
 
 /* The frames, to tell them apart. */
@@ -1780,36 +2285,36 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  */
 
 /*
- * Preset, 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
+ * Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
  * Position that the encoder shows, from the activation on, at the place where its shaft stands at
  * that moment.
- * The lowest address holds the low byte.
- * Can be written only while Preset setting enable holds 01h (enable).
- * To be kept over power-off, a written value has to be saved.
+ * Byte order: low byte first, at 11h.
+ * Write it only while Preset setting enable holds 01h (enable).
+ * Save the parameters after a write, or the encoder loses the value at power-off.
  * Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the
  * register again through Preset setting enable, save it, and activate it if it is to take effect at
  * once; at a standstill, the manual suggests. It serves, for instance, to bring the zero points of
  * encoder and application together.
- *   bits 55:49                                        -           always 0
- *   multiturn_bits from bit 49 - multiturn_bits up    multiturn
- *   16 - multiturn_bits from bit 33 up                -           always 0
- *   singleturn_bits from bit 33 - singleturn_bits up  singleturn
- *   33 - singleturn_bits from bit 0 up                -           always 0
- * Erratum (settled): printed: English: less than the total hardware resolution. Italian: less than
- *                    or equal to it (minore o uguale). Used: At most 2^position_bits - 1. Why: The
- *                    total resolution itself needs one bit more than the register has for it. [6.4;
- *                    it: 6.4]
- * Erratum (settled): printed: English: the number of revolutions is always 65,536 in all models.
- *                    Italian: in all multiturn models. Used: Singleturn models have no multiturn
- *                    bits; their bits 48:33 are taken as 0. [6.4; it: 6.4]
- * Erratum (open): printed: Only bits 9:8 and byte 11h are said to be 0; the lowest singleturn bit
- *                 is 12 at 21 bits and 16 at 17 bits. Used: All bits below the lowest singleturn
- *                 bit are 0. [6.4; amm80: 6.4 p.40]
- * Erratum (open): printed: Register 40h is Preset setting enable; the preset is at 11h to 17h.
- *                 Used: As printed. [6.4 p.38; prot: p.14-15]
- * Erratum (settled): printed: Default of Preset: 00 00 00 00 00. Used: Seven bytes of 00. Why: The
- *                    register has seven bytes, 11h to 17h; five bytes written from 11h on leave 16h
- *                    and 17h, most of the multiturn part, as they were. [10 p.52; it: 10 p.53]
+ * Erratum preset_limit (settled, wrong limit): Printed: English: less than the total hardware
+ * resolution. Italian: less than or equal to it (minore o uguale). Used: At most 2^position_bits -
+ * 1. Why: The total resolution itself needs one bit more than the register has for it. [6.4; it:
+ * 6.4]
+ * Erratum preset_revolutions (settled, wrong limit): Printed: English: the number of revolutions is
+ * always 65,536 in all models. Italian: in all multiturn models. Used: Singleturn models have no
+ * multiturn bits; their bits 48:33 are taken as 0. [6.4; it: 6.4]
+ * Erratum preset_bits_below_lsb (open, omission): Printed: Only bits 9:8 and byte 11h are said to
+ * be 0; the lowest singleturn bit is 12 at 21 bits and 16 at 17 bits. Used: All bits below the
+ * lowest singleturn bit are 0. [6.4; amm80: 6.4 p.40]
+ * Erratum biss_bank_select (open, omission): Printed: Register 40h is Preset setting enable; the
+ * preset is at 11h to 17h. Used: As printed. [6.4 p.38; prot: p.14-15]
+ * Erratum preset_default_length (settled, wrong data): Printed: Default of Preset: 00 00 00 00 00.
+ * Used: Seven bytes of 00. Why: The register has seven bytes, 11h to 17h; five bytes written from
+ * 11h on leave 16h and 17h, most of the multiturn part, as they were. [10 p.52; it: 10 p.53]
+ *   bits 55:49                        -           always zero.
+ *   from bit 49 - multiturn_bits up   multiturn   multiturn_bits bits.
+ *   from bit 33 up                    -           16 - multiturn_bits bits. always zero.
+ *   from bit 33 - singleturn_bits up  singleturn  singleturn_bits bits.
+ *   from bit 0 up                     -           33 - singleturn_bits bits. always zero.
  */
 #define LIKA_AMM5_REG_PRESET_ADDRESS 0x11U
 #define LIKA_AMM5_REG_PRESET_LENGTH 7U /* bytes, 11h to 17h */
@@ -1817,7 +2322,7 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
 #define LIKA_AMM5_REG_PRESET_DEFAULT UINT64_C(0x00000000000000) /* value as delivered */
 #define LIKA_AMM5_REG_PRESET_MIN 0U
 
-/* multiturn_bits from bit 49 - multiturn_bits up */
+/* multiturn: from bit 49 - multiturn_bits up. */
 static inline uint32_t lika_amm5_reg_preset_multiturn_shift(const lika_amm5_variant *variant)
 {
     return 49U - variant->multiturn_bits;
@@ -1828,7 +2333,7 @@ static inline uint64_t lika_amm5_reg_preset_multiturn_mask(const lika_amm5_varia
     return lika_mask(variant->multiturn_bits) << (49U - variant->multiturn_bits);
 }
 
-/* singleturn_bits from bit 33 - singleturn_bits up */
+/* singleturn: from bit 33 - singleturn_bits up. */
 static inline uint32_t lika_amm5_reg_preset_singleturn_shift(const lika_amm5_variant *variant)
 {
     return 33U - variant->singleturn_bits;
@@ -1846,9 +2351,9 @@ static inline uint64_t lika_amm5_reg_preset_max(const lika_amm5_variant *variant
 }
 
 typedef struct lika_amm5_reg_preset {
-    uint16_t multiturn; /* Number of revolutions [revolutions] */
-    uint32_t singleturn; /* Position within one revolution [counts] */
-    uint64_t position; /* multiturn and singleturn as one number */
+    uint16_t multiturn; /* Number of revolutions. Unit: revolutions. */
+    uint32_t singleturn; /* Position within one revolution. Unit: counts. */
+    uint64_t position; /* position is made of multiturn and singleturn, most significant first. */
 } lika_amm5_reg_preset;
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
@@ -1959,12 +2464,12 @@ static inline lika_result lika_amm5_write_preset(
 }
 
 /*
- * Preset setting enable (it: Abilitazione impostazione preset), 40h, write only, over BiSS C-mode
- * [6.4 p.38; it: 6.4 p.38; 10 p.52].
+ * Preset setting enable (it: Abilitazione impostazione preset), register 40h, write only, over BiSS
+ * C-mode [6.4 p.38; it: 6.4 p.38; 10 p.52].
  * Opens and closes the Preset registers for writing.
  * The list of defaults (section 10) gives 00, although the register cannot be read.
- * Erratum (open): printed: Register 40h is Preset setting enable; the preset is at 11h to 17h.
- *                 Used: As printed. [6.4 p.38; prot: p.14-15]
+ * Erratum biss_bank_select (open, omission): Printed: Register 40h is Preset setting enable; the
+ * preset is at 11h to 17h. Used: As printed. [6.4 p.38; prot: p.14-15]
  */
 #define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ADDRESS 0x40U
 #define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_LENGTH 1U /* byte */
@@ -1973,9 +2478,9 @@ static inline lika_result lika_amm5_write_preset(
 
 /* Values of Preset setting enable. */
 typedef enum lika_amm5_preset_setting_enable {
-    /* 00: Preset registers closed; set before saving */
+    /* 00: Preset registers closed; set before saving. */
     LIKA_AMM5_PRESET_SETTING_ENABLE_DISABLE = 0x00,
-    LIKA_AMM5_PRESET_SETTING_ENABLE_ENABLE = 0x01 /* 01: Preset registers open */
+    LIKA_AMM5_PRESET_SETTING_ENABLE_ENABLE = 0x01 /* 01: Preset registers open. */
 } lika_amm5_preset_setting_enable;
 
 /* Writes Preset setting enable, 40h. */
@@ -1993,27 +2498,30 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
 }
 
 /*
- * Serial number (it: Numero di serie), 44h to 47h, read only, over BiSS C-mode [6.4 p.38; it: 6.4
- * p.39].
+ * Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38;
+ * it: 6.4 p.39].
  * Year and week of production and a running number, as decimal digits of one binary number.
- * The lowest address holds the high byte.
- *   bytes 0 to 3  serial  decimal digits: year, week, number
- * Erratum (open): printed: 44h to 47h read 0A E8 69 EE, decimal 18 30 03630. Used: High byte first,
- *                 as printed. Why: The manual of the AMM36, a sister with the same example, reads
- *                 EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
- *                 one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may
- *                 answer in the other order. A year or a week that cannot be tells. [6.4 p.38;
- *                 amm36: p.38; amm80: 6.4 p.41]
+ * Byte order: high byte first, at 44h.
+ * Erratum serial_number_order (open, wrong data): Printed: 44h to 47h read 0A E8 69 EE, decimal 18
+ * 30 03630. Used: High byte first, as printed. Why: The manual of the AMM36, a sister with the same
+ * example, reads EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
+ * one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may answer in the other
+ * order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
+ *   bits 31:0  serial
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AMM5_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_amm5_reg_serial_number {
-    uint32_t serial; /* the digits below as one number */
-    uint8_t year; /* Year of production */
-    uint8_t week; /* Week of production */
-    uint32_t number; /* Serial number in ascending order */
+    /*
+     * Decimal digits, most significant first: year 2 (Year of production), week 2 (Week of
+     * production), number 5 (Serial number in ascending order).
+     */
+    uint32_t serial;
+    uint8_t year;
+    uint8_t week;
+    uint32_t number;
 } lika_amm5_reg_serial_number;
 
 /* Sets serial and with it year, week, number. RANGE where it does not fit. */
@@ -2098,8 +2606,9 @@ static inline lika_result lika_amm5_read_serial_number(
 }
 
 /*
- * Command (it: Comando), 77h, write only, over BiSS C-mode [6.4 p.39].
+ * Command (it: Comando), register 77h, write only, over BiSS C-mode [6.4 p.39].
  * Saves the parameters or activates the preset.
+ * Wait at least 30 ms after a write, before the next command.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
  */
@@ -2107,13 +2616,13 @@ static inline lika_result lika_amm5_read_serial_number(
 #define LIKA_AMM5_REG_COMMAND_LENGTH 1U /* byte */
 #define LIKA_AMM5_REG_COMMAND_ACCESS LIKA_ACCESS_WRITE_ONLY
 #define LIKA_AMM5_REG_COMMAND_DEFAULT 0x00U /* value as delivered */
-#define LIKA_AMM5_REG_COMMAND_WAIT_AT_LEAST_MS 30U /* after a write, before the next command */
+#define LIKA_AMM5_REG_COMMAND_WAIT_AT_LEAST_MS 30U
 
 /* Values of Command. */
 typedef enum lika_amm5_command {
-    /* Save parameters: Saves newly set register values; a preset is not activated by it */
+    /* Save parameters: Saves newly set register values; a preset is not activated by it. */
     LIKA_AMM5_COMMAND_SAVE_PARAMETERS = 0x01,
-    /* Activate Preset: Gives the present position the saved preset value */
+    /* Activate Preset: Gives the present position the saved preset value. */
     LIKA_AMM5_COMMAND_ACTIVATE_PRESET = 0x02
 } lika_amm5_command;
 
@@ -2136,13 +2645,13 @@ static inline lika_result lika_amm5_write_command(
 }
 
 /*
- * Device ID (it: ID dispositivo), 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
+ * Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
  * Name of the device and its hardware-software release.
- * The lowest address holds the high byte.
- *   bytes 0 to 3  name
- *   bytes 4 to 5  release
- * Erratum (open): printed: One device ID, AMM5 with the release, for all models. Used: As printed.
- *                 [6.4 p.39; prot: p.14-15]
+ * Byte order: high byte first, at 78h.
+ * Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all
+ * models. Used: As printed. [6.4 p.39; prot: p.14-15]
+ *   bits 47:16  name
+ *   bits 15:0   release
  */
 #define LIKA_AMM5_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_AMM5_REG_DEVICE_ID_LENGTH 6U /* bytes, 78h to 7Dh */
@@ -2151,9 +2660,12 @@ static inline lika_result lika_amm5_write_command(
 #define LIKA_AMM5_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU
 
 typedef struct lika_amm5_reg_device_id {
-    /* Name of the device, 41 4D 4D 35 in hexadecimal: characters without a terminator */
+    /*
+     * Name of the device, 41 4D 4D 35 in hexadecimal. ASCII text. Holds AMM5, which identifies the
+     * encoder; decoding accepts any value. No terminator.
+     */
     char name[4];
-    uint16_t release; /* Hardware-software release, printed as xx xx */
+    uint16_t release; /* Hardware-software release, printed as xx xx. */
 } lika_amm5_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
@@ -2220,18 +2732,22 @@ static inline lika_result lika_amm5_read_device_id(
 }
 
 /*
- * Manufacturer ID (it: ID costruttore), 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39; it: 6.4
- * p.40].
+ * Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4
+ * p.39; it: 6.4 p.40].
  * Manufacturer.
- * The lowest address holds the high byte.
- *   bytes 0 to 1  name
+ * Byte order: high byte first, at 7Eh.
+ *   bits 15:0  name
  */
 #define LIKA_AMM5_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_AMM5_REG_MANUFACTURER_ID_LENGTH 2U /* bytes, 7Eh to 7Fh */
 #define LIKA_AMM5_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_amm5_reg_manufacturer_id {
-    char name[2]; /* Lika Electronic, 4C 69 in hexadecimal: characters without a terminator */
+    /*
+     * Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds Li, which identifies the encoder;
+     * decoding accepts any value. No terminator.
+     */
+    char name[2];
 } lika_amm5_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
@@ -2357,10 +2873,10 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
 
 /*
  * Set, save and activate a preset [6.4 p.35].
+ * position: Value that the present position is to get; written to Preset.
  * Before: Suggested with the shaft at a standstill.
- * position: Value that the present position is to get.
  * Result: The position at which the activation arrived has the preset value; all other positions
- *         follow from it.
+ * follow from it.
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
@@ -2419,7 +2935,7 @@ static inline lika_result lika_amm5_set_preset(
 
 /*
  * Set and save a preset without activating it [6.4 p.35].
- * position: Value to keep for a later activation.
+ * position: Value to keep for a later activation; written to Preset.
  * Result: The preset is saved; the position is the same as before.
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
@@ -2484,7 +3000,7 @@ static inline lika_result lika_amm5_store_preset(
 static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x77U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save parameters */
+        { LIKA_STEP_WRITE, 0x77U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT;
@@ -2512,7 +3028,7 @@ static inline lika_result lika_amm5_save_parameters(
 static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x77U, 0xFFU, 0x02U, 1U, 0U }, /* Command: activate preset */
+        { LIKA_STEP_WRITE, 0x77U, 0xFFU, 0x02U, 1U, 0U }, /* Command: activate_preset */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT;
@@ -2534,27 +3050,27 @@ static inline lika_result lika_amm5_activate_preset(
  * Reset singleturn and multiturn data [7.4.2 p.45].
  * Before: Shaft at a standstill.
  * Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with
- *         or without an external battery.
+ * or without an external battery.
  * The ten requests have to follow one another: stop polling the position meanwhile.
- * Erratum (open): printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn
- *                 data resetting after Data ID 8. Used: The table, singleturn and multiturn. Why:
- *                 The table says it twice, the note only in passing. But public T-format documents
- *                 know three resets, of the data in one revolution, of the multiturn data, and of
- *                 errors; with C and 7 taken, the first is left for this request. [7.4.2 p.45;
- *                 ti_sdk: docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
- * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
- *                 Used: No other request in between, and 40 us or more after each request before
- *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
- *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
- *                 [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and
+ * multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and
+ * multiturn. Why: The table says it twice, the note only in passing. But public T-format documents
+ * know three resets, of the data in one revolution, of the multiturn data, and of errors; with C
+ * and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
+ * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
+ * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
+ * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
+ * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
+ * printed. [7.4.2 p.45; it: 7.4.2 p.45]
  */
 #define LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT 2U
 
 static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
-        /* data ID reset singleturn and multiturn; in succession, no other request in between */
+        /* reset_singleturn_and_multiturn; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0xC2U, 10U, 40U },
         /* execution takes 18 ms at most, EEPROM writing included */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
@@ -2578,24 +3094,24 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
  * Reset multiturn data and all errors [7.4.2 p.45].
  * Before: Shaft at a standstill, that is 300 rpm or less.
  * Result: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST
- *         error, MT error; by 7.4.1 the battery alarm as well) are cleared.
+ * error, MT error; by 7.4.1 the battery alarm as well) are cleared.
  * The ten requests have to follow one another: stop polling the position meanwhile.
- * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
- *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
- *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
- * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
- *                 Used: No other request in between, and 40 us or more after each request before
- *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
- *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
- *                 [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
+ * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
+ * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
+ * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
+ * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
+ * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
+ * printed. [7.4.2 p.45; it: 7.4.2 p.45]
  */
 #define LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT 2U
 
 static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
-        /* data ID reset multiturn and errors; in succession, no other request in between */
+        /* reset_multiturn_and_errors; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0x62U, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
@@ -2618,24 +3134,24 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
  * Reset all errors [7.4.2 p.45].
  * Before: Shaft at a standstill, that is 300 rpm or less.
  * Result: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are
- *         cleared.
+ * cleared.
  * The ten requests have to follow one another: stop polling the position meanwhile.
- * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
- *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
- *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
- * Erratum (open): printed: Ten times in succession, at transmission intervals of 40 us or more.
- *                 Used: No other request in between, and 40 us or more after each request before
- *                 the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum (open): printed: Note on data IDs C and 7: while the shaft is in stop (rotational speed
- *                 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed.
- *                 [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
+ * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
+ * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
+ * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
+ * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
+ * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
+ * printed. [7.4.2 p.45; it: 7.4.2 p.45]
  */
 #define LIKA_AMM5_RESET_ERRORS_STEPS_COUNT 2U
 
 static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
-        /* data ID reset errors; in succession, no other request in between */
+        /* reset_errors; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0xBAU, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
@@ -2658,67 +3174,76 @@ static inline lika_result lika_amm5_reset_errors(
 
 /*
  * BUSY flag: The encoder is not ready to process data, after power-on or while it carries out a
- * reset; all position data are 0 meanwhile [7.4.1 p.44]
- * Detected: In normal operation, when the main power is turned on. Goes when its cause goes (no
- * latch).
+ * reset; all position data are 0 meanwhile [7.4.1 p.44].
+ * Flag: busy in ALMC.
+ * Detected: In normal operation, when the main power is turned on.
+ * Goes away with its cause.
  * Remedy: Clears itself (speed of rotation down to 300 rpm or less).
- * Erratum (open): printed: BUSY flag: returns to 0 when the delay is over. How to clear: by itself
- *                 (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1 p.44;
- *                 it: 7.4.1 p.44]
+ * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
+ * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
+ * p.44; it: 7.4.1 p.44]
  */
-#define LIKA_AMM5_ALARM_BUSY_MASK 0x02U /* in the alarm field, ALMC */
+#define LIKA_AMM5_ALARM_BUSY_MASK 0x02U
 
 /*
- * PS error: Singleturn and multiturn counting are out of step; also a counting error [7.4.1 p.44]
- * Detected: In normal operation. Stays until it is reset (latch).
+ * PS error: Singleturn and multiturn counting are out of step; also a counting error [7.4.1 p.44].
+ * Flag: ps_error in ALMC.
+ * Detected: In normal operation.
+ * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
- * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
+ * Cleared by: reset_errors or reset_multiturn_and_errors.
  */
-#define LIKA_AMM5_ALARM_PS_ERROR_MASK 0x20U /* in the alarm field, ALMC */
+#define LIKA_AMM5_ALARM_PS_ERROR_MASK 0x20U
 
 /*
  * ST error: The period counter is inconsistent; counted and calculated data disagreed in a check
- * [7.4.1 p.44]
- * Detected: In normal operation. Stays until it is reset (latch).
+ * [7.4.1 p.44].
+ * Flag: st_error in ALMC.
+ * Detected: In normal operation.
+ * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
- * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
+ * Cleared by: reset_errors or reset_multiturn_and_errors.
  */
-#define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U /* in the alarm field, ALMC */
+#define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U
 
 /*
- * Battery alarm: The external battery is low [7.4.1 p.44; it: 7.4.1 p.45]
- * Detected: In normal operation. Stays until it is reset (latch).
+ * Battery alarm: The external battery is low [7.4.1 p.44; it: 7.4.1 p.45].
+ * Flag: battery_alarm in ALMC.
+ * Detected: In normal operation.
+ * Raised below 3.15 V.
+ * Stays until it is reset.
  * Remedy: Reset the error with data ID 7 or C.
- * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
- * Erratum (open): printed: Battery voltage between 3 V and 5.5 V; alarms below 3.15 V (Battery
- *                 alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V to
- *                 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23;
- *                 7.4.1 p.44]
- * Erratum (open): printed: 7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these
- *                 reset all latch errors (PS error, ST error, MT error). Used: Data ID 7 and C
- *                 clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Cleared by: reset_errors or reset_multiturn_and_errors.
+ * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
+ * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
+ * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
+ * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
+ * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
+ * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
  */
-#define LIKA_AMM5_ALARM_BATTERY_ALARM_MASK 0x80U /* in the alarm field, ALMC */
-#define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U /* threshold in millivolts */
+#define LIKA_AMM5_ALARM_BATTERY_ALARM_MASK 0x80U
+#define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U
 
 /*
- * MT error: The external battery is spent [7.4.1 p.44; it: 7.4.1 p.45]
- * Detected: In normal operation. Stays until it is reset (latch).
+ * MT error: The external battery is spent [7.4.1 p.44; it: 7.4.1 p.45].
+ * Flag: mt_error in ALMC.
+ * Detected: In normal operation.
+ * Raised below 3.05 V.
+ * Stays until it is reset.
  * Remedy: Reset the error with data ID 7 or C.
- * Procedures that clear it: reset_errors, reset_multiturn_and_errors.
- * Erratum (open): printed: Battery voltage between 3 V and 5.5 V; alarms below 3.15 V (Battery
- *                 alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V to
- *                 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23;
- *                 7.4.1 p.44]
+ * Cleared by: reset_errors or reset_multiturn_and_errors.
+ * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
+ * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
+ * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
  */
-#define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U /* in the alarm field, ALMC */
-#define LIKA_AMM5_ALARM_MT_ERROR_BELOW_MV 3050U /* threshold in millivolts */
+#define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U
+#define LIKA_AMM5_ALARM_MT_ERROR_BELOW_MV 3050U
 
 /* -- times of the device ----------------------------------------------------------------------- */
 
 /*
- * From removing the spent battery to connecting the new one, with the 5 V supply on, so that the
- * position is kept [4.3.1 p.23]
+ * battery_replacement: at most 60 s: From removing the spent battery to connecting the new one,
+ * with the 5 V supply on, so that the position is kept [4.3.1 p.23].
  */
 #define LIKA_AMM5_BATTERY_REPLACEMENT_AT_MOST_US 60000000U
 

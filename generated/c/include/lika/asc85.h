@@ -29,7 +29,8 @@
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
- * the functions _set_ make it so. Pointers must not be null.
+ * the functions _set_ make it so. A flag is true while it is active, whether that is sent as 0 or
+ * as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
  *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
@@ -45,39 +46,39 @@ extern "C" {
 /* -- order codes ------------------------------------------------------------------------------- */
 
 /*
- * Order codes: ASC85{resolution}/{output}{supply} [Cover; 4 p.13; 5 p.15; 5.2 p.16; 6 p.19]
- *   resolution: Singleturn resolution in bits: 20 = 1,048,576 counts per turn; 21 = 2,097,152
- *               counts per turn; 22 = 4,194,304 counts per turn; 23 = 8,388,608 counts per turn; 24
- *               = 16,777,216 counts per turn; 25 = 33,554,432 counts per turn
- *   output: Interface and code of the position: BG = SSI, binary; GG = SSI, Gray; SC = BiSS C-mode
- *   supply: Supply voltage; the manual gives the two digits for SC and none for BG and GG: 1 = +5 V
- *           DC +/-5 %; 2 = +10 V DC to +30 V DC
+ * Order codes: ASC85{resolution}/{output}{supply} [Cover; 4 p.13; 5 p.15; 5.2 p.16; 6 p.19].
+ * resolution: Singleturn resolution in bits: 20 = 1,048,576 counts per turn; 21 = 2,097,152 counts
+ * per turn; 22 = 4,194,304 counts per turn; 23 = 8,388,608 counts per turn; 24 = 16,777,216 counts
+ * per turn; 25 = 33,554,432 counts per turn.
+ * output: Interface and code of the position: BG = SSI, binary; GG = SSI, Gray; SC = BiSS C-mode.
+ * supply: Supply voltage; the manual gives the two digits for SC and none for BG and GG: 1 = +5 V
+ * DC +/-5 %; 2 = +10 V DC to +30 V DC.
+ * Other values that match [0-9] are accepted and shown as unlisted.
  * On the label a hyphen and further characters follow the supply; the manual does not explain them.
  * Order code and serial number are on the label of the body and in the delivery document; Lika asks
  * for both in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum (open): printed: The supply voltage is explained for SC1 and SC2 only, as an example; BG
- *                 and GG stand with three dots. Used: 1 and 2 mean the same after BG and GG; any
- *                 other digit is accepted as unlisted. [Cover; 4 p.13; 5 p.15]
- * Erratum (open): printed: The output code can be Gray or binary, see the order code; the order
- *                 codes are BG and GG, without a word on which is which. Used: BG is binary, GG is
- *                 Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary;
- *                 the SMA21 manual calls the output of its G1x models Gray and has BG and GG beside
- *                 them. That the letters mean the same here is an inference. Turn the shaft slowly:
- *                 if neighbouring positions jump, the code is the other one. [Cover; 5.2 p.16;
- *                 amm5: 5.2; sma21: 4.1; sma21: 5]
+ * Erratum supply_digit (open, omission): Printed: The supply voltage is explained for SC1 and SC2
+ * only, as an example; BG and GG stand with three dots. Used: 1 and 2 mean the same after BG and
+ * GG; any other digit is accepted as unlisted. [Cover; 4 p.13; 5 p.15]
+ * Erratum ssi_code_letters (open, wrong data): Printed: The output code can be Gray or binary, see
+ * the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
+ * binary, GG is Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary; the
+ * SMA21 manual calls the output of its G1x models Gray and has BG and GG beside them. That the
+ * letters mean the same here is an inference. Turn the shaft slowly: if neighbouring positions
+ * jump, the code is the other one. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
  */
 
 /* What differs between order codes. */
 typedef struct lika_asc85_variant {
     /*
      * Singleturn resolution, which is the whole position; the manual's "encoder resolution" and
-     * "nbitres", 20 to 25 [bits]
+     * "nbitres", 20 to 25 [Preliminary information p.7; 5.2 p.16; 6.2.1 p.20]. Unit: bits.
      */
     uint8_t position_bits;
-    uint8_t ssi_gray; /* Code of the SSI word: 1 for Gray, 0 for binary */
+    uint8_t ssi_gray; /* Code of the SSI word: 1 for Gray, 0 for binary [5 p.15; 5.2 p.16]. */
 } lika_asc85_variant;
 
 /*
@@ -121,7 +122,10 @@ typedef struct lika_asc85_variant {
 #define LIKA_ASC85_25_SC1 { 25U, 0U }
 #define LIKA_ASC85_25_SC2 { 25U, 0U }
 
-/* Positions per revolution; the manual's "max. number of information" and "cpr" [counts] */
+/*
+ * Positions per revolution; the manual's "max. number of information" and "cpr" [Preliminary
+ * information p.7; 5.2 p.16]. Unit: counts.
+ */
 static inline uint32_t lika_asc85_counts_per_turn(const lika_asc85_variant *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->position_bits);
@@ -272,16 +276,16 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /*
- * CRC biss_6, x^6 + x + 1 [6.2.1 p.21; prot: p.7-8; renishaw: data sheet; icmu: p.30]: width 6,
- * polynomial 0x3, start 0x0, final XOR 0x3f.
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21; prot: p.7-8;
+ * renishaw: data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (everything from the position to the warning bit, the constant 0
  * included) are those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22;
+ * prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8;
- *                 renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  */
 static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 {
@@ -298,15 +302,15 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 }
 
 /*
- * CRC biss_4, x^4 + x + 1 [6.3 p.22; prot: p.9-14; icmu: p.30]: width 4, polynomial 0x3, start 0x0,
- * final XOR 0xf.
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22; prot: p.9-14; icmu:
+ * p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22;
+ * prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8;
- *                 renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
  */
 static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 {
@@ -323,6 +327,43 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
     return (uint8_t)(v ^ 0x0FU);
 }
 
+/* -- what frames report ------------------------------------------------------------------------ */
+
+/* What frames report of the encoder; their functions _reports() give a mask of these bits. */
+typedef enum lika_asc85_report {
+    LIKA_ASC85_REPORT_ERROR = 0x1, /* Error, nE [6.2.1 p.20]. */
+    LIKA_ASC85_REPORT_WARNING = 0x2 /* Warning, nW [6.2.1 p.20]. */
+} lika_asc85_report;
+
+/* The text of a report; of several that of the lowest bit, of none one with empty members. */
+static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
+{
+    static const lika_report_text texts[] = {
+        {
+            "error",
+            "Error, nE",
+            "error active in the system. Normal or fault status of the encoder; the error "
+            "register tells which error it is.",
+            "",
+            "6.2.1 p.20"
+        },
+        {
+            "warning",
+            "Warning, nW",
+            "warning active in the system. Normal or fault status of the encoder; the error "
+            "register tells which warning it is.",
+            "",
+            "6.2.1 p.20"
+        },
+        { "", "", "", "", "" }
+    };
+    size_t index = 0U;
+    while ((index < 2U) && (((reports >> index) & 1U) == 0U)) {
+        index++;
+    }
+    return &texts[index];
+}
+
 /* -- SSI --------------------------------------------------------------------------------------- */
 
 /*
@@ -331,28 +372,30 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
  * follows starts the transmission with the MSB, and each further one brings a bit down to the LSB.
  * The last rising edge ends the cycle, so that a word of n bits takes up to n + 1 rising edges (13
  * bits: 14 edges). After the word the time Tm may follow at once.
- * Signals: EIA RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.16].
- * Output code: by order code [5.2 p.16].
- * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
- *                 range. [5.3 p.17]
- * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz.
- *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
- *                 cable may be run at 400 kHz to 4 MHz. [5.3 p.17]
- * Erratum (open): printed: Pause of at least 12 us (Tp > 12 us); Tm has a typical duration of 12
- *                 us. Used: At least 12 us; take more. [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]
+ * Signals: EIA RS-422; clock and data have a logic level of typically 5 V [5 p.15].
+ * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
+ * p.16].
+ * Code: binary or Gray, by order code [5.2 p.16].
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3 p.17]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 4 MHz. [5.3 p.17]
+ * Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 12 us (Tp > 12 us); Tm has a
+ * typical duration of 12 us. Used: At least 12 us; take more. [5.1; 5.3 p.17; amm5: 5.3; sma21:
+ * 5.3]
  */
-#define LIKA_ASC85_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3 p.17] */
-#define LIKA_ASC85_SSI_CLOCK_MAX_HZ 4000000U /* highest clock [5.3 p.17] */
+#define LIKA_ASC85_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.17]. */
+#define LIKA_ASC85_SSI_CLOCK_MAX_HZ 4000000U
 /*
- * Tm: From the end of the clock signal until the encoder is ready for the next transmission and
- * sets the data line high [5.1]
+ * Tm: typically 12 us: From the end of the clock signal until the encoder is ready for the next
+ * transmission and sets the data line high [5.1].
  */
 #define LIKA_ASC85_SSI_MONOFLOP_TYPICAL_US 12U
 /*
- * Tp: Between two clock sequences; printed Tp > 12 us, so that exactly 12 us are no margin [5.3
- * p.17]
+ * Tp: at least 12 us: Between two clock sequences; printed Tp > 12 us, so that exactly 12 us are no
+ * margin [5.3 p.17].
  */
 #define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U
 
@@ -378,30 +421,30 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * SSI word, sent by the encoder: position_bits bits [5.2 p.16].
+ * ssi_word, sent by the encoder over SSI: position_bits bits, most significant first [5.2 p.16].
  * In the manual: Structure of the position information.
+ * position is in Gray code while ssi_gray is 1, and in binary while it is 0.
  * As many bits as the position has, 20 to 25, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit, no CRC, and not the constant 0 bit of the BiSS
  * frame.
- *   position_bits from bit 0 up  position
- * Erratum (open): printed: The output code can be Gray or binary, see the order code; the order
- *                 codes are BG and GG, without a word on which is which. Used: BG is binary, GG is
- *                 Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary;
- *                 the SMA21 manual calls the output of its G1x models Gray and has BG and GG beside
- *                 them. That the letters mean the same here is an inference. Turn the shaft slowly:
- *                 if neighbouring positions jump, the code is the other one. [Cover; 5.2 p.16;
- *                 amm5: 5.2; sma21: 4.1; sma21: 5]
- * Erratum (open): printed: 5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least
- *                 as many clocks as data bits. Used: Neither is enforced; n + 1 clocks satisfy
- *                 both. [5.1; 5.2]
- * Erratum (settled): printed: SSI bits numbered 20 ... 1 to 25 ... 1. Used: 19:0 to 24:0, with bit
- *                    0 as the LSB. Why: The words are 20 to 25 bits long, by the table of lengths,
- *                    which leaves no room for a further bit at 0; everything else in the manual
- *                    counts from 0. (The SMA21 manual numbers its position n ... 1 as well, and has
- *                    an error bit at 0.). [5.2; sma21: 5.2]
+ * Erratum ssi_code_letters (open, wrong data): Printed: The output code can be Gray or binary, see
+ * the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
+ * binary, GG is Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary; the
+ * SMA21 manual calls the output of its G1x models Gray and has BG and GG beside them. That the
+ * letters mean the same here is an inference. Turn the shaft slowly: if neighbouring positions
+ * jump, the code is the other one. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits,
+ * 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1
+ * clocks satisfy both. [5.1; 5.2]
+ * Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
+ * Used: 19:0 to 24:0, with bit 0 as the LSB. Why: The words are 20 to 25 bits long, by the table of
+ * lengths, which leaves no room for a further bit at 0; everything else in the manual counts from
+ * 0. (The SMA21 manual numbers its position n ... 1 as well, and has an error bit at 0.). [5.2;
+ * sma21: 5.2]
+ *   from bit 0 up  position  position_bits bits.
  */
 typedef struct lika_asc85_ssi_word {
-    uint32_t position; /* Position within one revolution [counts] */
+    uint32_t position; /* Position within one revolution. Unit: counts. */
 } lika_asc85_ssi_word;
 
 /* How many bits it has. */
@@ -437,81 +480,94 @@ static inline lika_result lika_asc85_ssi_word_encode(
     return LIKA_OK;
 }
 
+/* What the position is worth: nothing in this frame tells. */
+static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word *frame)
+{
+    (void)frame;
+    return LIKA_NOT_TOLD;
+}
+
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /*
  * The encoder is always a slave, alone with one master. It must never be installed in a network of
  * several slaves. For all that the manual leaves out it refers to www.biss-interface.com.
- * Signals: EIA RS-422 for CLOCK IN (MA) and DATA OUT (SLO).
- * Profile: BP1: Standard Encoder Profile.
- * Network: point to point, never more than one slave [6 p.19].
+ * Signals: EIA RS-422 for CLOCK IN (MA) and DATA OUT (SLO) [6 p.19].
+ * Profile: BP1: Standard Encoder Profile [6 p.19].
+ * Network: point to point, one slave only [6 p.19].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
- *               main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum (open): printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz). Used: The one value; no
- *                 rule for other clocks. [6.5 p.32; prot: p.18; amm5: 6.5 p.40]
+ * main fields and refers to the BiSS C protocol description for the whole structure.
+ * Erratum biss_timeout (open, omission): Printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz).
+ * Used: The one value; no rule for other clocks. [6.5 p.32; prot: p.18; amm5: 6.5 p.40]
  */
-#define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /* lowest clock [6.5 p.32] */
-#define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U /* highest clock [6.5 p.32] */
-/* time-out after a frame at that clock [6.5 p.32] */
+#define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 10 MHz [6.5 p.32]. */
+#define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U
+/* Time-out: follows the clock, 350 ns at 10 MHz [6.5 p.32]. */
 #define LIKA_ASC85_BISS_TIMEOUT_AT_10000000_HZ_NS 350U
-/* Register address: Register to read or to write [6.3 p.21] */
+/* Register address: 7 bits: Register to read or to write [6.3 p.21]. */
 #define LIKA_ASC85_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
-#define LIKA_ASC85_BISS_CONTROL_RW_BITS 2U /* RW: Direction of the access [6.3 p.21] */
-#define LIKA_ASC85_BISS_CONTROL_RW_WRITE 0x01U /* "01": Write the register */
-#define LIKA_ASC85_BISS_CONTROL_RW_READ 0x02U /* "10": Read the register */
 /*
- * DATA: Value to write, from the master, or value read, from the encoder; most significant bit
- * first [6.3 p.21]
+ * RW: 2 bits: Direction of the access; 1h write ("01"): Write the register; 2h read ("10"): Read
+ * the register [6.3 p.21].
+ */
+#define LIKA_ASC85_BISS_CONTROL_RW_BITS 2U
+#define LIKA_ASC85_BISS_CONTROL_RW_WRITE 0x01U
+#define LIKA_ASC85_BISS_CONTROL_RW_READ 0x02U
+/*
+ * DATA: 8 bits: Value to write, from the master, or value read, from the encoder; most significant
+ * bit first [6.3 p.21].
  */
 #define LIKA_ASC85_BISS_CONTROL_DATA_BITS 8U
-/* CRC: Check of the transmission, sent inverted [6.3 p.22] */
+/* CRC: 4 bits: Check of the transmission, sent inverted [6.3 p.22]. */
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
 
 /*
- * Single cycle data, sent by the encoder: position_bits + 9 bits [6.2.1 p.20].
+ * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + 9 bits, most significant
+ * first [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
  * position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads
  * a bit less, without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
- *   position_bits from bit 9 up  position
- *   bit 8                        zero      0; always 0
- *   bit 7                        error     active low
- *   bit 6                        warning   active low
- *   bits 5:0                     crc       CRC; CRC biss_6 over everything before it
- * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
- *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- *                 position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8
- *                 is the number of the top bit in the table, and the profile ID too has 25 + 1
- *                 bits. But the one public driver written for this encoder reads 25 bits, nE, nW
- *                 and 6 CRC bits, 33 in all, without the 0 bit. With the 0 bit left out the length
- *                 would be nbitres+8 as printed; a model of 24 bits with it is 33 bits long as
- *                 well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- *                 without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information
- *                 p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
- * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
- *                 for all models, as printed; frames of position_bits + 9 bits. Why: It fits the
- *                 model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
- *                 SMA21 manual the same byte differs with the model and is its data length. Another
- *                 ID at a lower resolution is likely; a public controller with the same registers
- *                 knows 24 or 26 singleturn bits only, so that the frame might differ instead.
- *                 [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
- * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
- *                 called errors. Used: No bit of the error register is taken as a warning; all are
- *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
- * Erratum (open): printed: nE and nW tell of an active error or warning; what the position is worth
- *                 then is not said. Used: Not usable with an error; usable with a warning with a
- *                 warning. [6.2.1 p.20; 6.4 p.29]
+ * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
+ * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
+ * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
+ * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
+ * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
+ * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
+ * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
+ * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
+ * onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1
+ * bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
+ * Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
+ * SMA21 manual the same byte differs with the model and is its data length. Another ID at a lower
+ * resolution is likely; a public controller with the same registers knows 24 or 26 singleturn bits
+ * only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
+ * Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error
+ * register; its six bits are all called errors. Used: No bit of the error register is taken as a
+ * warning; all are active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
+ * Erratum position_under_error (open, omission): Printed: nE and nW tell of an active error or
+ * warning; what the position is worth then is not said. Used: Not usable with an error; usable with
+ * a warning with a warning. [6.2.1 p.20; 6.4 p.29]
+ *   from bit 9 up  position  position_bits bits.
+ *   bit 8          zero      0: Always 0, between position and error bit.
+ *   bit 7          error
+ *   bit 6          warning
+ *   bits 5:0       crc       CRC: Check of the transmission, sent inverted. CRC biss_6 over
+ *                            everything before it.
  */
 typedef struct lika_asc85_single_cycle_data {
-    /* Position: Position within one revolution, most significant bit first [counts] */
+    /* Position: Position within one revolution, most significant bit first. Unit: counts. */
     uint32_t position;
     /*
-     * Error, nE: error active in the system. Normal or fault status of the encoder; the error
-     * register tells which error it is.
+     * Error, nE: Normal or fault status of the encoder; the error register tells which error it is.
+     * Active at 0: error active in the system. Inactive at 1: no active error. While it is active,
+     * the position is not usable.
      */
     bool error;
     /*
-     * Warning, nW: warning active in the system. Normal or fault status of the encoder; the error
-     * register tells which warning it is.
+     * Warning, nW: Normal or fault status of the encoder; the error register tells which warning it
+     * is. Active at 0: warning active in the system. Inactive at 1: no active warning. While it is
+     * active, the position is usable, with a warning.
      */
     bool warning;
 } lika_asc85_single_cycle_data;
@@ -584,6 +640,27 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
     return LIKA_OK;
 }
 
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_asc85_single_cycle_data_verdict(
+    const lika_asc85_single_cycle_data *frame)
+{
+    if (frame->error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->warning) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_ASC85_REPORT_. */
+static inline uint32_t lika_asc85_single_cycle_data_reports(
+    const lika_asc85_single_cycle_data *frame)
+{
+    return (frame->error ? (uint32_t)LIKA_ASC85_REPORT_ERROR : 0U) |
+        (frame->warning ? (uint32_t)LIKA_ASC85_REPORT_WARNING : 0U);
+}
+
 /* -- positions --------------------------------------------------------------------------------- */
 
 /* Counts of one revolution [Preliminary information p.7]. */
@@ -632,29 +709,27 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  */
 
 /*
- * Profile ID, 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
+ * Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
  * Identification code of the encoder profile, BP1 (Standard Encoder Profile).
- * The lowest address holds the high byte.
+ * Byte order: high byte first, at 42h.
  * Printed once for all models, although the data length fits only the one of 25 bits; so the length
  * is not taken to tell the encoder. For the variant the manual refers to the standard encoder
  * profile, data format.
- * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
- *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- *                 position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8
- *                 is the number of the top bit in the table, and the profile ID too has 25 + 1
- *                 bits. But the one public driver written for this encoder reads 25 bits, nE, nW
- *                 and 6 CRC bits, 33 in all, without the 0 bit. With the 0 bit left out the length
- *                 would be nbitres+8 as printed; a model of 24 bits with it is 33 bits long as
- *                 well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- *                 without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information
- *                 p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
- * Erratum (open): printed: Profile ID 28 1A, data length 25 + 1 bits, for all models. Used: 281Ah
- *                 for all models, as printed; frames of position_bits + 9 bits. Why: It fits the
- *                 model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
- *                 SMA21 manual the same byte differs with the model and is its data length. Another
- *                 ID at a lower resolution is likely; a public controller with the same registers
- *                 knows 24 or 26 singleturn bits only, so that the frame might differ instead.
- *                 [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
+ * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
+ * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
+ * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
+ * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
+ * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
+ * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
+ * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
+ * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
+ * onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1
+ * bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
+ * Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
+ * SMA21 manual the same byte differs with the model and is its data length. Another ID at a lower
+ * resolution is likely; a public controller with the same registers knows 24 or 26 singleturn bits
+ * only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
  */
 #define LIKA_ASC85_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_ASC85_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -666,8 +741,12 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
 #define LIKA_ASC85_REG_PROFILE_ID_DATA_LENGTH_MASK 0xFFU
 
 typedef struct lika_asc85_reg_profile_id {
-    uint8_t variant; /* Singleturn resolution, Variant 0-24++ */
-    /* Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit [bits] */
+    /*
+     * Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder; decoding
+     * accepts any value.
+     */
+    uint8_t variant;
+    /* Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits. */
     uint8_t data_length;
 } lika_asc85_reg_profile_id;
 
@@ -726,19 +805,19 @@ static inline lika_result lika_asc85_read_profile_id(
 }
 
 /*
- * Serial number, 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
+ * Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
  * Serial number of the device, in ascending order.
- * The lowest address holds the high byte.
- *   bytes 0 to 3  serial
- * Erratum (open): printed: Serial number in ascending order, with the example 171256846. Used: One
- *                 number. [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]
+ * Byte order: high byte first, at 44h.
+ * Erratum serial_number_digits (open, omission): Printed: Serial number in ascending order, with
+ * the example 171256846. Used: One number. [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]
+ *   bits 31:0  serial
  */
 #define LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_ASC85_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
 #define LIKA_ASC85_REG_SERIAL_NUMBER_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_asc85_reg_serial_number {
-    uint32_t serial; /* Serial number */
+    uint32_t serial; /* Serial number. */
 } lika_asc85_reg_serial_number;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
@@ -788,7 +867,7 @@ static inline lika_result lika_asc85_read_serial_number(
 }
 
 /*
- * Diagnostic data, 5Ah, read only, over BiSS C-mode [6.4 p.24].
+ * Diagnostic data, register 5Ah, read only, over BiSS C-mode [6.4 p.24].
  * Which problem it is that Control error or Signal error in the error register reports.
  */
 #define LIKA_ASC85_REG_DIAGNOSTIC_DATA_ADDRESS 0x5AU
@@ -805,49 +884,51 @@ static inline lika_result lika_asc85_read_serial_number(
 
 typedef struct lika_asc85_reg_diagnostic_data {
     /*
-     * Amplitude control maximum current: the output current of the amplitude control has reached
-     * its upper threshold. Together with Control error. Found by the monitoring of the output
-     * current of the amplitude control.
+     * Amplitude control maximum current: Together with Control error. Found by the monitoring of
+     * the output current of the amplitude control. Active at 1: the output current of the amplitude
+     * control has reached its upper threshold. Inactive at 0: no active error.
      */
     bool amplitude_control_maximum_current;
     /*
-     * Signal level maximum amplitude: the signal level has reached its upper threshold. Together
-     * with Control error. Found by the signal level monitoring.
+     * Signal level maximum amplitude: Together with Control error. Found by the signal level
+     * monitoring. Active at 1: the signal level has reached its upper threshold. Inactive at 0: no
+     * active error.
      */
     bool signal_level_maximum_amplitude;
     /*
-     * DC maximum offset: an analogue signal line has reached the upper threshold of its DC voltage.
-     * Together with Signal error. The signal monitoring checks the DC voltage of all analogue
-     * signal lines.
+     * DC maximum offset: Together with Signal error. The signal monitoring checks the DC voltage of
+     * all analogue signal lines. Active at 1: an analogue signal line has reached the upper
+     * threshold of its DC voltage. Inactive at 0: no active error.
      */
     bool dc_maximum_offset;
     /*
-     * AC maximum amplitude: a differential signal has reached the upper threshold of its AC
-     * amplitude. Together with Signal error. The signal monitoring checks the AC amplitude of the
-     * differential signals.
+     * AC maximum amplitude: Together with Signal error. The signal monitoring checks the AC
+     * amplitude of the differential signals. Active at 1: a differential signal has reached the
+     * upper threshold of its AC amplitude. Inactive at 0: no active error.
      */
     bool ac_maximum_amplitude;
     /*
-     * Amplitude control minimum current: the output current of the amplitude control has fallen to
-     * its lower threshold. Together with Control error. Found by the monitoring of the output
-     * current of the amplitude control.
+     * Amplitude control minimum current: Together with Control error. Found by the monitoring of
+     * the output current of the amplitude control. Active at 1: the output current of the amplitude
+     * control has fallen to its lower threshold. Inactive at 0: no active error.
      */
     bool amplitude_control_minimum_current;
     /*
-     * Signal level minimum amplitude: the signal level has fallen to its lower threshold. Together
-     * with Control error. Found by the signal level monitoring.
+     * Signal level minimum amplitude: Together with Control error. Found by the signal level
+     * monitoring. Active at 1: the signal level has fallen to its lower threshold. Inactive at 0:
+     * no active error.
      */
     bool signal_level_minimum_amplitude;
     /*
-     * DC minimum offset: an analogue signal line has fallen to the lower threshold of its DC
-     * voltage. Together with Signal error. The signal monitoring checks the DC voltage of all
-     * analogue signal lines.
+     * DC minimum offset: Together with Signal error. The signal monitoring checks the DC voltage of
+     * all analogue signal lines. Active at 1: an analogue signal line has fallen to the lower
+     * threshold of its DC voltage. Inactive at 0: no active error.
      */
     bool dc_minimum_offset;
     /*
-     * AC minimum amplitude: a differential signal has fallen to the lower threshold of its AC
-     * amplitude. Together with Signal error. The signal monitoring checks the AC amplitude of the
-     * differential signals.
+     * AC minimum amplitude: Together with Signal error. The signal monitoring checks the AC
+     * amplitude of the differential signals. Active at 1: a differential signal has fallen to the
+     * lower threshold of its AC amplitude. Inactive at 0: no active error.
      */
     bool ac_minimum_amplitude;
 } lika_asc85_reg_diagnostic_data;
@@ -907,12 +988,12 @@ static inline lika_result lika_asc85_read_diagnostic_data(
 }
 
 /*
- * Command & status, Command mode, 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
+ * Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
  * Command register, the side of Command & status that is written.
- * The same address is another register when read: Command & status, Status mode.
- * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
- *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
- *                 p.26]
+ * A read of the same address reaches Command & status, Status mode instead.
+ * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
+ * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
+ * p.26; 6.4 p.30; icmr: p.26]
  */
 #define LIKA_ASC85_REG_COMMAND_ADDRESS 0x60U
 #define LIKA_ASC85_REG_COMMAND_LENGTH 1U /* byte */
@@ -954,12 +1035,12 @@ typedef enum lika_asc85_command {
     LIKA_ASC85_COMMAND_VERIFY_CONFIGURATION = 0x04,
     /*
      * Error simulation: activate Error message status: Forces the status Error message to 1 [6.4
-     * p.27]
+     * p.27].
      */
     LIKA_ASC85_COMMAND_SIMULATE_ERROR = 0x05,
     /*
      * Error simulation: delete Error message status: Forces the status Error message to 0 [6.4
-     * p.27]
+     * p.27].
      */
     LIKA_ASC85_COMMAND_CLEAR_SIMULATED_ERROR = 0x06
 } lika_asc85_command;
@@ -983,24 +1064,23 @@ static inline lika_result lika_asc85_write_command(
 }
 
 /*
- * Command & status, Status mode, 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
+ * Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
  * Present status of the system, the side of Command & status that is read.
- * The same address is another register when written: Command & status, Command mode.
- * Erratum (settled): printed: Command 02: the status bit 2 Absolute data valid. List of status
- *                    bits: bit 1. Used: Bit 1. Why: The list gives each of the eight bits once and
- *                    has Internal data bus busy at bit 2. A public controller with the same
- *                    commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28;
- *                    icmr: p.41]
- * Erratum (settled): printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of
- *                    status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits
- *                    once and has the write access to the EDS memory area at bit 3. A public
- *                    controller with the same commands lists its status byte in the order of the
- *                    list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
- * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
- *                 called errors. Used: No bit of the error register is taken as a warning; all are
- *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
- * Erratum (open): printed: Status bit 3: write access permitted to the EDS memory area. No
- *                 registers 40h and 41h are listed. Used: No EDS. [6.4 p.22; prot: p.14-15]
+ * A write to the same address reaches Command & status, Command mode instead.
+ * Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2
+ * Absolute data valid. List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the
+ * eight bits once and has Internal data bus busy at bit 2. A public controller with the same
+ * commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28; icmr: p.41]
+ * Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status
+ * bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each
+ * of the eight bits once and has the write access to the EDS memory area at bit 3. A public
+ * controller with the same commands lists its status byte in the order of the list. [6.4 p.26; 6.4
+ * p.27; 6.4 p.28; icmr: p.41]
+ * Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error
+ * register; its six bits are all called errors. Used: No bit of the error register is taken as a
+ * warning; all are active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
+ * Erratum eds_bank_missing (open, omission): Printed: Status bit 3: write access permitted to the
+ * EDS memory area. No registers 40h and 41h are listed. Used: No EDS. [6.4 p.22; prot: p.14-15]
  */
 #define LIKA_ASC85_REG_STATUS_ADDRESS 0x60U
 #define LIKA_ASC85_REG_STATUS_LENGTH 1U /* byte */
@@ -1016,38 +1096,46 @@ static inline lika_result lika_asc85_write_command(
 
 typedef struct lika_asc85_reg_status {
     /*
-     * Configuration completed: configuration registers verified by their CRC and absolute data read
-     * by the absolute data interface
+     * Configuration completed. Active at 1: configuration registers verified by their CRC and
+     * absolute data read by the absolute data interface. Inactive at 0: configuration not
+     * completed.
      */
     bool configuration_completed;
     /*
-     * Error message: an error message is active, or simulated by command 05; see the error register
+     * Error message. Active at 1: an error message is active, or simulated by command 05; see the
+     * error register. Inactive at 0: no error message.
      */
     bool error_message;
-    bool warning_message; /* Warning message: a warning message is active; see the error register */
     /*
-     * Write access permitted to CONF memory area: the CONF (Configuration Data) memory area may be
-     * written
+     * Warning message. Active at 1: a warning message is active; see the error register. Inactive
+     * at 0: no warning message.
+     */
+    bool warning_message;
+    /*
+     * Write access permitted to CONF memory area. Active at 1: the CONF (Configuration Data) memory
+     * area may be written. Inactive at 0: the CONF memory area is write-protected.
      */
     bool conf_write_access;
     /*
-     * Write access permitted to EDS memory area: the EDS (Electronic Data Sheet) memory area may be
-     * written
+     * Write access permitted to EDS memory area. Active at 1: the EDS (Electronic Data Sheet)
+     * memory area may be written. Inactive at 0: the EDS memory area is write-protected.
      */
     bool eds_write_access;
     /*
-     * Internal data bus busy: internal data bus busy, for example with a CRC verification or with
-     * configuration data from or to the EEPROM. See the commands save_configuration and
-     * verify_configuration.
+     * Internal data bus busy: See the commands save_configuration and verify_configuration. Active
+     * at 1: internal data bus busy, for example with a CRC verification or with configuration data
+     * from or to the EEPROM. Inactive at 0: internal data bus free.
      */
     bool internal_data_bus_busy;
     /*
-     * Absolute data valid: absolute data were loaded through the absolute data interface. Data are
-     * accepted only with a right CRC and an inactive error bit. See the command read_absolute_data.
+     * Absolute data valid: Data are accepted only with a right CRC and an inactive error bit. See
+     * the command read_absolute_data. Active at 1: absolute data were loaded through the absolute
+     * data interface. Inactive at 0: no absolute data were loaded.
      */
     bool absolute_data_valid;
     /*
-     * Position data valid: the present position data are valid. See the command request_position.
+     * Position data valid: See the command request_position. Active at 1: the present position data
+     * are valid. Inactive at 0: new position data are not available yet.
      */
     bool position_data_valid;
 } lika_asc85_reg_status;
@@ -1105,40 +1193,39 @@ static inline lika_result lika_asc85_read_status(
 }
 
 /*
- * Position, 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
+ * Position, registers 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
  * Absolute position.
- * The lowest address holds the low byte.
+ * Byte order: low byte first, at 61h.
  * The table uses bits 31:6, 26 bits, and calls bits 5:0 "not used"; what they hold is not said. At
  * 25 bits the 26 bits are taken as the position and, in bit 6, the constant 0 bit of the BiSS
  * frame; with a lower resolution the position is taken as left-aligned too. Low byte first, unlike
  * the other registers of several bytes.
- *   position_bits from bit 32 - position_bits up  position
- * Erratum (open): printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
- *                 nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- *                 position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8
- *                 is the number of the top bit in the table, and the profile ID too has 25 + 1
- *                 bits. But the one public driver written for this encoder reads 25 bits, nE, nW
- *                 and 6 CRC bits, 33 in all, without the 0 bit. With the 0 bit left out the length
- *                 would be nbitres+8 as printed; a model of 24 bits with it is 33 bits long as
- *                 well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- *                 without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information
- *                 p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
- * Erratum (open): printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used,
- *                 for all models. Used: The exponents number the bits of the register: the position
- *                 is left-aligned at bit 31 and position_bits wide; the bits below it are
- *                 unspecified. Why: 26 bits are more than any model has; 25 and the constant 0 bit
- *                 of the frame fill them. Whether the position stays left-aligned at 20 to 24 bits,
- *                 and what the bits below it hold then, is not said. A public controller with the
- *                 same addresses holds 26 singleturn bits there. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
- * Erratum (open): printed: The reset is performed upon reading out position data. Used: Reading the
- *                 position register. [6.4 p.29; icmr: p.42]
+ * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
+ * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
+ * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
+ * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
+ * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
+ * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
+ * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
+ * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
+ * onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Erratum position_register_bits (open, wrong data): Printed: Position: registers 61h to 64h with
+ * 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models. Used: The exponents number the bits of the
+ * register: the position is left-aligned at bit 31 and position_bits wide; the bits below it are
+ * unspecified. Why: 26 bits are more than any model has; 25 and the constant 0 bit of the frame
+ * fill them. Whether the position stays left-aligned at 20 to 24 bits, and what the bits below it
+ * hold then, is not said. A public controller with the same addresses holds 26 singleturn bits
+ * there. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
+ * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
+ * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
+ *   from bit 32 - position_bits up  position  position_bits bits.
  */
 #define LIKA_ASC85_REG_POSITION_ADDRESS 0x61U
 #define LIKA_ASC85_REG_POSITION_LENGTH 4U /* bytes, 61h to 64h */
 #define LIKA_ASC85_REG_POSITION_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_asc85_reg_position {
-    uint32_t position; /* Position within one revolution [counts] */
+    uint32_t position; /* Position within one revolution. Unit: counts. */
 } lika_asc85_reg_position;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
@@ -1194,18 +1281,18 @@ static inline lika_result lika_asc85_read_position(
 }
 
 /*
- * Error register, 69h, read only, over BiSS C-mode [6.4 p.29].
+ * Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
  * Error and warning messages that are active at present.
  * Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both,
  * too. Reading out position data resets a message; while its cause lasts it appears again.
- * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
- *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
- *                 p.26]
- * Erratum (open): printed: For the active warning refer to the Error register; its six bits are all
- *                 called errors. Used: No bit of the error register is taken as a warning; all are
- *                 active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
- * Erratum (open): printed: The reset is performed upon reading out position data. Used: Reading the
- *                 position register. [6.4 p.29; icmr: p.42]
+ * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
+ * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
+ * p.26; 6.4 p.30; icmr: p.26]
+ * Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error
+ * register; its six bits are all called errors. Used: No bit of the error register is taken as a
+ * warning; all are active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
+ * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
+ * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
  */
 #define LIKA_ASC85_REG_ERROR_REGISTER_ADDRESS 0x69U
 #define LIKA_ASC85_REG_ERROR_REGISTER_LENGTH 1U /* byte */
@@ -1222,25 +1309,37 @@ static inline lika_result lika_asc85_read_position(
 #define LIKA_ASC85_REG_ERROR_REGISTER_CONTROL_ERROR_IN_DIAGNOSTIC_DATA 0xCCU
 
 typedef struct lika_asc85_reg_error_register {
-    bool absolute_data_error; /* Absolute data error: error of the absolute data interface */
-    /* Interpolation error: the conversion had not been carried out when it was read */
+    /*
+     * Absolute data error. Active at 1: error of the absolute data interface. Inactive at 0: no
+     * error of the absolute data interface, or the interface is not configured.
+     */
+    bool absolute_data_error;
+    /*
+     * Interpolation error. Active at 1: the conversion had not been carried out when it was read.
+     * Inactive at 0: no interpolation error.
+     */
     bool interpolation_error;
-    /* Configuration error: configuration error, or configuration being written or verified */
+    /*
+     * Configuration error. Active at 1: configuration error, or configuration being written or
+     * verified. Inactive at 0: no configuration error.
+     */
     bool configuration_error;
     /*
-     * Synchronization error: the internal synchronisation between cycle counter and interpolator
-     * failed
+     * Synchronization error. Active at 1: the internal synchronisation between cycle counter and
+     * interpolator failed. Inactive at 0: no synchronisation error.
      */
     bool synchronization_error;
     /*
-     * Signal error: signal error active; Diagnostic data tells why: ac_minimum_amplitude,
-     * dc_minimum_offset, ac_maximum_amplitude, dc_maximum_offset
+     * Signal error. Active at 1: signal error active. Inactive at 0: no signal error. For the
+     * reason, see AC minimum amplitude of Diagnostic data, DC minimum offset of Diagnostic data, AC
+     * maximum amplitude of Diagnostic data and DC maximum offset of Diagnostic data.
      */
     bool signal_error;
     /*
-     * Control error: control error active; Diagnostic data tells why:
-     * signal_level_minimum_amplitude, amplitude_control_minimum_current,
-     * signal_level_maximum_amplitude, amplitude_control_maximum_current
+     * Control error. Active at 1: control error active. Inactive at 0: no control error. For the
+     * reason, see Signal level minimum amplitude of Diagnostic data, Amplitude control minimum
+     * current of Diagnostic data, Signal level maximum amplitude of Diagnostic data and Amplitude
+     * control maximum current of Diagnostic data.
      */
     bool control_error;
 } lika_asc85_reg_error_register;
@@ -1296,15 +1395,15 @@ static inline lika_result lika_asc85_read_error_register(
 }
 
 /*
- * Device ID, 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
+ * Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
  * Name of the device and its hardware-software release.
- * The lowest address holds the high byte.
+ * Byte order: high byte first, at 78h.
  * The revision table of the manual has hardware 0 and software 1, which are the two characters of
  * the release.
- *   bytes 0 to 3  name
- *   bytes 4 to 5  release
- * Erratum (open): printed: One device ID, AS85 with the release 01, for all models. Used: As
- *                 printed. [6.4 p.31; prot: p.14-15]
+ * Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for
+ * all models. Used: As printed. [6.4 p.31; prot: p.14-15]
+ *   bits 47:16  name
+ *   bits 15:0   release
  */
 #define LIKA_ASC85_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_ASC85_REG_DEVICE_ID_LENGTH 6U /* bytes, 78h to 7Dh */
@@ -1312,12 +1411,11 @@ static inline lika_result lika_asc85_read_error_register(
 
 typedef struct lika_asc85_reg_device_id {
     /*
-     * Name of the device, 41 53 38 35 in hexadecimal: ASC85 without its C: characters without a
-     * terminator
+     * Name of the device, 41 53 38 35 in hexadecimal: ASC85 without its C. ASCII text. Holds AS85,
+     * which identifies the encoder; decoding accepts any value. No terminator.
      */
     char name[4];
-    /* Hardware-software release, printed as 30 31: characters without a terminator */
-    char release[2];
+    char release[2]; /* Hardware-software release, printed as 30 31. ASCII text. No terminator. */
 } lika_asc85_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
@@ -1384,17 +1482,21 @@ static inline lika_result lika_asc85_read_device_id(
 }
 
 /*
- * Manufacturer ID, 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
+ * Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
  * Manufacturer.
- * The lowest address holds the high byte.
- *   bytes 0 to 1  name
+ * Byte order: high byte first, at 7Eh.
+ *   bits 15:0  name
  */
 #define LIKA_ASC85_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_ASC85_REG_MANUFACTURER_ID_LENGTH 2U /* bytes, 7Eh to 7Fh */
 #define LIKA_ASC85_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_asc85_reg_manufacturer_id {
-    char name[2]; /* Lika Electronic, 4C 69 in hexadecimal: characters without a terminator */
+    /*
+     * Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds Li, which identifies the encoder;
+     * decoding accepts any value. No terminator.
+     */
+    char name[2];
 } lika_asc85_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
@@ -1533,15 +1635,15 @@ static inline const lika_asc85_order_code *lika_asc85_next_candidate(
 /*
  * Request new position data and read them [6.4 p.26].
  * Result: The position register holds the position that was asked for.
- * Erratum (open): printed: The reset is performed upon reading out position data. Used: Reading the
- *                 position register. [6.4 p.29; icmr: p.42]
+ * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
+ * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
  */
 #define LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT 6U
 
 static inline const lika_step *lika_asc85_request_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT] = {
-        /* Command & status, Command mode: request position */
+        /* Command & status, Command mode: request_position */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x00U, 1U, 0U },
         /* Position data valid: 0 as long as the new data are not available */
         { LIKA_STEP_POLL, 0x60U, 0x01U, 0x01U, 1U, 0U },
@@ -1587,18 +1689,18 @@ static inline lika_result lika_asc85_request_position(
  * Before: An EEPROM was connected at power-on; without it the command has no effect.
  * Result: The configuration registers and a new check sum are in the EEPROM.
  * The configuration registers, 00h to 2Dh, are reserved to the maker.
- * Erratum (settled): printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of
- *                    status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits
- *                    once and has the write access to the EDS memory area at bit 3. A public
- *                    controller with the same commands lists its status byte in the order of the
- *                    list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
+ * Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status
+ * bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each
+ * of the eight bits once and has the write access to the EDS memory area at bit 3. A public
+ * controller with the same commands lists its status byte in the order of the list. [6.4 p.26; 6.4
+ * p.27; 6.4 p.28; icmr: p.41]
  */
 #define LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT 3U
 
 static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT] = {
-        /* Command & status, Command mode: save configuration */
+        /* Command & status, Command mode: save_configuration */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x01U, 1U, 0U },
         /* Internal data bus busy: 1 for the whole duration of the writing */
         { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
@@ -1611,7 +1713,7 @@ static inline const lika_step *lika_asc85_save_configuration_steps(size_t *count
 
 /* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_save_configuration_read {
-    /* Error register, Configuration error: 0 again unless the writing failed */
+    /* Configuration error of Error register: 0 again unless the writing failed */
     uint8_t error_register[1];
 } lika_asc85_save_configuration_read;
 
@@ -1641,21 +1743,20 @@ static inline lika_result lika_asc85_save_configuration(
  * How long the reading takes is not said, nor that Absolute data valid goes to 0 first. After a
  * reading that failed the bit does not become 1: give up after a while and look at the error
  * register.
- * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
- *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
- *                 p.26]
- * Erratum (settled): printed: Command 02: the status bit 2 Absolute data valid. List of status
- *                    bits: bit 1. Used: Bit 1. Why: The list gives each of the eight bits once and
- *                    has Internal data bus busy at bit 2. A public controller with the same
- *                    commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28;
- *                    icmr: p.41]
+ * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
+ * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
+ * p.26; 6.4 p.30; icmr: p.26]
+ * Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2
+ * Absolute data valid. List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the
+ * eight bits once and has Internal data bus busy at bit 2. A public controller with the same
+ * commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28; icmr: p.41]
  */
 #define LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT 3U
 
 static inline const lika_step *lika_asc85_read_absolute_data_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT] = {
-        /* Command & status, Command mode: read absolute data */
+        /* Command & status, Command mode: read_absolute_data */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x02U, 1U, 0U },
         /* Absolute data valid: set when the data were loaded */
         { LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U, 1U, 0U },
@@ -1668,7 +1769,8 @@ static inline const lika_step *lika_asc85_read_absolute_data_steps(size_t *count
 
 /* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_read_absolute_data_read {
-    uint8_t error_register[1]; /* Error register, Absolute data error: 1 if the data were refused */
+    /* Absolute data error of Error register: 1 if the data were refused */
+    uint8_t error_register[1];
 } lika_asc85_read_absolute_data_read;
 
 /*
@@ -1703,7 +1805,7 @@ static inline lika_result lika_asc85_read_absolute_data(
 static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_SOFTWARE_RESET_STEPS_COUNT] = {
-        /* Command & status, Command mode: software reset */
+        /* Command & status, Command mode: software_reset */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x03U, 1U, 0U },
         /* Configuration completed: configuration verified, absolute data read */
         { LIKA_STEP_POLL, 0x60U, 0x80U, 0x80U, 1U, 0U },
@@ -1720,8 +1822,8 @@ static inline const lika_step *lika_asc85_software_reset_steps(size_t *count)
 /* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_software_reset_read {
     /*
-     * Error register, Configuration error: 0; to be read as well when the poll is given up, if the
-     * encoder still answers
+     * Configuration error of Error register: 0; to be read as well when the poll is given up, if
+     * the encoder still answers
      */
     uint8_t error_register[1];
 } lika_asc85_software_reset_read;
@@ -1749,18 +1851,18 @@ static inline lika_result lika_asc85_software_reset(
 /*
  * Verify the CRC of the configuration [6.4 p.27].
  * Result: Configuration error tells whether the configuration registers agree with their check sum.
- * Erratum (settled): printed: Commands 01 and 04: the status bit 3 Internal data bus busy. List of
- *                    status bits: bit 2. Used: Bit 2. Why: The list gives each of the eight bits
- *                    once and has the write access to the EDS memory area at bit 3. A public
- *                    controller with the same commands lists its status byte in the order of the
- *                    list. [6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41]
+ * Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status
+ * bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each
+ * of the eight bits once and has the write access to the EDS memory area at bit 3. A public
+ * controller with the same commands lists its status byte in the order of the list. [6.4 p.26; 6.4
+ * p.27; 6.4 p.28; icmr: p.41]
  */
 #define LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT 3U
 
 static inline const lika_step *lika_asc85_verify_configuration_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT] = {
-        /* Command & status, Command mode: verify configuration */
+        /* Command & status, Command mode: verify_configuration */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x04U, 1U, 0U },
         /* Internal data bus busy: 1 during the verification */
         { LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U, 1U, 0U },
@@ -1773,7 +1875,7 @@ static inline const lika_step *lika_asc85_verify_configuration_steps(size_t *cou
 
 /* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_verify_configuration_read {
-    /* Error register, Configuration error: 0 again unless the verification failed */
+    /* Configuration error of Error register: 0 again unless the verification failed */
     uint8_t error_register[1];
 } lika_asc85_verify_configuration_read;
 
@@ -1806,7 +1908,7 @@ static inline lika_result lika_asc85_verify_configuration(
 static inline const lika_step *lika_asc85_simulate_error_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_SIMULATE_ERROR_STEPS_COUNT] = {
-        /* Command & status, Command mode: simulate error */
+        /* Command & status, Command mode: simulate_error */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x05U, 1U, 0U },
         /* Error message: 1 while the error is simulated */
         { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U }
@@ -1817,7 +1919,7 @@ static inline const lika_step *lika_asc85_simulate_error_steps(size_t *count)
 
 /* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_simulate_error_read {
-    /* Command & status, Status mode, Error message: 1 while the error is simulated */
+    /* Error message of Command & status, Status mode: 1 while the error is simulated */
     uint8_t status[1];
 } lika_asc85_simulate_error_read;
 
@@ -1848,7 +1950,7 @@ static inline lika_result lika_asc85_simulate_error(
 static inline const lika_step *lika_asc85_clear_simulated_error_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_CLEAR_SIMULATED_ERROR_STEPS_COUNT] = {
-        /* Command & status, Command mode: clear simulated error */
+        /* Command & status, Command mode: clear_simulated_error */
         { LIKA_STEP_WRITE, 0x60U, 0xFFU, 0x06U, 1U, 0U },
         { LIKA_STEP_READ, 0x60U, 0xFFU, 0U, 1U, 0U } /* Error message: 0 after the simulation */
     };
@@ -1858,7 +1960,7 @@ static inline const lika_step *lika_asc85_clear_simulated_error_steps(size_t *co
 
 /* What it reads: bytes in ascending order of address, for the registers' functions _decode. */
 typedef struct lika_asc85_clear_simulated_error_read {
-    uint8_t status[1]; /* Command & status, Status mode, Error message: 0 after the simulation */
+    uint8_t status[1]; /* Error message of Command & status, Status mode: 0 after the simulation */
 } lika_asc85_clear_simulated_error_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
@@ -1882,23 +1984,24 @@ static inline lika_result lika_asc85_clear_simulated_error(
 /*
  * Look up and reset errors and warnings [6.4 p.29].
  * Result: The messages are reset; those whose cause lasts are there again.
- * Erratum (open): printed: The reset is performed upon reading out position data. Used: Reading the
- *                 position register. [6.4 p.29; icmr: p.42]
+ * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
+ * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
  */
 #define LIKA_ASC85_RESET_ERRORS_STEPS_COUNT 7U
 
 static inline const lika_step *lika_asc85_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_RESET_ERRORS_STEPS_COUNT] = {
-        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }, /* which messages are active */
-        /* what is behind Control error and Signal error */
+        /* Error register: which messages are active */
+        { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U },
+        /* Diagnostic data: what is behind Control error and Signal error */
         { LIKA_STEP_READ, 0x5AU, 0xFFU, 0U, 1U, 0U },
-        /* reading out position data resets the messages */
+        /* Position: reading out position data resets the messages */
         { LIKA_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x62U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x63U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x64U, 0xFFU, 0U, 1U, 0U },
-        /* what stands here now has a cause that lasts */
+        /* Error register: what stands here now has a cause that lasts */
         { LIKA_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }
     };
     *count = LIKA_ASC85_RESET_ERRORS_STEPS_COUNT;
@@ -1940,24 +2043,26 @@ static inline lika_result lika_asc85_reset_errors(
 /*
  * Identify the encoder [6.4 p.22].
  * Result: It is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and
- *         supplies, so that only the label tells the rest of the order code.
- * Erratum (open): printed: One device ID, AS85 with the release 01, for all models. Used: As
- *                 printed. [6.4 p.31; prot: p.14-15]
+ * supplies, so that only the label tells the rest of the order code.
+ * Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for
+ * all models. Used: As printed. [6.4 p.31; prot: p.14-15]
  */
 #define LIKA_ASC85_IDENTIFY_STEPS_COUNT 14U
 
 static inline const lika_step *lika_asc85_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_ASC85_IDENTIFY_STEPS_COUNT] = {
-        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Li: an encoder of Lika Electronic */
+        /* Manufacturer ID: Li: an encoder of Lika Electronic */
+        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* AS85 and the release */
+        { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: AS85 and the release */
         { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* 281Ah is printed for all models */
+        /* Profile ID: 281Ah is printed for all models */
+        { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number */
         { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
@@ -2012,60 +2117,71 @@ static inline lika_result lika_asc85_identify(
 /*
  * Control error: The signal level or the output current of the amplitude control has reached a
  * threshold; diagnostic data, bits 2, 3, 6 and 7, tell which. [6.4 p.30]
+ * Flag: Control error of Error register.
+ * Stays until it is reset.
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_ASC85_ALARM_CONTROL_ERROR_MASK 0x01U /* in Error register, 69h */
+#define LIKA_ASC85_ALARM_CONTROL_ERROR_MASK 0x01U
 
 /*
  * Signal error: The AC amplitude of a differential signal or the DC voltage of an analogue signal
  * line has reached a threshold; diagnostic data, bits 0, 1, 4 and 5, tell which. [6.4 p.30]
+ * Flag: Signal error of Error register.
+ * Stays until it is reset.
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_ASC85_ALARM_SIGNAL_ERROR_MASK 0x02U /* in Error register, 69h */
+#define LIKA_ASC85_ALARM_SIGNAL_ERROR_MASK 0x02U
 
 /*
  * Synchronization error: The internal synchronisation between the cycle counter and the
  * interpolator failed. [6.4 p.30]
+ * Flag: Synchronization error of Error register.
+ * Stays until it is reset.
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
- * Procedures that clear it: reset_errors.
- * Erratum (open): printed: Command 02 sets the cycle counter; Synchronization error is about the
- *                 cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr:
- *                 p.26]
+ * Cleared by: reset_errors.
+ * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
+ * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
+ * p.26; 6.4 p.30; icmr: p.26]
  */
-#define LIKA_ASC85_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U /* in Error register, 69h */
+#define LIKA_ASC85_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U
 
 /*
  * Configuration error: One of: power-on without EEPROM; CRC error at power-on with EEPROM; error
  * while writing the EEPROM by command 01; CRC error after a software reset by command 03; CRC error
  * after a verification by command 04; failure of the EEPROM. Also set for a while, without an
  * error, during the writing by command 01 and the verification by command 04. [6.4 p.30]
+ * Flag: Configuration error of Error register.
  * Detected: At power-on, after a software reset, when the configuration is written to the EEPROM or
  * verified.
  * Remedy: Goes by itself at the end of a writing or verification that succeeds, not of one that
  * fails. For all messages: reset upon reading out position data; appears again while its cause
  * lasts.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_ASC85_ALARM_CONFIGURATION_ERROR_MASK 0x10U /* in Error register, 69h */
+#define LIKA_ASC85_ALARM_CONFIGURATION_ERROR_MASK 0x10U
 
 /*
  * Interpolation error: The conversion had not been carried out at the time of the read access. [6.4
  * p.31]
+ * Flag: Interpolation error of Error register.
+ * Stays until it is reset.
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_ASC85_ALARM_INTERPOLATION_ERROR_MASK 0x20U /* in Error register, 69h */
+#define LIKA_ASC85_ALARM_INTERPOLATION_ERROR_MASK 0x20U
 
 /*
  * Absolute data error: The absolute data interface received BiSS data with a CRC error, or with the
  * error bit nE active (0). Always 0 where the absolute data interface is not configured. [6.4 p.31]
+ * Flag: Absolute data error of Error register.
  * Detected: When the absolute data interface reads, for example after command 02.
+ * Stays until it is reset.
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_ASC85_ALARM_ABSOLUTE_DATA_ERROR_MASK 0x40U /* in Error register, 69h */
+#define LIKA_ASC85_ALARM_ABSOLUTE_DATA_ERROR_MASK 0x40U
 
 #ifdef __cplusplus
 }

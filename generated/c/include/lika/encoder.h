@@ -23,7 +23,7 @@ extern "C" {
 /*
  * What a decoder or encoder says. Several faults in one frame give the first of this order.
  * A function that does not return LIKA_OK has left its results as they were.
- * LIKA_OK means well formed: what the encoder reports of errors stands in the flags of the frame.
+ * LIKA_OK means well formed; the function _verdict() of a frame says what its position is worth.
  */
 typedef enum lika_result {
     LIKA_OK = 0,
@@ -35,6 +35,23 @@ typedef enum lika_result {
     LIKA_FAULT_TIMEOUT = 6,    /* what a poll waits for has not come within its bound */
     LIKA_FAULT_UNSUPPORTED = 7 /* the transport does not have a function that is needed */
 } lika_result;
+
+/* What the position of a sound frame is worth, the worst first. */
+typedef enum lika_verdict {
+    LIKA_NOT_USABLE = 0,          /* wrong, frozen, 0 or in doubt */
+    LIKA_USABLE_WITH_WARNING = 1, /* it can be used, but something wants attention */
+    LIKA_USABLE = 2,              /* the encoder reports nothing against it */
+    LIKA_NOT_TOLD = 3             /* nothing in such frames tells */
+} lika_verdict;
+
+/* What a report means; a member is empty where the manual has nothing. */
+typedef struct lika_report_text {
+    const char *name;
+    const char *printed_name; /* in the manual */
+    const char *meaning;
+    const char *remedy;
+    const char *source; /* section and page of the manual */
+} lika_report_text;
 
 /* How an encoder is connected. */
 typedef enum lika_interface {

@@ -31,7 +31,8 @@
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
- * the functions _set_ make it so. Pointers must not be null.
+ * the functions _set_ make it so. A flag is true while it is active, whether that is sent as 0 or
+ * as 1. Pointers must not be null.
  *   LIKA_CRC_TABLE, defined before this header is included, checks words with a table of 256
  *                   entries in place of straight-line code, which is faster on machines of 8 bits.
  */
@@ -48,14 +49,14 @@ extern "C" {
 
 /*
  * Order codes: SMA21-{output}{supply}-{resolution} [Cover; 4.1 p.15; 4.10 p.18; 5 p.19; 6 p.24; 7
- * p.37]
- *   output: Interface, output code and additional signals: BG = SSI, MSB aligned to the left,
- *           binary; GG = SSI, MSB aligned to the left, Gray; G1 = SSI, MSB aligned to the left,
- *           Gray, with incremental AB /AB signals (Line Driver RS-422); SC = BiSS C-mode with
- *           incremental AB /AB signals (Line Driver RS-422); JP = RS-485 serial interface
- *           (Panasonic(R))
- *   supply: Power supply: 1 = +5 V DC +/-5 %; 4 = +5 V DC to +30 V DC
- *   resolution: Resolution: 0050 = 50 um; 0010 = 10 um; 0005 = 5 um; 0002 = 2 um; 0001 = 1 um
+ * p.37].
+ * output: Interface, output code and additional signals: BG = SSI, MSB aligned to the left, binary;
+ * GG = SSI, MSB aligned to the left, Gray; G1 = SSI, MSB aligned to the left, Gray, with
+ * incremental AB /AB signals (Line Driver RS-422); SC = BiSS C-mode with incremental AB /AB signals
+ * (Line Driver RS-422); JP = RS-485 serial interface (Panasonic(R)).
+ * supply: Power supply: 1 = +5 V DC +/-5 %; 4 = +5 V DC to +30 V DC.
+ * Other values that match [0-9] are accepted and shown as unlisted.
+ * resolution: Resolution: 0050 = 50 um; 0010 = 10 um; 0005 = 5 um; 0002 = 2 um; 0001 = 1 um.
  * On the label a hyphen and further characters follow the resolution; the manual does not explain
  * them. It prints x for the supply digit of all models but JP1, and explains 1 and 4 by example.
  * Order code and serial number are on the label of the body and in the delivery document; Lika asks
@@ -64,56 +65,63 @@ extern "C" {
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum (open): printed: See the order code (si veda il codice di ordinazione), for the output
- *                 code, the supply and the incremental signals. Used: BG is binary and GG is Gray;
- *                 supply 1 is +5 V, 4 is +5 V to +30 V. [4.1 p.15; 5.1; 5.2 p.20]
- * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
- *                 selected in the register Configuration: the position takes the whole field of 24
- *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. Why: The limit of the offset is the whole field less the
- *                 positions of the resolution, with a reference to that field: the sum is meant to
- *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
- *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
- *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85
- *                 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts
- *                 the whole field and not the position, and one bit more has one plus less. A
- *                 master that takes the length of the data from the profile ID would miss 4, 2 or 1
- *                 bits here. [6.4 p.28; asc85: 6.4 p.23]
- * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
- *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
- *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
- *                 7.3.3.2]
+ * Erratum order_code_key (open, omission): Printed: See the order code (si veda il codice di
+ * ordinazione), for the output code, the supply and the incremental signals. Used: BG is binary and
+ * GG is Gray; supply 1 is +5 V, 4 is +5 V to +30 V. [4.1 p.15; 5.1; 5.2 p.20]
+ * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
+ * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
+ * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
+ * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
+ * Why: The limit of the offset is the whole field less the positions of the resolution, with a
+ * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
+ * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
+ * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
+ * Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25
+ * bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why:
+ * The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the
+ * whole field and not the position, and one bit more has one plus less. A master that takes the
+ * length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85: 6.4
+ * p.23]
+ * Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position
+ * by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used:
+ * 20 bits at 50 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
+ * 7.3.3.2]
  */
 
 /* What differs between order codes. */
 typedef struct lika_sma21_variant {
-    uint8_t resolution_um; /* Resolution; the length of one count [um] */
-    uint8_t position_bits; /* Bits of the position over SSI and BiSS, padding not counted [bits] */
-    /* Whether the SSI word carries the position in Gray code, 1, or in binary, 0 */
+    /* Resolution; the length of one count [4.10 p.18; 5.2 p.20]. Unit: um. */
+    uint8_t resolution_um;
+    /*
+     * Bits of the position over SSI and BiSS, padding not counted [5.2 p.20; 6.2 p.25]. Unit: bits.
+     */
+    uint8_t position_bits;
+    /*
+     * Whether the SSI word carries the position in Gray code, 1, or in binary, 0 [4.1 p.15; 5.2
+     * p.20].
+     */
     uint8_t ssi_gray;
     /*
      * Bits above the position in the position field of the BiSS single cycle data; zeros unless an
-     * offset is selected [bits]
+     * offset is selected [6.2 p.25; 6.4 p.32]. Unit: bits.
      */
     uint8_t scd_padding_bits;
     /*
      * Bit 1 of the BiSS register Configuration: 1 while the register Preset / Offset holds an
-     * offset, 0 while a preset; held at run time in Configuration, 49h:
-     * lika_sma21_take_configuration()
+     * offset, 0 while a preset [6.4 p.30; 6.4 p.32]. Held at run time in register 49h (Select
+     * preset offset of Configuration), 0 to 1. lika_sma21_take_configuration() takes it over.
      */
     uint8_t offset_selected;
-    uint16_t profile_id; /* Profile ID in the BiSS registers 42h and 43h */
+    uint16_t profile_id; /* Profile ID in the BiSS registers 42h and 43h [6.4 p.28]. */
     /*
-     * Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary; held at run time in
-     * Configuration, 49h: lika_sma21_take_configuration()
+     * Bit 5 of the BiSS register Configuration: 0 for Gray, 1 for binary [6.4 p.31]. Held at run
+     * time in register 49h (Output code of Configuration), 0 to 1. lika_sma21_take_configuration()
+     * takes it over.
      */
     uint8_t output_code;
     /*
-     * Bits of the position in the 24-bit replies over RS-485; one less than elsewhere at 1 um
-     * [bits]
+     * Bits of the position in the 24-bit replies over RS-485; one less than elsewhere at 1 um [4.10
+     * p.18; 7.3.3.2]. Unit: bits.
      */
     uint8_t rs485_position_bits;
 } lika_sma21_variant;
@@ -168,13 +176,16 @@ typedef struct lika_sma21_variant {
 #define LIKA_SMA21_JP1_0002 { 2U, 24U, 0U, 0U, 0U, 0x2818U, 1U, 24U }
 #define LIKA_SMA21_JP1_0001 { 1U, 25U, 0U, 0U, 0U, 0x2819U, 1U, 24U }
 
-/* Positions that are told apart over SSI and BiSS; the manual's "max. informazioni" [counts] */
+/*
+ * Positions that are told apart over SSI and BiSS; the manual's "max. informazioni" [5.2 p.20].
+ * Unit: counts.
+ */
 static inline uint32_t lika_sma21_positions(const lika_sma21_variant *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->position_bits);
 }
 
-/* Bits of the position field of the BiSS single cycle data, 24 or 25 [bits] */
+/* Bits of the position field of the BiSS single cycle data, 24 or 25 [6.2 p.25]. Unit: bits. */
 static inline uint32_t lika_sma21_scd_position_bits(const lika_sma21_variant *variant)
 {
     return (uint32_t)variant->position_bits + variant->scd_padding_bits;
@@ -182,7 +193,7 @@ static inline uint32_t lika_sma21_scd_position_bits(const lika_sma21_variant *va
 
 /*
  * Bits of the position in the BiSS single cycle data, the whole field while an offset is selected
- * [bits]
+ * [6.2 p.25; 6.4 p.32]. Unit: bits.
  */
 static inline uint32_t lika_sma21_scd_value_bits(const lika_sma21_variant *variant)
 {
@@ -190,7 +201,10 @@ static inline uint32_t lika_sma21_scd_value_bits(const lika_sma21_variant *varia
         ((uint32_t)variant->scd_padding_bits * variant->offset_selected);
 }
 
-/* Whether the BiSS single cycle data carries the position in Gray code, 1, or in binary, 0 */
+/*
+ * Whether the BiSS single cycle data carries the position in Gray code, 1, or in binary, 0 [6.4
+ * p.31].
+ */
 static inline uint32_t lika_sma21_biss_gray(const lika_sma21_variant *variant)
 {
     return 1U - variant->output_code;
@@ -352,15 +366,15 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
 #endif
 
 /*
- * CRC biss_6, x^6 + x + 1 [6.2 p.26; prot: p.7-8; renishaw: data sheet; icmu: p.30]: width 6,
- * polynomial 0x3, start 0x0, final XOR 0x3f.
+ * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26; prot: p.7-8; renishaw:
+ * data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27;
+ * prot: p.7-8; renishaw: data sheet; icmu: p.30]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27; prot: p.7-8;
- *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 {
@@ -377,15 +391,15 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 }
 
 /*
- * CRC biss_4, x^4 + x + 1 [6.3 p.27; prot: p.9-14; icmu: p.30]: width 4, polynomial 0x3, start 0x0,
- * final XOR 0xf.
+ * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27; prot: p.9-14; icmu:
+ * p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27;
+ * prot: p.7-8; renishaw: data sheet; icmu: p.30]
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * Erratum (open): printed: Polynomials and inverted output of both CRCs, without a start value; the
- *                 logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27; prot: p.7-8;
- *                 renishaw: data sheet; icmu: p.30]
  */
 static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 {
@@ -403,8 +417,8 @@ static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 }
 
 /*
- * CRC rs485_8, x^8 + 1 [7.3.4 p.42]: width 8, polynomial 0x1, start 0x0, final XOR 0x0, input and
- * output reflected.
+ * CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent as it is [7.3.4
+ * p.42].
  * Over all bytes sent before it, start bits and delimiters left out, least significant bit first.
  * That is the XOR of the bytes: it does not notice bytes that changed places. Both printed frames
  * fit start value 0.
@@ -420,6 +434,149 @@ static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length
     return crc;
 }
 
+/* -- what frames report ------------------------------------------------------------------------ */
+
+/* What frames report of the encoder; their functions _reports() give a mask of these bits. */
+typedef enum lika_sma21_report {
+    LIKA_SMA21_REPORT_ERROR = 0x0001, /* Error [5.4 p.22]. */
+    LIKA_SMA21_REPORT_WARNING = 0x0002, /* Warning, nW [6.2 p.26]. */
+    LIKA_SMA21_REPORT_STATUS_INFO = 0x0004, /* dd0 ... dd3, unused [7.3.2 p.38; a4: p.298]. */
+    LIKA_SMA21_REPORT_STATUS_ALARM = 0x0008, /* ea0 [7.3.2 p.38; a4: p.298]. */
+    LIKA_SMA21_REPORT_STATUS_ERROR = 0x0010, /* ea1 [7.3.2 p.38; a4: p.298]. */
+    LIKA_SMA21_REPORT_STATUS_ZERO = 0x0020, /* Status zero, unused [7.3.2 p.38; a4: p.298]. */
+    LIKA_SMA21_REPORT_OVERSPEED = 0x0040, /* Overspeed [7.3.3.1 p.40; 7.3.2 p.38]. */
+    /* Initialization error [7.3.3.1 p.40; 7.3.3.2 p.41]. */
+    LIKA_SMA21_REPORT_INITIALIZATION_ERROR = 0x0080,
+    LIKA_SMA21_REPORT_HARDWARE_ERROR = 0x0100, /* Hardware error [7.3.3.1 p.40; 7.3.2 p.38]. */
+    /* Encoder inharmonious error [7.3.3 p.39; 7.3.3.1 p.40]. */
+    LIKA_SMA21_REPORT_ENCODER_INHARMONIOUS_ERROR = 0x0200,
+    /* Higher track error [7.3.3 p.39; 7.3.3.1 p.40]. */
+    LIKA_SMA21_REPORT_HIGHER_TRACK_ERROR = 0x0400,
+    /* Low amplitude error [7.3.3.1 p.40; 7.3.2 p.38]. */
+    LIKA_SMA21_REPORT_LOW_AMPLITUDE_ERROR = 0x0800,
+    /* Signal on the strength alarm [7.3.3 p.39; 7.3.3.1 p.40]. */
+    LIKA_SMA21_REPORT_SIGNAL_STRENGTH_ALARM = 0x1000,
+    LIKA_SMA21_REPORT_TEMPERATURE_ALARM = 0x2000 /* Temperature alarm [7.3.3 p.39; 7.3.3.1 p.40]. */
+} lika_sma21_report;
+
+/* The text of a report; of several that of the lowest bit, of none one with empty members. */
+static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
+{
+    static const lika_report_text texts[] = {
+        {
+            "error",
+            "",
+            "an error is present, the LED is red. Reading error (tape not read properly: mounted "
+            "wrongly, for instance turned round or upside down, its surface damaged, or the "
+            "sensor faulty) or frequency error (sensor too fast over the tape).",
+            "",
+            "5.4 p.22"
+        },
+        {
+            "warning",
+            "Warning, nW",
+            "warning active. Used with the register Position check for an automatic check of the "
+            "position; only for Lika's technicians.",
+            "",
+            "6.2 p.26"
+        },
+        {
+            "status_info",
+            "dd0 ... dd3",
+            "differs from the manual, which has 0 in these unused bits. Information, not used in "
+            "this encoder.",
+            "",
+            "7.3.2 p.38; a4: p.298"
+        },
+        {
+            "status_alarm",
+            "ea0",
+            "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the "
+            "position is right. Not stored; cleared as soon as the cause is gone.",
+            "",
+            "7.3.2 p.38; a4: p.298"
+        },
+        {
+            "status_error",
+            "ea1",
+            "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or "
+            "the motor has to stop. Stored in the encoder until the errors are reset.",
+            "",
+            "7.3.2 p.38; a4: p.298"
+        },
+        {
+            "status_zero",
+            "",
+            "differs from the manual, which has 0 in these unused bits",
+            "",
+            "7.3.2 p.38; a4: p.298"
+        },
+        {
+            "overspeed",
+            "Overspeed",
+            "speed too high",
+            "Reset the errors with data ID B",
+            "7.3.3.1 p.40; 7.3.2 p.38"
+        },
+        {
+            "initialization_error",
+            "Initialization error",
+            "error during the initialization, or absolute position not found",
+            "Reset the errors with data ID B once the initialization is over and normal operation "
+            "has started again",
+            "7.3.3.1 p.40; 7.3.3.2 p.41"
+        },
+        {
+            "hardware_error",
+            "Hardware error",
+            "error in the EEPROM",
+            "Reset the errors with data ID B",
+            "7.3.3.1 p.40; 7.3.2 p.38"
+        },
+        {
+            "encoder_inharmonious_error",
+            "Encoder inharmonious error",
+            "active, although the manual says that this encoder does not have it",
+            "",
+            "7.3.3 p.39; 7.3.3.1 p.40"
+        },
+        {
+            "higher_track_error",
+            "Higher track error",
+            "active, although the manual says that this encoder does not have it",
+            "",
+            "7.3.3 p.39; 7.3.3.1 p.40"
+        },
+        {
+            "low_amplitude_error",
+            "Low amplitude error",
+            "amplitude of the signal too low",
+            "Reset the errors with data ID B",
+            "7.3.3.1 p.40; 7.3.2 p.38"
+        },
+        {
+            "signal_strength_alarm",
+            "Signal on the strength alarm",
+            "active, although the manual says that this encoder does not have it",
+            "",
+            "7.3.3 p.39; 7.3.3.1 p.40"
+        },
+        {
+            "temperature_alarm",
+            "Temperature alarm",
+            "active, although the manual says that this encoder does not have it",
+            "",
+            "7.3.3 p.39; 7.3.3.1 p.40"
+        },
+        { "", "", "", "", "" }
+    };
+    size_t index = 0U;
+    while ((index < 14U) && (((reports >> index) & 1U) == 0U)) {
+        index++;
+    }
+    return &texts[index];
+}
+
 /* -- SSI --------------------------------------------------------------------------------------- */
 
 /*
@@ -429,24 +586,26 @@ static inline uint8_t lika_sma21_crc_rs485_8(const uint8_t *bytes, size_t length
  * The last rising edge ends the cycle, so that a word of n bits takes n + 1 rising edges (13 bits:
  * 14 edges). The master sends at least as many clocks as the word has bits. After the word the time
  * Tm may follow at once.
- * Signals: RS-422; clock and data have a logic level of typically 5 V.
- * The word is aligned to the left: the most significant bit comes with the first clock [5.2 p.20].
- * Output code: by order code [5.2 p.20].
- * Erratum (open): printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 1 MHz.
- *                 Used: Both as printed. Why: From 200 m on the table leaves no clock within the
- *                 range. [5.3 p.22]
- * Erratum (open): printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1 MHz.
- *                 Used: Both as printed. Why: 50 m is the shortest row, so that by the table no
- *                 cable may be run at 400 kHz to 1 MHz. [5.3 p.22]
+ * Signals: RS-422; clock and data have a logic level of typically 5 V [5 p.19].
+ * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
+ * p.20].
+ * Code: binary or Gray, by order code [5.2 p.20].
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 1 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3 p.22]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 1 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 1 MHz. [5.3 p.22]
  */
-#define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /* lowest clock [5.3 p.22] */
-#define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U /* highest clock [5.3 p.22] */
+#define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 1 MHz [5.3 p.22]. */
+#define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U
 /*
- * Tm: From the end of the clock signal until the encoder is ready for the next transmission and
- * sets the data line high [5.1]
+ * Tm: typically 12 us: From the end of the clock signal until the encoder is ready for the next
+ * transmission and sets the data line high [5.1].
  */
 #define LIKA_SMA21_SSI_MONOFLOP_TYPICAL_US 12U
-#define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U /* Tp: Between two clock sequences [5.3 p.22] */
+/* Tp: at least 16 us: Between two clock sequences [5.3 p.22]. */
+#define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U
 
 /*
  * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
@@ -470,31 +629,35 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /*
- * SSI word, sent by the encoder: position_bits + 1 bits [5.2 p.20].
+ * ssi_word, sent by the encoder over SSI: position_bits + 1 bits, most significant first [5.2
+ * p.20].
+ * position is in Gray code while ssi_gray is 1, and in binary while it is 0.
  * 21, 23, 24, 25 or 26 bits, position and error bit, the most significant first. Further clocks
  * bring zeros after the word. No warning bit and no CRC. Bit 0 is the error bit; the LSB of the
  * position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
- *   position_bits from bit 1 up  position
- *   bit 0                        error     active low
- * Erratum (open): printed: 5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits.
- *                 5.2: at least as many clocks as data bits. Used: Neither is enforced; one clock
- *                 more than the word has bits satisfies both. [5.1; 5.2 p.20]
- * Erratum (open): printed: The output code can be binary or Gray, without saying which bits of the
- *                 frame it covers. Used: The position alone; error and warning bit and the CRC are
- *                 sent as they are. [5.2 p.20; 6.4 p.31]
- * Erratum (open): printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error
- *                 in the position, or the motor has to stop. nE: the last valid position may be
- *                 frozen, wrong data may be sent. What single alarms and nW do to the position is
- *                 not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up; usable with
- *                 a warning with ea0, an alarm that ea0 sums up, or nW. [6.2 p.26; 7.3.2 p.38; 9
- *                 p.47]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: n + 1 rising edges, n being the
+ * resolution in bits, 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is
+ * enforced; one clock more than the word has bits satisfies both. [5.1; 5.2 p.20]
+ * Erratum gray_scope (open, omission): Printed: The output code can be binary or Gray, without
+ * saying which bits of the frame it covers. Used: The position alone; error and warning bit and the
+ * CRC are sent as they are. [5.2 p.20; 6.4 p.31]
+ * Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is
+ * right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid
+ * position may be frozen, wrong data may be sent. What single alarms and nW do to the position is
+ * not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are
+ * reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable while none is
+ * active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
+ *   from bit 1 up  position  position_bits bits.
+ *   bit 0          error
  */
 typedef struct lika_sma21_ssi_word {
-    uint32_t position; /* Position in counts; times the resolution it is a length [counts] */
+    uint32_t position; /* Position in counts; times the resolution it is a length. Unit: counts. */
     /*
-     * Bit di errore: an error is present, the LED is red. Reading error (tape not read properly:
-     * mounted wrongly, for instance turned round or upside down, its surface damaged, or the sensor
-     * faulty) or frequency error (sensor too fast over the tape)
+     * Bit di errore: Reading error (tape not read properly: mounted wrongly, for instance turned
+     * round or upside down, its surface damaged, or the sensor faulty) or frequency error (sensor
+     * too fast over the tape). Active at 0: an error is present, the LED is red. Inactive at 1:
+     * normal state, no active error, the LED is off. While it is active, the position is not
+     * usable.
      */
     bool error;
 } lika_sma21_ssi_word;
@@ -535,105 +698,129 @@ static inline lika_result lika_sma21_ssi_word_encode(
     return LIKA_OK;
 }
 
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_sma21_ssi_word_verdict(const lika_sma21_ssi_word *frame)
+{
+    if (frame->error) {
+        return LIKA_NOT_USABLE;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
+static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *frame)
+{
+    return (frame->error ? (uint32_t)LIKA_SMA21_REPORT_ERROR : 0U);
+}
+
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /*
  * The encoder is a slave, alone with one master. It must not be connected in a network of several
  * slaves. For all that the manual leaves out it refers to www.biss-interface.com.
- * Signals: EIA RS-422 for Clock (MA) and Data (SLO).
+ * Signals: EIA RS-422 for Clock (MA) and Data (SLO) [6 p.24].
  * Profile: Standard encoder profile, data format, Variant 0-24 (50 um to 2 um) or Variant 0-24+++
- * (1 um).
- * Network: point to point, never more than one slave [6 p.24].
+ * (1 um) [6 p.24].
+ * Network: point to point, one slave only [6 p.24].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
- *               main fields and refers to the document "Protocol description C-mode" for the whole
- *               structure.
- * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85
- *                 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts
- *                 the whole field and not the position, and one bit more has one plus less. A
- *                 master that takes the length of the data from the profile ID would miss 4, 2 or 1
- *                 bits here. [6.4 p.28; asc85: 6.4 p.23]
- * Erratum (open): printed: The BiSS time-out adapts itself to the clock, 16 us at most, without
- *                 saying how. Used: At most 16 us. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
+ * main fields and refers to the document "Protocol description C-mode" for the whole structure.
+ * Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25
+ * bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why:
+ * The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the
+ * whole field and not the position, and one bit more has one plus less. A master that takes the
+ * length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85: 6.4
+ * p.23]
+ * Erratum biss_timeout (open, omission): Printed: The BiSS time-out adapts itself to the clock, 16
+ * us at most, without saying how. Used: At most 16 us. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
  */
-#define LIKA_SMA21_BISS_CLOCK_MIN_HZ 200000U /* lowest clock [6.5 p.34] */
-#define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U /* highest clock [6.5 p.34] */
-#define LIKA_SMA21_BISS_TIMEOUT_AT_MOST_NS 16000U /* time-out after a frame [6.5 p.34] */
-/* Indirizzo registro: Register to read or to write [6.3 p.27] */
+#define LIKA_SMA21_BISS_CLOCK_MIN_HZ 200000U /* Clock: 200 kHz to 10 MHz [6.5 p.34]. */
+#define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U
+/* Time-out: follows the clock, at most 16 us [6.5 p.34]. */
+#define LIKA_SMA21_BISS_TIMEOUT_AT_MOST_NS 16000U
+/* Indirizzo registro: 7 bits: Register to read or to write [6.3 p.27]. */
 #define LIKA_SMA21_BISS_CONTROL_REGISTER_ADDRESS_BITS 7U
-#define LIKA_SMA21_BISS_CONTROL_RW_BITS 2U /* RW: Direction of the access [6.3 p.27] */
-#define LIKA_SMA21_BISS_CONTROL_RW_WRITE 0x01U /* "01": Write the register */
-#define LIKA_SMA21_BISS_CONTROL_RW_READ 0x02U /* "10": Read the register */
 /*
- * DATA: Value to write, from the master, or value read, from the encoder; most significant bit
- * first [6.3 p.27]
+ * RW: 2 bits: Direction of the access; 1h write ("01"): Write the register; 2h read ("10"): Read
+ * the register [6.3 p.27].
+ */
+#define LIKA_SMA21_BISS_CONTROL_RW_BITS 2U
+#define LIKA_SMA21_BISS_CONTROL_RW_WRITE 0x01U
+#define LIKA_SMA21_BISS_CONTROL_RW_READ 0x02U
+/*
+ * DATA: 8 bits: Value to write, from the master, or value read, from the encoder; most significant
+ * bit first [6.3 p.27].
  */
 #define LIKA_SMA21_BISS_CONTROL_DATA_BITS 8U
-/* CRC: Check of the transmission, sent inverted [6.3 p.27] */
+/* CRC: 4 bits: Check of the transmission, sent inverted [6.3 p.27]. */
 #define LIKA_SMA21_BISS_CONTROL_CRC_BITS 4U
 /*
- * From a write to the Command register to the next function, while the EEPROM is written [6.4 p.29]
+ * eeprom_write: at least 30 ms: From a write to the Command register to the next function, while
+ * the EEPROM is written [6.4 p.29].
  */
 #define LIKA_SMA21_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /*
- * Single cycle data, sent by the encoder: position_bits + scd_padding_bits + 8 bits [6.2 p.25].
+ * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + scd_padding_bits + 8
+ * bits, most significant first [6.2 p.25].
  * In the manual: Single Cycle Data SCD.
+ * position is in Gray code while biss_gray is 1, and in binary while it is 0.
  * 32 bits from 50 um to 2 um, 33 bits at 1 um. The position is right-aligned in a field of 24 or 25
  * bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the
  * register Configuration) it takes the whole field. Output code Gray: zeros above a number stay
  * zeros in Gray code, so that it does not matter whether they are taken in; that error and warning
  * bit are not taken in is assumed.
- *   position_bits + scd_padding_bits - scd_value_bits from bit scd_value_bits + 8 up  padding
- *         always 0; Zeros above the position, part of the manual's Posizione; none while an offset
- *         is selected
- *   scd_value_bits from bit 8 up  position
- *   bit 7                         error     active low
- *   bit 6                         warning   active low
- *   bits 5:0                      crc       CRC; CRC biss_6 over everything before it
- * Erratum (open): printed: The output code can be binary or Gray, without saying which bits of the
- *                 frame it covers. Used: The position alone; error and warning bit and the CRC are
- *                 sent as they are. [5.2 p.20; 6.4 p.31]
- * Erratum (settled): printed: SCD (32 bit), with a position of 24 or 25 bits. Used: 32 bits from 50
- *                    um to 2 um, 33 bits at 1 um. Why: Position, error, warning and CRC add up to
- *                    25 + 1 + 1 + 6 = 33 at 1 um; the table below has bits 32 to 0 for it. [6.2
- *                    p.25]
- * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
- *                 selected in the register Configuration: the position takes the whole field of 24
- *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. Why: The limit of the offset is the whole field less the
- *                 positions of the resolution, with a reference to that field: the sum is meant to
- *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
- *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
- *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
- *                 position starts again after 2^position_bits counts, in the 24-bit replies over
- *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
- *                 zero. [6.4 p.32; 7.3.3.2 p.41]
- * Erratum (open): printed: Warning, nW, without saying which level means a warning. Used: 0 is a
- *                 warning, as with the error bit. Why: The name nW and the BiSS documents have it
- *                 active low. The bit is for Lika's technicians anyway. [6.2 p.26; 9.1]
- * Erratum (open): printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error
- *                 in the position, or the motor has to stop. nE: the last valid position may be
- *                 frozen, wrong data may be sent. What single alarms and nW do to the position is
- *                 not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up; usable with
- *                 a warning with ea0, an alarm that ea0 sums up, or nW. [6.2 p.26; 7.3.2 p.38; 9
- *                 p.47]
+ * Erratum gray_scope (open, omission): Printed: The output code can be binary or Gray, without
+ * saying which bits of the frame it covers. Used: The position alone; error and warning bit and the
+ * CRC are sent as they are. [5.2 p.20; 6.4 p.31]
+ * Erratum scd_length (settled, wrong data): Printed: SCD (32 bit), with a position of 24 or 25
+ * bits. Used: 32 bits from 50 um to 2 um, 33 bits at 1 um. Why: Position, error, warning and CRC
+ * add up to 25 + 1 + 1 + 6 = 33 at 1 um; the table below has bits 32 to 0 for it. [6.2 p.25]
+ * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
+ * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
+ * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
+ * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
+ * Why: The limit of the offset is the whole field less the positions of the resolution, with a
+ * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
+ * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
+ * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
+ * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
+ * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
+ * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
+ * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
+ * p.41]
+ * Erratum warning_level (open, omission): Printed: Warning, nW, without saying which level means a
+ * warning. Used: 0 is a warning, as with the error bit. Why: The name nW and the BiSS documents
+ * have it active low. The bit is for Lika's technicians anyway. [6.2 p.26; 9.1]
+ * Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is
+ * right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid
+ * position may be frozen, wrong data may be sent. What single alarms and nW do to the position is
+ * not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are
+ * reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable while none is
+ * active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
+ *   from bit scd_value_bits + 8 up  padding   position_bits + scd_padding_bits - scd_value_bits
+ *                                             bits. Zeros above the position, part of the manual's
+ *                                             Posizione; none while an offset is selected. Always
+ *                                             0.
+ *   from bit 8 up                   position  scd_value_bits bits.
+ *   bit 7                           error
+ *   bit 6                           warning
+ *   bits 5:0                        crc       CRC: Check of the transmission, sent inverted. CRC
+ *                                             biss_6 over everything before it.
  */
 typedef struct lika_sma21_single_cycle_data {
-    /* Posizione: Position in counts; times the resolution it is a length [counts] */
+    /* Posizione: Position in counts; times the resolution it is a length. Unit: counts. */
     uint32_t position;
     /*
-     * nE: an error is present, the LED is red. Reading error (tape not read properly: mounted
-     * wrongly, for instance turned round or upside down, its surface damaged, or the sensor faulty)
-     * or frequency error (sensor too fast over the tape)
+     * nE: Reading error (tape not read properly: mounted wrongly, for instance turned round or
+     * upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast
+     * over the tape). Active at 0: an error is present, the LED is red. Inactive at 1: normal
+     * state, no active error, the LED is off. While it is active, the position is not usable.
      */
     bool error;
     /*
-     * Warning, nW: warning active. Used with the register Position check for an automatic check of
-     * the position; only for Lika's technicians; reserved to the manufacturer
+     * Warning, nW: Used with the register Position check for an automatic check of the position;
+     * only for Lika's technicians. Active at 0: warning active. Inactive at 1: no warning active.
+     * While it is active, the position is usable, with a warning. Reserved for the manufacturer.
      */
     bool warning;
 } lika_sma21_single_cycle_data;
@@ -710,6 +897,27 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
     return LIKA_OK;
 }
 
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_sma21_single_cycle_data_verdict(
+    const lika_sma21_single_cycle_data *frame)
+{
+    if (frame->error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->warning) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
+static inline uint32_t lika_sma21_single_cycle_data_reports(
+    const lika_sma21_single_cycle_data *frame)
+{
+    return (frame->error ? (uint32_t)LIKA_SMA21_REPORT_ERROR : 0U) |
+        (frame->warning ? (uint32_t)LIKA_SMA21_REPORT_WARNING : 0U);
+}
+
 /* -- RS-485 ------------------------------------------------------------------------------------ */
 
 /*
@@ -717,80 +925,82 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
  * bit first (7.3.1 to 7.3.4): ten bits, as a serial port with one stop bit sends them. Of a number
  * the low byte comes first. The master asks, the encoder answers with the control field it
  * received. A request is not valid if its sync code, data ID, parity, delimiter or length is wrong.
- * Erratum (open): printed: 3.3: zero setting and preset are needed after mounting but available
- *                 with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position
- *                 to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38;
- *                 7.3.3.2 p.41]
- * Erratum (open): printed: Ten times in succession (in successione, in sequenza), at transmission
- *                 intervals of 40 us or more. Used: No other request in between, and 40 us or more
- *                 after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
- * Erratum (settled): printed: Five bits cc0 to cc4 as ID code. Used: cc0 to cc3 are the data ID,
- *                    cc4 is its even parity bit. [7.3.1 p.38; 7.2.2 p.37; stmbl:
- *                    src/comps/smartabs.c]
- * Erratum (open): printed: ea0: danger of a fault, the position is right. ea1: a fault, or an error
- *                 in the position, or the motor has to stop. nE: the last valid position may be
- *                 frozen, wrong data may be sent. What single alarms and nW do to the position is
- *                 not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up; usable with
- *                 a warning with ea0, an alarm that ea0 sums up, or nW. [6.2 p.26; 7.3.2 p.38; 9
- *                 p.47]
- * Erratum (open): printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are 0, as 7.3.2 has
- *                 it; the example checks the CRC only, and as a reply it is refused for its
- *                 constant. Why: 02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h
- *                 and 20h. Yet it is the only reply to data ID 5 that the manual prints, with a
- *                 right CRC. Whether the example is wrong, or an encoder may set these bits, only
- *                 hardware can tell. Where sound replies are refused for status_info, the bits are
- *                 set. [7.3.4; 7.3.2 p.38]
- * Erratum (settled): printed: When the fault is gone the error bit goes to the high level (commuta
- *                    al livello logico alto). Used: So with SSI and BiSS. Over RS-485 the error bit
- *                    is high while there is an error, and stays so until it is reset. Why: 7.3.2
- *                    and the note in 9.1 say so; section 9 does not tell the interfaces apart. [9
- *                    p.47; 9.1; 7.3.2 p.38]
+ * Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed
+ * after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets
+ * the position to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38; 7.3.3.2
+ * p.41]
+ * Erratum control_field_structure (settled, omission): Printed: Five bits cc0 to cc4 as ID code.
+ * Used: cc0 to cc3 are the data ID, cc4 is its even parity bit. [7.3.1 p.38; 7.2.2 p.37; stmbl:
+ * src/comps/smartabs.c]
+ * Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is
+ * right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid
+ * position may be frozen, wrong data may be sent. What single alarms and nW do to the position is
+ * not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are
+ * reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable while none is
+ * active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in
+ * sequenza), at transmission intervals of 40 us or more. Used: No other request in between, and 40
+ * us or more after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
+ * Erratum error_bit_level (settled, wrong data): Printed: When the fault is gone the error bit goes
+ * to the high level (commuta al livello logico alto). Used: So with SSI and BiSS. Over RS-485 the
+ * error bit is high while there is an error, and stays so until it is reset. Why: 7.3.2 and the
+ * note in 9.1 say so; section 9 does not tell the interfaces apart. [9 p.47; 9.1; 7.3.2 p.38]
  */
-#define LIKA_SMA21_RS485_BAUD 2500000U /* baud rate in bits per second [7.1 p.37] */
-#define LIKA_SMA21_RS485_DATA_BITS 8U /* data bits of a byte */
-#define LIKA_SMA21_RS485_PARITY 'N' /* parity: none; flow control: none */
-#define LIKA_SMA21_RS485_STOP_BITS 1U /* stop bits */
-/* Between the ten requests of a reset [7.3.3.2 p.41] */
+/* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
+#define LIKA_SMA21_RS485_BAUD 2500000U
+#define LIKA_SMA21_RS485_DATA_BITS 8U
+#define LIKA_SMA21_RS485_PARITY 'N'
+#define LIKA_SMA21_RS485_STOP_BITS 1U
+/* reset_interval: at least 40 us: Between the ten requests of a reset [7.3.3.2 p.41]. */
 #define LIKA_SMA21_RS485_RESET_INTERVAL_AT_LEAST_US 40U
 
-/* cc0 ... cc3: What the request asks for; a reply repeats it */
+/* cc0 ... cc3: What the request asks for; a reply repeats it. */
 typedef enum lika_sma21_data_id {
-    /* Data ID 4: 24-bit position and error code [7.3.1 p.38; 7.3.3 p.39] */
+    /* Data ID 4: 24-bit position and error code [7.3.1 p.38; 7.3.3 p.39]. */
     LIKA_SMA21_DATA_ID_POSITION = 0x4,
-    /* Data ID 5: 48-bit position [7.3.1 p.38; 7.3.3 p.39] */
+    /* Data ID 5: 48-bit position [7.3.1 p.38; 7.3.3 p.39]. */
     LIKA_SMA21_DATA_ID_WIDE_POSITION = 0x5,
-    /* Data ID A: 24-bit position, encoder ID and error code [7.3.1 p.38; 7.3.3 p.39] */
+    /* Data ID A: 24-bit position, encoder ID and error code [7.3.1 p.38; 7.3.3 p.39]. */
     LIKA_SMA21_DATA_ID_IDENTIFICATION = 0xA,
     /*
      * Data ID B: Reset all errors; the reply carries 24-bit position and error code [7.3.1 p.38;
-     * 7.3.3.2 p.41]
+     * 7.3.3.2 p.41].
      */
     LIKA_SMA21_DATA_ID_RESET_ERRORS = 0xB,
     /*
      * Data ID F: Reset the position to 0; the reply carries 24-bit position and error code [7.3.1
-     * p.38; 7.3.3.2 p.41]
+     * p.38; 7.3.3.2 p.41].
      */
     LIKA_SMA21_DATA_ID_RESET_POSITION = 0xF
 } lika_sma21_data_id;
 
 /* The first byte of each request and of its reply. */
-#define LIKA_SMA21_RS485_CONTROL_POSITION 0xA2U /* data ID 4, capture [7.3.1 p.38; 7.3.3 p.39] */
-/* data ID 5, capture [7.3.1 p.38; 7.3.3 p.39] */
+/* Data ID 4: A2h, capture: 24-bit position and error code [7.3.1 p.38; 7.3.3 p.39]. */
+#define LIKA_SMA21_RS485_CONTROL_POSITION 0xA2U
+/* Data ID 5: 2Ah, capture: 48-bit position [7.3.1 p.38; 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_WIDE_POSITION 0x2AU
-/* data ID A, capture [7.3.1 p.38; 7.3.3 p.39] */
+/* Data ID A: 52h, capture: 24-bit position, encoder ID and error code [7.3.1 p.38; 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_IDENTIFICATION 0x52U
-/* data ID B, reset [7.3.1 p.38; 7.3.3.2 p.41] */
+/*
+ * Data ID B: DAh, reset: Reset all errors; the reply carries 24-bit position and error code [7.3.1
+ * p.38; 7.3.3.2 p.41].
+ */
 #define LIKA_SMA21_RS485_CONTROL_RESET_ERRORS 0xDAU
-/* data ID F, reset [7.3.1 p.38; 7.3.3.2 p.41] */
+/*
+ * Data ID F: 7Ah, reset: Reset the position to 0; the reply carries 24-bit position and error code
+ * [7.3.1 p.38; 7.3.3.2 p.41].
+ */
 #define LIKA_SMA21_RS485_CONTROL_RESET_POSITION 0x7AU
 
 /*
- * Data request, sent by the master: 1 byte; data ID 4, 5, A, B, F [7.2 p.37; 7.2.1 p.37].
+ * data_request, sent by the master over RS-485: 1 byte [7.2 p.37; 7.2.1 p.37].
  * In the manual: Master -> Encoder: CF.
+ * Carries data_id 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F
+ * (reset_position).
  * One byte, without a CRC.
- *   bits 2:0  sync     SC; always 0x2; Sync code, binary 010
- *   bits 6:3  data_id
- *   bit 7     parity   cc4; even parity of data_id
+ *   byte 0, bits 2:0  sync     SC: Sync code, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id
+ *   byte 0, bit 7     parity   cc4. Even parity of data_id.
  */
 #define LIKA_SMA21_DATA_REQUEST_LENGTH 1U
 
@@ -848,69 +1058,103 @@ static inline lika_result lika_sma21_data_request_encode(
 }
 
 /*
- * Position reply, sent by the encoder: 7 bytes; data ID 4, B, F [7.2 p.37; 7.3.3 p.39].
+ * position_reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 DF3 CRC.
+ * Carries data_id 4 (position), B (reset_errors) or F (reset_position).
  * position = (DF2 << 16) + (DF1 << 8) + DF0, always binary; bits above the resolution are 0: bit
  * 23, bits 23:22 or bits 23:20.
- *   byte 0 bits 2:0  sync                        SC; always 0x2; Sync code, binary 010
- *   byte 0 bits 6:3  data_id
- *   byte 0 bit 7     parity                      cc4; even parity of data_id
- *   byte 1 bits 3:0  status_info                 dd0 ... dd3; always 0; Information, not used in
- *                                                this encoder
- *   byte 1 bit 4     status_alarm                active high
- *   byte 1 bit 5     status_error                active high
- *   byte 1 bits 7:6  status_zero                 always 0
- *   bytes 2 to 4     position                    rs485_position_bits, those above always 0
- *   byte 5 bit 0     overspeed                   active high
- *   byte 5 bit 1     initialization_error        active high
- *   byte 5 bit 2     hardware_error              active high
- *   byte 5 bit 3     encoder_inharmonious_error  not implemented
- *   byte 5 bit 4     higher_track_error          not implemented
- *   byte 5 bit 5     low_amplitude_error         active high
- *   byte 5 bit 6     signal_strength_alarm       not implemented
- *   byte 5 bit 7     temperature_alarm           not implemented
- *   byte 6           crc                         CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
- *                 position starts again after 2^position_bits counts, in the 24-bit replies over
- *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
- *                 zero. [6.4 p.32; 7.3.3.2 p.41]
- * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. Why:
- *                    Seven digits are 28 bits. [7.3.3]
- * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
- *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
- *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
- *                 7.3.3.2]
- * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
- *                    order of transmission. Used: ABS0 first. Why: The text above both tables says
- *                    that the position is sent from the least to the most significant byte, and the
- *                    examples do so. [7.3.3 p.39]
+ * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
+ * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
+ * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
+ * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
+ * p.41]
+ * Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh.
+ * Used: To FFFFFFh. Why: Seven digits are 28 bits. [7.3.3]
+ * Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position
+ * by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used:
+ * 20 bits at 50 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
+ * 7.3.3.2]
+ * Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and
+ * from ABS2 to ABS0, marked as the order of transmission. Used: ABS0 first. Why: The text above
+ * both tables says that the position is sent from the least to the most significant byte, and the
+ * examples do so. [7.3.3 p.39]
+ *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id
+ *   byte 0, bit 7     parity                      cc4. Even parity of data_id.
+ *   byte 1, bits 3:0  status_info                 dd0 ... dd3: Information, not used in this
+ *                                                 encoder. Unused, 0 in the manual. With other bits
+ *                                                 here the rest is decoded all the same, and the
+ *                                                 position is usable, with a warning.
+ *   byte 1, bit 4     status_alarm
+ *   byte 1, bit 5     status_error
+ *   byte 1, bits 7:6  status_zero                 Unused, 0 in the manual. With other bits here the
+ *                                                 rest is decoded all the same, and the position is
+ *                                                 usable, with a warning.
+ *   bytes 2 to 4      position                    rs485_position_bits bits.
+ *   byte 5, bit 0     overspeed
+ *   byte 5, bit 1     initialization_error
+ *   byte 5, bit 2     hardware_error
+ *   byte 5, bit 3     encoder_inharmonious_error
+ *   byte 5, bit 4     higher_track_error
+ *   byte 5, bit 5     low_amplitude_error
+ *   byte 5, bit 6     signal_strength_alarm
+ *   byte 5, bit 7     temperature_alarm
+ *   byte 6            crc                         CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_SMA21_POSITION_REPLY_LENGTH 7U
 
 typedef struct lika_sma21_position_reply {
     lika_sma21_data_id data_id;
     /*
-     * ea0: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
-     * position is right. Not stored; cleared as soon as the cause is gone
+     * ea0: Not stored; cleared as soon as the cause is gone. Active at 1: encoder alarm (warning),
+     * the sum of ALMC bits 6 and 7: danger of a fault, though the position is right. Inactive at 0:
+     * no encoder alarm. Sums up temperature_alarm and signal_strength_alarm. While it is active,
+     * the position is usable, with a warning.
      */
     bool status_alarm;
     /*
-     * ea1: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
-     * motor has to stop. Stored in the encoder until the errors are reset
+     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the sum of
+     * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. Inactive at
+     * 0: no encoder error. Sums up low_amplitude_error, higher_track_error,
+     * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
+     * active, the position is not usable.
      */
     bool status_error;
-    /* ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length [counts] */
+    /*
+     * ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length. Unit: counts.
+     * Right-aligned in 24 bits, zeros above it.
+     */
     uint32_t position;
-    bool overspeed; /* Overspeed: speed too high */
-    /* Initialization error: error during the initialization, or absolute position not found */
+    /*
+     * Overspeed. Active at 1: speed too high. Inactive at 0: no overspeed. While it is active, the
+     * position is not usable.
+     */
+    bool overspeed;
+    /*
+     * Initialization error. Active at 1: error during the initialization, or absolute position not
+     * found. Inactive at 0: no initialization error. While it is active, the position is not
+     * usable.
+     */
     bool initialization_error;
-    bool hardware_error; /* Hardware error: error in the EEPROM */
-    bool encoder_inharmonious_error; /* Encoder inharmonious error: Not implemented */
-    bool higher_track_error; /* Higher track error: Not implemented */
-    bool low_amplitude_error; /* Low amplitude error: amplitude of the signal too low */
-    bool signal_strength_alarm; /* Signal on the strength alarm: Not implemented */
-    bool temperature_alarm; /* Temperature alarm: Not implemented */
+    /*
+     * Hardware error. Active at 1: error in the EEPROM. Inactive at 0: no hardware error. While it
+     * is active, the position is not usable.
+     */
+    bool hardware_error;
+    bool encoder_inharmonious_error; /* Encoder inharmonious error: Not implemented. */
+    bool higher_track_error; /* Higher track error: Not implemented. */
+    /*
+     * Low amplitude error. Active at 1: amplitude of the signal too low. Inactive at 0: no low
+     * amplitude error. While it is active, the position is not usable.
+     */
+    bool low_amplitude_error;
+    bool signal_strength_alarm; /* Signal on the strength alarm: Not implemented. */
+    bool temperature_alarm; /* Temperature alarm: Not implemented. */
+    /*
+     * Unused bits, each 1 where it is not as the manual has it: 3:0 status_info and 7:6
+     * status_zero.
+     */
+    uint8_t unused;
 } lika_sma21_position_reply;
 
 /* Decodes 7 bytes. */
@@ -934,9 +1178,6 @@ static inline lika_result lika_sma21_position_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
     if (parity != lika_parity(data_id)) { /* even parity of data ID */
         return LIKA_FAULT_CONSTANT;
     }
@@ -947,6 +1188,7 @@ static inline lika_result lika_sma21_position_reply_decode(
     }
     out->data_id = (lika_sma21_data_id)data_id;
     uint8_t flags = bytes[1];
+    out->unused = (uint8_t)(flags & 0xCFU);
     out->status_alarm = ((flags & 0x10U) != 0U);
     out->status_error = ((flags & 0x20U) != 0U);
     out->position = position;
@@ -978,9 +1220,13 @@ static inline lika_result lika_sma21_position_reply_encode(
     if (in->position > lika_mask(variant->rs485_position_bits)) {
         return LIKA_FAULT_RANGE;
     }
+    if ((in->unused & 0x30U) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     bytes[0] = (uint8_t)(0x02U | ((uint32_t)in->data_id << 3U) |
         (lika_parity((uint32_t)in->data_id) << 7U));
-    bytes[1] = (uint8_t)((in->status_alarm ? 0x10U : 0x00U) | (in->status_error ? 0x20U : 0x00U));
+    bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_alarm ? 0x10U : 0x00U) |
+        (in->status_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->position;
     bytes[3] = (uint8_t)(in->position >> 8U);
     bytes[4] = (uint8_t)(in->position >> 16U);
@@ -993,57 +1239,116 @@ static inline lika_result lika_sma21_position_reply_encode(
     return LIKA_OK;
 }
 
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
+static inline bool lika_sma21_position_reply_is_expected(
+    const lika_sma21_variant *variant, const lika_sma21_position_reply *in)
+{
+    (void)variant;
+    return in->unused == 0U;
+}
+
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_sma21_position_reply_verdict(const lika_sma21_position_reply *frame)
+{
+    if (frame->status_error || frame->overspeed || frame->initialization_error ||
+        frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
+        frame->low_amplitude_error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->status_alarm || frame->signal_strength_alarm || frame->temperature_alarm ||
+        (frame->unused != 0U)) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
+static inline uint32_t lika_sma21_position_reply_reports(const lika_sma21_position_reply *frame)
+{
+    return (frame->status_alarm ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ALARM : 0U) |
+        (frame->status_error ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ERROR : 0U) |
+        (frame->overspeed ? (uint32_t)LIKA_SMA21_REPORT_OVERSPEED : 0U) |
+        (frame->initialization_error ? (uint32_t)LIKA_SMA21_REPORT_INITIALIZATION_ERROR : 0U) |
+        (frame->hardware_error ? (uint32_t)LIKA_SMA21_REPORT_HARDWARE_ERROR : 0U) |
+        (frame->encoder_inharmonious_error ?
+        (uint32_t)LIKA_SMA21_REPORT_ENCODER_INHARMONIOUS_ERROR : 0U) |
+        (frame->higher_track_error ? (uint32_t)LIKA_SMA21_REPORT_HIGHER_TRACK_ERROR : 0U) |
+        (frame->low_amplitude_error ? (uint32_t)LIKA_SMA21_REPORT_LOW_AMPLITUDE_ERROR : 0U) |
+        (frame->signal_strength_alarm ? (uint32_t)LIKA_SMA21_REPORT_SIGNAL_STRENGTH_ALARM : 0U) |
+        (frame->temperature_alarm ? (uint32_t)LIKA_SMA21_REPORT_TEMPERATURE_ALARM : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ZERO : 0U);
+}
+
 /*
- * Wide position reply, sent by the encoder: 9 bytes; data ID 5 [7.2 p.37; 7.3.3 p.39].
+ * wide_position_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3
+ * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
+ * Carries data_id 5 (wide_position).
  * Always binary, negative values as two's complement. No error code; the status field alone tells
  * of errors.
- *   byte 0 bits 2:0  sync          SC; always 0x2; Sync code, binary 010
- *   byte 0 bits 6:3  data_id       cc0 ... cc3; always 0x5
- *   byte 0 bit 7     parity        cc4; even parity of data_id
- *   byte 1 bits 3:0  status_info   dd0 ... dd3; always 0; Information, not used in this encoder
- *   byte 1 bit 4     status_alarm  active high
- *   byte 1 bit 5     status_error  active high
- *   byte 1 bits 7:6  status_zero   always 0
- *   bytes 2 to 7     position      two's complement
- *   byte 8           crc           CRC; CRC rs485_8 over everything before it
- * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
- *                 position starts again after 2^position_bits counts, in the 24-bit replies over
- *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
- *                 zero. [6.4 p.32; 7.3.3.2 p.41]
- * Erratum (settled): printed: 48-bit position from 800000000000h to 7FFFFFFFFFh. Used: To
- *                    7FFFFFFFFFFFh. Why: Two digits are missing; the highest number of 48 bits as
- *                    two's complement has twelve. [7.3.3; a4: p.298]
- * Erratum (open): printed: Unused high bits are 0; the 48-bit position is signed. Used: Signed,
- *                 over all 48 bits. [7.3.3]
- * Erratum (open): printed: Reply to data ID 5 with SF = 02h. Used: dd0 to dd3 are 0, as 7.3.2 has
- *                 it; the example checks the CRC only, and as a reply it is refused for its
- *                 constant. Why: 02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h
- *                 and 20h. Yet it is the only reply to data ID 5 that the manual prints, with a
- *                 right CRC. Whether the example is wrong, or an encoder may set these bits, only
- *                 hardware can tell. Where sound replies are refused for status_info, the bits are
- *                 set. [7.3.4; 7.3.2 p.38]
- * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
- *                    order of transmission. Used: ABS0 first. Why: The text above both tables says
- *                    that the position is sent from the least to the most significant byte, and the
- *                    examples do so. [7.3.3 p.39]
+ * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
+ * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
+ * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
+ * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
+ * p.41]
+ * Erratum abs_range_48 (settled, wrong limit): Printed: 48-bit position from 800000000000h to
+ * 7FFFFFFFFFh. Used: To 7FFFFFFFFFFFh. Why: Two digits are missing; the highest number of 48 bits
+ * as two's complement has twelve. [7.3.3; a4: p.298]
+ * Erratum wide_position_sign (open, omission): Printed: Unused high bits are 0; the 48-bit position
+ * is signed. Used: Signed, over all 48 bits. [7.3.3]
+ * Erratum data_id_5_example_status (open, wrong data): Printed: Reply to data ID 5 with SF = 02h.
+ * Used: dd0 to dd3 are unused and 0, as 7.3.2 has it; a reply that has them otherwise is decoded,
+ * and reports them. Why: 02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h and
+ * 20h. Yet it is the only reply to data ID 5 that the manual prints, with a right CRC. Whether the
+ * example is wrong, or an encoder may set these bits, only hardware can tell. The manual says
+ * nothing of the position then; it is taken as usable with a warning. [7.3.4; 7.3.2 p.38]
+ * Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and
+ * from ABS2 to ABS0, marked as the order of transmission. Used: ABS0 first. Why: The text above
+ * both tables says that the position is sent from the least to the most significant byte, and the
+ * examples do so. [7.3.3 p.39]
+ *   byte 0, bits 2:0  sync          SC: Sync code, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id       cc0 ... cc3: What the request asks for; a reply repeats it.
+ *   byte 0, bit 7     parity        cc4. Even parity of data_id.
+ *   byte 1, bits 3:0  status_info   dd0 ... dd3: Information, not used in this encoder. Unused, 0
+ *                                   in the manual. With other bits here the rest is decoded all the
+ *                                   same, and the position is usable, with a warning.
+ *   byte 1, bit 4     status_alarm
+ *   byte 1, bit 5     status_error
+ *   byte 1, bits 7:6  status_zero   Unused, 0 in the manual. With other bits here the rest is
+ *                                   decoded all the same, and the position is usable, with a
+ *                                   warning.
+ *   bytes 2 to 7      position
+ *   byte 8            crc           CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH 9U
 
 typedef struct lika_sma21_wide_position_reply {
     /*
-     * ea0: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
-     * position is right. Not stored; cleared as soon as the cause is gone
+     * ea0: Not stored; cleared as soon as the cause is gone. Active at 1: encoder alarm (warning),
+     * the sum of ALMC bits 6 and 7: danger of a fault, though the position is right. Inactive at 0:
+     * no encoder alarm. Sums up temperature_alarm and signal_strength_alarm. While it is active,
+     * the position is usable, with a warning.
      */
     bool status_alarm;
     /*
-     * ea1: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
-     * motor has to stop. Stored in the encoder until the errors are reset
+     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the sum of
+     * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. Inactive at
+     * 0: no encoder error. Sums up low_amplitude_error, higher_track_error,
+     * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
+     * active, the position is not usable.
      */
     bool status_error;
-    /* ABS0 ... ABS5: Position in counts; times the resolution it is a length [counts] */
+    /*
+     * ABS0 ... ABS5: Position in counts; times the resolution it is a length. Unit: counts. Signed,
+     * in two's complement.
+     */
     int64_t position;
+    /*
+     * Unused bits, each 1 where it is not as the manual has it: 3:0 status_info and 7:6
+     * status_zero.
+     */
+    uint8_t unused;
 } lika_sma21_wide_position_reply;
 
 /* Decodes 9 bytes. */
@@ -1066,19 +1371,11 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) &&
-        (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
-    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_WIDE_POSITION) || (parity != 0U)) {
-        return LIKA_FAULT_CONSTANT;
+    if (bytes[0] != 0x2AU) { /* data ID of another frame, unless its even parity is wrong */
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
     const uint8_t flags = bytes[1];
+    out->unused = (uint8_t)(flags & 0xCFU);
     out->status_alarm = ((flags & 0x10U) != 0U);
     out->status_error = ((flags & 0x20U) != 0U);
     out->position = (int64_t)lika_signed(position, 48U);
@@ -1097,8 +1394,12 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
     if (!lika_fits_signed(in->position, 48U)) {
         return LIKA_FAULT_RANGE;
     }
+    if ((in->unused & 0x30U) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     bytes[0] = 0x2AU;
-    bytes[1] = (uint8_t)((in->status_alarm ? 0x10U : 0x00U) | (in->status_error ? 0x20U : 0x00U));
+    bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_alarm ? 0x10U : 0x00U) |
+        (in->status_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->position;
     bytes[3] = (uint8_t)((uint64_t)in->position >> 8U);
     bytes[4] = (uint8_t)((uint64_t)in->position >> 16U);
@@ -1109,65 +1410,132 @@ static inline lika_result lika_sma21_wide_position_reply_encode(
     return LIKA_OK;
 }
 
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
+static inline bool lika_sma21_wide_position_reply_is_expected(
+    const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in)
+{
+    (void)variant;
+    return in->unused == 0U;
+}
+
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_sma21_wide_position_reply_verdict(
+    const lika_sma21_wide_position_reply *frame)
+{
+    if (frame->status_error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->status_alarm || (frame->unused != 0U)) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
+static inline uint32_t lika_sma21_wide_position_reply_reports(
+    const lika_sma21_wide_position_reply *frame)
+{
+    return (frame->status_alarm ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ALARM : 0U) |
+        (frame->status_error ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ERROR : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ZERO : 0U);
+}
+
 /*
- * Identification reply, sent by the encoder: 9 bytes; data ID A [7.2 p.37; 7.3.3 p.39].
+ * identification_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3
+ * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
- *   byte 0 bits 2:0  sync                        SC; always 0x2; Sync code, binary 010
- *   byte 0 bits 6:3  data_id                     cc0 ... cc3; always 0xa
- *   byte 0 bit 7     parity                      cc4; even parity of data_id
- *   byte 1 bits 3:0  status_info                 dd0 ... dd3; always 0; Information, not used in
- *                                                this encoder
- *   byte 1 bit 4     status_alarm                active high
- *   byte 1 bit 5     status_error                active high
- *   byte 1 bits 7:6  status_zero                 always 0
- *   bytes 2 to 4     position                    rs485_position_bits, those above always 0
- *   byte 5           encoder_id_1                ENID1; always 0x51; Encoder ID, first byte, fixed
- *                                                for the absolute linear encoder
- *   byte 6           encoder_id_2                ENID2; always 0; Encoder ID, second byte, fixed
- *   byte 7 bit 0     overspeed                   active high
- *   byte 7 bit 1     initialization_error        active high
- *   byte 7 bit 2     hardware_error              active high
- *   byte 7 bit 3     encoder_inharmonious_error  not implemented
- *   byte 7 bit 4     higher_track_error          not implemented
- *   byte 7 bit 5     low_amplitude_error         active high
- *   byte 7 bit 6     signal_strength_alarm       not implemented
- *   byte 7 bit 7     temperature_alarm           not implemented
- *   byte 8           crc                         CRC; CRC rs485_8 over everything before it
- * Erratum (settled): printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh. Why:
- *                    Seven digits are 28 bits. [7.3.3]
- * Erratum (open): printed: SSI and BiSS have a table of the position by model. RS-485 has examples
- *                 of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50
- *                 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
- *                 7.3.3.2]
- * Erratum (settled): printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the
- *                    order of transmission. Used: ABS0 first. Why: The text above both tables says
- *                    that the position is sent from the least to the most significant byte, and the
- *                    examples do so. [7.3.3 p.39]
+ * Carries data_id A (identification).
+ * Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh.
+ * Used: To FFFFFFh. Why: Seven digits are 28 bits. [7.3.3]
+ * Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position
+ * by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used:
+ * 20 bits at 50 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
+ * 7.3.3.2]
+ * Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and
+ * from ABS2 to ABS0, marked as the order of transmission. Used: ABS0 first. Why: The text above
+ * both tables says that the position is sent from the least to the most significant byte, and the
+ * examples do so. [7.3.3 p.39]
+ *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
+ *   byte 0, bits 6:3  data_id                     cc0 ... cc3: What the request asks for; a reply
+ *                                                 repeats it.
+ *   byte 0, bit 7     parity                      cc4. Even parity of data_id.
+ *   byte 1, bits 3:0  status_info                 dd0 ... dd3: Information, not used in this
+ *                                                 encoder. Unused, 0 in the manual. With other bits
+ *                                                 here the rest is decoded all the same, and the
+ *                                                 position is usable, with a warning.
+ *   byte 1, bit 4     status_alarm
+ *   byte 1, bit 5     status_error
+ *   byte 1, bits 7:6  status_zero                 Unused, 0 in the manual. With other bits here the
+ *                                                 rest is decoded all the same, and the position is
+ *                                                 usable, with a warning.
+ *   bytes 2 to 4      position                    rs485_position_bits bits.
+ *   byte 5            encoder_id_1                ENID1: Encoder ID, first byte, fixed for the
+ *                                                 absolute linear encoder. Always 51h.
+ *   byte 6            encoder_id_2                ENID2: Encoder ID, second byte, fixed. Always 0.
+ *   byte 7, bit 0     overspeed
+ *   byte 7, bit 1     initialization_error
+ *   byte 7, bit 2     hardware_error
+ *   byte 7, bit 3     encoder_inharmonious_error
+ *   byte 7, bit 4     higher_track_error
+ *   byte 7, bit 5     low_amplitude_error
+ *   byte 7, bit 6     signal_strength_alarm
+ *   byte 7, bit 7     temperature_alarm
+ *   byte 8            crc                         CRC. CRC rs485_8 over everything before it.
  */
 #define LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH 9U
 
 typedef struct lika_sma21_identification_reply {
     /*
-     * ea0: encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the
-     * position is right. Not stored; cleared as soon as the cause is gone
+     * ea0: Not stored; cleared as soon as the cause is gone. Active at 1: encoder alarm (warning),
+     * the sum of ALMC bits 6 and 7: danger of a fault, though the position is right. Inactive at 0:
+     * no encoder alarm. Sums up temperature_alarm and signal_strength_alarm. While it is active,
+     * the position is usable, with a warning.
      */
     bool status_alarm;
     /*
-     * ea1: encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the
-     * motor has to stop. Stored in the encoder until the errors are reset
+     * ea1: Stored in the encoder until the errors are reset. Active at 1: encoder error, the sum of
+     * ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. Inactive at
+     * 0: no encoder error. Sums up low_amplitude_error, higher_track_error,
+     * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
+     * active, the position is not usable.
      */
     bool status_error;
-    /* ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length [counts] */
+    /*
+     * ABS0, ABS1, ABS2: Position in counts; times the resolution it is a length. Unit: counts.
+     * Right-aligned in 24 bits, zeros above it.
+     */
     uint32_t position;
-    bool overspeed; /* Overspeed: speed too high */
-    /* Initialization error: error during the initialization, or absolute position not found */
+    /*
+     * Overspeed. Active at 1: speed too high. Inactive at 0: no overspeed. While it is active, the
+     * position is not usable.
+     */
+    bool overspeed;
+    /*
+     * Initialization error. Active at 1: error during the initialization, or absolute position not
+     * found. Inactive at 0: no initialization error. While it is active, the position is not
+     * usable.
+     */
     bool initialization_error;
-    bool hardware_error; /* Hardware error: error in the EEPROM */
-    bool encoder_inharmonious_error; /* Encoder inharmonious error: Not implemented */
-    bool higher_track_error; /* Higher track error: Not implemented */
-    bool low_amplitude_error; /* Low amplitude error: amplitude of the signal too low */
-    bool signal_strength_alarm; /* Signal on the strength alarm: Not implemented */
-    bool temperature_alarm; /* Temperature alarm: Not implemented */
+    /*
+     * Hardware error. Active at 1: error in the EEPROM. Inactive at 0: no hardware error. While it
+     * is active, the position is not usable.
+     */
+    bool hardware_error;
+    bool encoder_inharmonious_error; /* Encoder inharmonious error: Not implemented. */
+    bool higher_track_error; /* Higher track error: Not implemented. */
+    /*
+     * Low amplitude error. Active at 1: amplitude of the signal too low. Inactive at 0: no low
+     * amplitude error. While it is active, the position is not usable.
+     */
+    bool low_amplitude_error;
+    bool signal_strength_alarm; /* Signal on the strength alarm: Not implemented. */
+    bool temperature_alarm; /* Temperature alarm: Not implemented. */
+    /*
+     * Unused bits, each 1 where it is not as the manual has it: 3:0 status_info and 7:6
+     * status_zero.
+     */
+    uint8_t unused;
 } lika_sma21_identification_reply;
 
 /* Decodes 9 bytes. */
@@ -1191,25 +1559,17 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if ((bytes[1] & 0xCFU) != 0x00U) { /* status info, status zero */
-        return LIKA_FAULT_CONSTANT;
-    }
     if (bytes[5] != 0x51U) { /* encoder id 1 */
         return LIKA_FAULT_CONSTANT;
     }
     if (bytes[6] != 0x00U) { /* encoder id 2 */
         return LIKA_FAULT_CONSTANT;
     }
-    /* data ID of another frame */
-    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) &&
-        (parity == lika_parity(data_id))) {
-        return LIKA_FAULT_RANGE;
-    }
-    /* even parity of data ID */
-    if ((data_id != (uint8_t)LIKA_SMA21_DATA_ID_IDENTIFICATION) || (parity != 0U)) {
-        return LIKA_FAULT_CONSTANT;
+    if (bytes[0] != 0x52U) { /* data ID of another frame, unless its even parity is wrong */
+        return (parity == lika_parity(data_id)) ? LIKA_FAULT_RANGE : LIKA_FAULT_CONSTANT;
     }
     uint8_t flags = bytes[1];
+    out->unused = (uint8_t)(flags & 0xCFU);
     out->status_alarm = ((flags & 0x10U) != 0U);
     out->status_error = ((flags & 0x20U) != 0U);
     out->position = position;
@@ -1236,8 +1596,12 @@ static inline lika_result lika_sma21_identification_reply_encode(
     if (in->position > lika_mask(variant->rs485_position_bits)) {
         return LIKA_FAULT_RANGE;
     }
+    if ((in->unused & 0x30U) != 0U) { /* bits that are none of the unused ones */
+        return LIKA_FAULT_RANGE;
+    }
     bytes[0] = 0x52U;
-    bytes[1] = (uint8_t)((in->status_alarm ? 0x10U : 0x00U) | (in->status_error ? 0x20U : 0x00U));
+    bytes[1] = (uint8_t)((in->unused & 0xCFU) | (in->status_alarm ? 0x10U : 0x00U) |
+        (in->status_error ? 0x20U : 0x00U));
     bytes[2] = (uint8_t)in->position;
     bytes[3] = (uint8_t)(in->position >> 8U);
     bytes[4] = (uint8_t)(in->position >> 16U);
@@ -1250,6 +1614,49 @@ static inline lika_result lika_sma21_identification_reply_encode(
         (in->signal_strength_alarm ? 0x40U : 0x00U) | (in->temperature_alarm ? 0x80U : 0x00U));
     bytes[8] = lika_sma21_crc_rs485_8(bytes, LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH - 1U);
     return LIKA_OK;
+}
+
+/* Whether it holds what the manual states. Decoding does not refuse another value. */
+static inline bool lika_sma21_identification_reply_is_expected(
+    const lika_sma21_variant *variant, const lika_sma21_identification_reply *in)
+{
+    (void)variant;
+    return in->unused == 0U;
+}
+
+/* What the position is worth, by what the frame reports. */
+static inline lika_verdict lika_sma21_identification_reply_verdict(
+    const lika_sma21_identification_reply *frame)
+{
+    if (frame->status_error || frame->overspeed || frame->initialization_error ||
+        frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
+        frame->low_amplitude_error) {
+        return LIKA_NOT_USABLE;
+    }
+    if (frame->status_alarm || frame->signal_strength_alarm || frame->temperature_alarm ||
+        (frame->unused != 0U)) {
+        return LIKA_USABLE_WITH_WARNING;
+    }
+    return LIKA_USABLE;
+}
+
+/* What the encoder reports: a mask of bits LIKA_SMA21_REPORT_. */
+static inline uint32_t lika_sma21_identification_reply_reports(
+    const lika_sma21_identification_reply *frame)
+{
+    return (frame->status_alarm ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ALARM : 0U) |
+        (frame->status_error ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ERROR : 0U) |
+        (frame->overspeed ? (uint32_t)LIKA_SMA21_REPORT_OVERSPEED : 0U) |
+        (frame->initialization_error ? (uint32_t)LIKA_SMA21_REPORT_INITIALIZATION_ERROR : 0U) |
+        (frame->hardware_error ? (uint32_t)LIKA_SMA21_REPORT_HARDWARE_ERROR : 0U) |
+        (frame->encoder_inharmonious_error ?
+        (uint32_t)LIKA_SMA21_REPORT_ENCODER_INHARMONIOUS_ERROR : 0U) |
+        (frame->higher_track_error ? (uint32_t)LIKA_SMA21_REPORT_HIGHER_TRACK_ERROR : 0U) |
+        (frame->low_amplitude_error ? (uint32_t)LIKA_SMA21_REPORT_LOW_AMPLITUDE_ERROR : 0U) |
+        (frame->signal_strength_alarm ? (uint32_t)LIKA_SMA21_REPORT_SIGNAL_STRENGTH_ALARM : 0U) |
+        (frame->temperature_alarm ? (uint32_t)LIKA_SMA21_REPORT_TEMPERATURE_ALARM : 0U) |
+        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_REPORT_STATUS_ZERO : 0U);
 }
 
 /* The frames, to tell them apart. */
@@ -1344,11 +1751,11 @@ static inline lika_result lika_sma21_rs485_reply_frame(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /*
- * Erratum (open): printed: Positions before the preset get a value according to it, without saying
- *                 what is sent below zero or above the maximum. Used: Over SSI and BiSS the
- *                 position starts again after 2^position_bits counts, in the 24-bit replies over
- *                 RS-485 after as many as their bits tell apart; the 48-bit position goes below
- *                 zero. [6.4 p.32; 7.3.3.2 p.41]
+ * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
+ * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
+ * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
+ * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
+ * p.41]
  */
 
 /* The position over SSI starts again at 0 after so many counts [5.2 p.20; 6.2 p.25]. */
@@ -1461,24 +1868,28 @@ static inline double lika_sma21_rs485_millimetres(
  */
 
 /*
- * Profile ID (it: ID Profilo), 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
+ * Profile ID (it: ID Profilo), registers 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
  * Code of the profile used.
- * The lowest address holds the high byte.
+ * Byte order: high byte first, at 42h.
  * Standard encoder profile, data format, Variant 0-24 from 50 um to 2 um, Variant 0-24+++ at 1 um.
- *   bytes 0 to 1  profile_id
- * Erratum (open): printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h
- *                 for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85
- *                 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts
- *                 the whole field and not the position, and one bit more has one plus less. A
- *                 master that takes the length of the data from the profile ID would miss 4, 2 or 1
- *                 bits here. [6.4 p.28; asc85: 6.4 p.23]
+ * Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25
+ * bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why:
+ * The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the
+ * whole field and not the position, and one bit more has one plus less. A master that takes the
+ * length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85: 6.4
+ * p.23]
+ *   bits 15:0  profile_id
  */
 #define LIKA_SMA21_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_SMA21_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
 #define LIKA_SMA21_REG_PROFILE_ID_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_sma21_reg_profile_id {
-    uint16_t profile_id; /* 28h and, in decimal, the bits of the position */
+    /*
+     * 28h and, in decimal, the bits of the position. Holds profile_id, which identifies the
+     * encoder; decoding accepts any value.
+     */
+    uint16_t profile_id;
 } lika_sma21_reg_profile_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
@@ -1531,12 +1942,13 @@ static inline lika_result lika_sma21_read_profile_id(
 }
 
 /*
- * Serial number (it: Numero di serie), 44h to 47h, read only, over BiSS C-mode [6.4 p.29].
+ * Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4
+ * p.29].
  * Year and week of production and a running number, in hexadecimal.
- * The lowest address holds the high byte.
- * Erratum (open): printed: Year, week and number in hexadecimal (in esadecimale), without an
- *                 example. Used: Three binary numbers: one byte, one byte, and two bytes with the
- *                 high byte first. [6.4 p.29; amm5: 6.4 p.38]
+ * Byte order: high byte first, at 44h.
+ * Erratum serial_number_coding (open, omission): Printed: Year, week and number in hexadecimal (in
+ * esadecimale), without an example. Used: Three binary numbers: one byte, one byte, and two bytes
+ * with the high byte first. [6.4 p.29; amm5: 6.4 p.38]
  */
 #define LIKA_SMA21_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -1549,9 +1961,9 @@ static inline lika_result lika_sma21_read_profile_id(
 #define LIKA_SMA21_REG_SERIAL_NUMBER_NUMBER_MASK 0xFFFFU
 
 typedef struct lika_sma21_reg_serial_number {
-    uint8_t year; /* Year of production */
-    uint8_t week; /* Week of production */
-    uint16_t number; /* Serial number in ascending order */
+    uint8_t year; /* Year of production. */
+    uint8_t week; /* Week of production. */
+    uint16_t number; /* Serial number in ascending order. */
 } lika_sma21_reg_serial_number;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
@@ -1604,8 +2016,9 @@ static inline lika_result lika_sma21_read_serial_number(
 }
 
 /*
- * Command (it: Comando), 48h, write only, over BiSS C-mode [6.4 p.29; 12 p.51].
+ * Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29; 12 p.51].
  * Saves the parameters, activates preset or offset, or restores the defaults.
+ * Wait at least 30 ms after a write, before the next command.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
  */
@@ -1613,21 +2026,21 @@ static inline lika_result lika_sma21_read_serial_number(
 #define LIKA_SMA21_REG_COMMAND_LENGTH 1U /* byte */
 #define LIKA_SMA21_REG_COMMAND_ACCESS LIKA_ACCESS_WRITE_ONLY
 #define LIKA_SMA21_REG_COMMAND_DEFAULT 0x00U /* value as delivered */
-#define LIKA_SMA21_REG_COMMAND_WAIT_AT_LEAST_MS 30U /* after a write, before the next command */
+#define LIKA_SMA21_REG_COMMAND_WAIT_AT_LEAST_MS 30U
 
 /* Values of Command. */
 typedef enum lika_sma21_command {
-    LIKA_SMA21_COMMAND_NORMAL = 0x00, /* Normale stato operativo: Normal operation [6.4 p.29] */
-    /* Salva i parametri in EEPROM: Saves newly set register values [6.4 p.29] */
+    LIKA_SMA21_COMMAND_NORMAL = 0x00, /* Normale stato operativo: Normal operation [6.4 p.29]. */
+    /* Salva i parametri in EEPROM: Saves newly set register values [6.4 p.29]. */
     LIKA_SMA21_COMMAND_SAVE_PARAMETERS = 0x01,
     /*
      * Salva e attiva Preset / Offset: Saves the preset or offset and activates it at the same time
-     * [6.4 p.29]
+     * [6.4 p.29].
      */
     LIKA_SMA21_COMMAND_ACTIVATE_PRESET_OFFSET = 0x02,
     /*
      * Carica e salva tutti i parametri di default: Loads the factory's parameters, for standard and
-     * safe operation, at once and overwrites all set before; they are lost [6.4 p.29]
+     * safe operation, at once and overwrites all set before; they are lost [6.4 p.29].
      */
     LIKA_SMA21_COMMAND_RESTORE_DEFAULTS = 0x04
 } lika_sma21_command;
@@ -1652,20 +2065,21 @@ static inline lika_result lika_sma21_write_command(
 }
 
 /*
- * Configuration (it: Configurazione), 49h, read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
+ * Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30; 12
+ * p.51].
  * Preset or offset, output code and counting direction.
- * To be kept over power-off, a written value has to be saved.
+ * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new setting is active at once after its transmission; save it with the Command register.
- *   bit 7     unused_7              Non utilizzato; always 0; Not used
+ * Erratum configuration_bit_8 (settled, wrong data): Printed: Bit 8 Direzione di conteggio. Used:
+ * Bit 6. Why: The register has bits 7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the
+ * example sets bits 6 and 5. [6.6.1 p.35; 6.4 p.30]
+ *   bit 7     unused_7              Non utilizzato: Not used. Always 0.
  *   bit 6     counting_direction
  *   bit 5     output_code
- *   bits 4:3  unused_3_4            Non utilizzato; always 0; Not used
+ *   bits 4:3  unused_3_4            Non utilizzato: Not used. Always 0.
  *   bit 2     enable_preset_offset
  *   bit 1     select_preset_offset
- *   bit 0     unused_0              Non utilizzato; always 0; Not used
- * Erratum (settled): printed: Bit 8 Direzione di conteggio. Used: Bit 6. Why: The register has bits
- *                    7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the example sets
- *                    bits 6 and 5. [6.6.1 p.35; 6.4 p.30]
+ *   bit 0     unused_0              Non utilizzato: Not used. Always 0.
  */
 #define LIKA_SMA21_REG_CONFIGURATION_ADDRESS 0x49U
 #define LIKA_SMA21_REG_CONFIGURATION_LENGTH 1U /* byte */
@@ -1674,34 +2088,35 @@ static inline lika_result lika_sma21_write_command(
 
 /*
  * Direzione di conteggio: Counting direction of the absolute position; the incremental signals keep
- * theirs
+ * theirs.
  */
 typedef enum lika_sma21_counting_direction {
-    /* Counts up when the sensor moves in the direction of the arrow of Figure 1 */
+    /* Counts up when the sensor moves in the direction of the arrow of Figure 1. */
     LIKA_SMA21_COUNTING_DIRECTION_STANDARD = 0x0,
-    /* Invertita: Counts up when the sensor moves against the arrow of Figure 1 */
+    /* Invertita: Counts up when the sensor moves against the arrow of Figure 1. */
     LIKA_SMA21_COUNTING_DIRECTION_INVERTED = 0x1
 } lika_sma21_counting_direction;
 
-/* Codice d'uscita: Code of the absolute position */
+/* Codice d'uscita: Code of the absolute position. */
 typedef enum lika_sma21_output_code {
-    LIKA_SMA21_OUTPUT_CODE_GRAY = 0x0, /* Position sent in Gray code */
-    LIKA_SMA21_OUTPUT_CODE_BINARY = 0x1 /* Binario: Position sent in binary */
+    LIKA_SMA21_OUTPUT_CODE_GRAY = 0x0, /* Position sent in Gray code. */
+    LIKA_SMA21_OUTPUT_CODE_BINARY = 0x1 /* Binario: Position sent in binary. */
 } lika_sma21_output_code;
 
-/* Abilita preset / offset: Enables preset and offset; 0 enables */
+/* Abilita preset / offset: Enables preset and offset; 0 enables. */
 typedef enum lika_sma21_enable_preset_offset {
-    LIKA_SMA21_ENABLE_PRESET_OFFSET_ENABLE = 0x0, /* Abilita: Preset and offset can be used */
-    LIKA_SMA21_ENABLE_PRESET_OFFSET_DISABLE = 0x1 /* Disabilita: Preset and offset cannot be used */
+    LIKA_SMA21_ENABLE_PRESET_OFFSET_ENABLE = 0x0, /* Abilita: Preset and offset can be used. */
+    /* Disabilita: Preset and offset cannot be used. */
+    LIKA_SMA21_ENABLE_PRESET_OFFSET_DISABLE = 0x1
 } lika_sma21_enable_preset_offset;
 
 /*
  * Seleziona preset / offset: What the register Preset / Offset is; available only while the
- * function is enabled (bit 2)
+ * function is enabled (bit 2).
  */
 typedef enum lika_sma21_select_preset_offset {
-    LIKA_SMA21_SELECT_PRESET_OFFSET_PRESET = 0x0, /* The register Preset / Offset holds a preset */
-    LIKA_SMA21_SELECT_PRESET_OFFSET_OFFSET = 0x1 /* The register Preset / Offset holds an offset */
+    LIKA_SMA21_SELECT_PRESET_OFFSET_PRESET = 0x0, /* The register Preset / Offset holds a preset. */
+    LIKA_SMA21_SELECT_PRESET_OFFSET_OFFSET = 0x1 /* The register Preset / Offset holds an offset. */
 } lika_sma21_select_preset_offset;
 
 #define LIKA_SMA21_REG_CONFIGURATION_COUNTING_DIRECTION_SHIFT 6U
@@ -1714,10 +2129,10 @@ typedef enum lika_sma21_select_preset_offset {
 #define LIKA_SMA21_REG_CONFIGURATION_SELECT_PRESET_OFFSET_MASK 0x02U
 
 typedef struct lika_sma21_reg_configuration {
-    lika_sma21_counting_direction counting_direction;
-    lika_sma21_output_code output_code;
-    lika_sma21_enable_preset_offset enable_preset_offset;
-    lika_sma21_select_preset_offset select_preset_offset;
+    lika_sma21_counting_direction counting_direction; /* Default: 0. */
+    lika_sma21_output_code output_code; /* Default: 1. */
+    lika_sma21_enable_preset_offset enable_preset_offset; /* Default: 0. */
+    lika_sma21_select_preset_offset select_preset_offset; /* Default: 0. */
 } lika_sma21_reg_configuration;
 
 /* Decodes 1 byte. */
@@ -1804,12 +2219,14 @@ static inline lika_result lika_sma21_write_configuration(
 }
 
 /*
- * Absolute resolution (it: Risoluzione assoluta), 4Dh, read only, over BiSS C-mode [6.4 p.31].
+ * Absolute resolution (it: Risoluzione assoluta), register 4Dh, read only, over BiSS C-mode [6.4
+ * p.31].
  * Resolution of the absolute position.
  * 32h is 50 um, 0Ah 10 um, 05h 5 um, 02h 2 um and 01h 1 um; the highest positions are 00 0F FF FFh
  * (20 bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF
  * FFh (25 bits).
- * Length of one count [um].
+ * Length of one count. Unit: um. Holds resolution_um, which identifies the encoder; decoding
+ * accepts any value.
  */
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ADDRESS 0x4DU
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /* byte */
@@ -1832,34 +2249,41 @@ static inline lika_result lika_sma21_read_absolute_resolution(
 }
 
 /*
- * Preset / Offset, 50h to 53h, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
+ * Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
  * Preset or offset, as the bit Select preset / offset of the Configuration register says.
- * The lowest address holds the high byte.
- * Can be written only while Enable preset offset of Configuration is 0 (enable).
- * To be kept over power-off, a written value has to be saved.
+ * Byte order: high byte first, at 50h.
+ * Write it only while Enable preset offset of Configuration holds 0 (enable).
+ * Save the parameters after a write, or the encoder loses the value at power-off.
+ * While Select preset offset of Configuration holds 0 (preset), it holds preset, 0 to
+ * 2^position_bits - 1: Value that the position gets, from the activation on, at the place where the
+ * sensor stands at that moment; all positions before and after follow from it. It serves, for
+ * instance, to bring the zero points of sensor and application together. [6.4 p.32]
+ * While Select preset offset of Configuration holds 1 (offset), it holds offset, 0 to
+ * 2^scd_position_bits - 2^position_bits: Value by which the transmitted positions are shifted: as
+ * many positions as before, from the offset up. It is applied to the position where the sensor
+ * stands at the activation. [6.4 p.32]
  * Available only while the bit Enable preset / offset of the Configuration register is 0 (enable).
  * Activate it only with the device at rest, by the command Save and activate Preset / Offset. The
  * highest preset is 00 0F FF FFh at 50 um, 00 3F FF FFh at 10 um, 00 7F FF FFh at 5 um, 00 FF FF
  * FFh at 2 um and 01 FF FF FFh at 1 um. The highest offset is the number of positions of the 24-bit
  * or 25-bit field less the number of positions of the resolution: F0 00 00h at 50 um, C0 00 00h at
  * 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
- *   bytes 0 to 3  preset_offset
- * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
- *                 selected in the register Configuration: the position takes the whole field of 24
- *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. Why: The limit of the offset is the whole field less the
- *                 positions of the resolution, with a reference to that field: the sum is meant to
- *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
- *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
- *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum (open): printed: An offset gives a position a wanted value, is applied to the position at
- *                 its activation, and shifts all values by its amount. Used: All transmitted values
- *                 are shifted by the offset. Why: The range that the text gives, from the offset
- *                 up, and the limit fit a mere shift, which does not depend on where the sensor
- *                 stands; a value given to a position would be a preset. [6.4 p.32]
- * Erratum (settled): printed: The values run from the offset to the sum of offset and number of
- *                    positions. Used: To that sum less 1. [6.4 p.32]
+ * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
+ * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
+ * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
+ * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
+ * Why: The limit of the offset is the whole field less the positions of the resolution, with a
+ * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
+ * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
+ * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
+ * Erratum offset_meaning (open, wrong data): Printed: An offset gives a position a wanted value, is
+ * applied to the position at its activation, and shifts all values by its amount. Used: All
+ * transmitted values are shifted by the offset. Why: The range that the text gives, from the offset
+ * up, and the limit fit a mere shift, which does not depend on where the sensor stands; a value
+ * given to a position would be a preset. [6.4 p.32]
+ * Erratum offset_range (settled, wrong limit): Printed: The values run from the offset to the sum
+ * of offset and number of positions. Used: To that sum less 1. [6.4 p.32]
+ *   bits 31:0  preset_offset
  */
 #define LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS 0x50U
 #define LIKA_SMA21_REG_PRESET_OFFSET_LENGTH 4U /* bytes, 50h to 53h */
@@ -1867,12 +2291,6 @@ static inline lika_result lika_sma21_read_absolute_resolution(
 #define LIKA_SMA21_REG_PRESET_OFFSET_DEFAULT 0x00000000U /* value as delivered */
 #define LIKA_SMA21_REG_PRESET_OFFSET_MIN 0U
 
-/*
- * As preset, while Select preset offset of Configuration is 0 [6.4 p.32]: Value that the position
- * gets, from the activation on, at the place where the sensor stands at that moment; all positions
- * before and after follow from it. It serves, for instance, to bring the zero points of sensor and
- * application together.
- */
 #define LIKA_SMA21_REG_PRESET_OFFSET_PRESET_MIN 0U
 
 /* Greatest preset: 2^position_bits - 1. */
@@ -1881,11 +2299,6 @@ static inline uint32_t lika_sma21_reg_preset_offset_preset_max(const lika_sma21_
     return (uint32_t)lika_mask(variant->position_bits);
 }
 
-/*
- * As offset, while Select preset offset of Configuration is 1 [6.4 p.32]: Value by which the
- * transmitted positions are shifted: as many positions as before, from the offset up. It is applied
- * to the position where the sensor stands at the activation.
- */
 #define LIKA_SMA21_REG_PRESET_OFFSET_OFFSET_MIN 0U
 
 /* Greatest offset: 2^scd_position_bits - 2^position_bits. */
@@ -1961,9 +2374,10 @@ static inline lika_result lika_sma21_write_preset_offset(
 }
 
 /*
- * Device type (it: Tipo di dispositivo), 55h, read only, over BiSS C-mode [6.4 p.33].
+ * Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
  * Type of the device.
- * 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB.
+ * 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which identifies
+ * the encoder; decoding accepts any value.
  */
 #define LIKA_SMA21_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_SMA21_REG_DEVICE_TYPE_LENGTH 1U /* byte */
@@ -1988,10 +2402,11 @@ static inline lika_result lika_sma21_read_device_type(
 }
 
 /*
- * Sine cosine resolution (it: Risoluzione SENO-COSENO), 58h, read only, over BiSS C-mode [6.4
- * p.33].
+ * Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode
+ * [6.4 p.33].
  * Period of the sine and cosine signals.
- * 00h: no sine and cosine signals.
+ * 00h: no sine and cosine signals. Holds 00h, which identifies the encoder; decoding accepts any
+ * value.
  */
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_ADDRESS 0x58U
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_LENGTH 1U /* byte */
@@ -2017,12 +2432,13 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
 }
 
 /*
- * Position check (it: Controllo posizione), 59h, read and write, over BiSS C-mode [6.4 p.33].
+ * Position check (it: Controllo posizione), register 59h, read and write, over BiSS C-mode [6.4
+ * p.33].
  * Used with the warning bit for an automatic check of the position.
- * Reserved to the manufacturer.
+ * Reserved for the manufacturer.
  * Do not change the value; only for Lika's technicians.
- * Erratum (open): printed: Register 59h can be written and has the default 00h; the list of
- *                 defaults leaves it out. Used: 00h. [6.4 p.33; 12 p.51]
+ * Erratum position_check_default (open, omission): Printed: Register 59h can be written and has the
+ * default 00h; the list of defaults leaves it out. Used: 00h. [6.4 p.33; 12 p.51]
  */
 #define LIKA_SMA21_REG_POSITION_CHECK_ADDRESS 0x59U
 #define LIKA_SMA21_REG_POSITION_CHECK_LENGTH 1U /* byte */
@@ -2046,13 +2462,13 @@ static inline lika_result lika_sma21_read_position_check(
 }
 
 /*
- * Device ID (it: ID dispositivo), 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
+ * Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
  * Name of the device and its hardware-software release.
- * The lowest address holds the high byte.
- *   bytes 0 to 3  name
- *   bytes 4 to 5  release
- * Erratum (open): printed: One device ID, SM21 with the release, for all models. Used: As printed.
- *                 [6.4 p.34; prot: p.14-15]
+ * Byte order: high byte first, at 78h.
+ * Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all
+ * models. Used: As printed. [6.4 p.34; prot: p.14-15]
+ *   bits 47:16  name
+ *   bits 15:0   release
  */
 #define LIKA_SMA21_REG_DEVICE_ID_ADDRESS 0x78U
 #define LIKA_SMA21_REG_DEVICE_ID_LENGTH 6U /* bytes, 78h to 7Dh */
@@ -2061,9 +2477,12 @@ static inline lika_result lika_sma21_read_position_check(
 #define LIKA_SMA21_REG_DEVICE_ID_RELEASE_MASK 0xFFFFU
 
 typedef struct lika_sma21_reg_device_id {
-    /* Name of the device, 53 4D 32 31 in hexadecimal: characters without a terminator */
+    /*
+     * Name of the device, 53 4D 32 31 in hexadecimal. ASCII text. Holds SM21, which identifies the
+     * encoder; decoding accepts any value. No terminator.
+     */
     char name[4];
-    uint16_t release; /* Hardware-software release, printed as xx xx */
+    uint16_t release; /* Hardware-software release, printed as xx xx. */
 } lika_sma21_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
@@ -2130,17 +2549,22 @@ static inline lika_result lika_sma21_read_device_id(
 }
 
 /*
- * Manufacturer ID (it: ID costruttore), 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
+ * Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4
+ * p.34].
  * Manufacturer.
- * The lowest address holds the high byte.
- *   bytes 0 to 1  name
+ * Byte order: high byte first, at 7Eh.
+ *   bits 15:0  name
  */
 #define LIKA_SMA21_REG_MANUFACTURER_ID_ADDRESS 0x7EU
 #define LIKA_SMA21_REG_MANUFACTURER_ID_LENGTH 2U /* bytes, 7Eh to 7Fh */
 #define LIKA_SMA21_REG_MANUFACTURER_ID_ACCESS LIKA_ACCESS_READ_ONLY
 
 typedef struct lika_sma21_reg_manufacturer_id {
-    char name[2]; /* Lika Electronic, 4C 69 in hexadecimal: characters without a terminator */
+    /*
+     * Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds Li, which identifies the encoder;
+     * decoding accepts any value. No terminator.
+     */
+    char name[2];
 } lika_sma21_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
@@ -2354,7 +2778,7 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
 
 /*
  * Set and save the configuration [6.4 p.31; 6.6.1 p.35].
- * configuration: Value of the whole register.
+ * configuration: Value of the whole register; written to Configuration.
  * Result: The new configuration is active and saved.
  */
 #define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 3U
@@ -2365,9 +2789,15 @@ static inline lika_result lika_sma21_set_configuration_steps(
     uint8_t configuration,
     lika_step *steps, size_t capacity, size_t *count)
 {
-    (void)variant;
     if (capacity < LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT) {
         return LIKA_FAULT_LENGTH;
+    }
+    const uint8_t configuration_configuration_sent[] = { configuration };
+    lika_sma21_reg_configuration configuration_configuration_held;
+    /* bits that the register does not have */
+    if (lika_sma21_reg_configuration_decode(variant, configuration_configuration_sent,
+        sizeof(configuration_configuration_sent), &configuration_configuration_held) != LIKA_OK) {
+        return LIKA_FAULT_RANGE;
     }
     steps[0] = lika_step_write(0x49U, 0xFFU, configuration); /* active at once */
     steps[1] = lika_step_write(0x48U, 0xFFU, 0x01U); /* keep it over power-off */
@@ -2398,11 +2828,11 @@ static inline lika_result lika_sma21_set_configuration(
 
 /*
  * Set, save and activate a preset [6.4 p.32; 6.6.2 p.35].
+ * position: Value that the present position is to get; written to Preset / Offset as its preset.
  * Before: Sensor at rest at the wanted position. In the Configuration register preset and offset
- *         are enabled and preset is selected, as delivered; otherwise select_preset comes first.
- * position: Value that the present position is to get.
+ * are enabled and preset is selected, as delivered; otherwise select_preset comes first.
  * Result: The position at which the activation arrived has the preset value; all other positions
- *         follow from it.
+ * follow from it.
  */
 #define LIKA_SMA21_SET_PRESET_STEPS_COUNT 6U
 
@@ -2465,9 +2895,9 @@ static inline lika_result lika_sma21_set_preset(
 static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_SELECT_PRESET_STEPS_COUNT] = {
-        /* Configuration, Enable preset offset: enable */
+        /* Enable preset offset of Configuration: enable */
         { LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
-        /* Configuration, Select preset offset: preset */
+        /* Select preset offset of Configuration: preset */
         { LIKA_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
         { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* keep it over power-off */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
@@ -2492,25 +2922,24 @@ static inline lika_result lika_sma21_select_preset(
 
 /*
  * Select, set, save and activate an offset [6.4 p.30; 6.4 p.32].
+ * offset: Value by which the positions are to be shifted; written to Preset / Offset as its offset.
  * Before: Sensor at rest at the wanted position. At 2 um and 1 um only 0 is within the limits.
- * offset: Value by which the positions are to be shifted.
  * Result: The transmitted positions are shifted by the offset. From the selection on the position
- *         takes the whole field of the single cycle data, so a decoder has to know what the
- *         register Configuration holds.
- * Erratum (open): printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00
- *                 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an offset is
- *                 selected in the register Configuration: the position takes the whole field of 24
- *                 or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit
- *                 there is refused. Why: The limit of the offset is the whole field less the
- *                 positions of the resolution, with a reference to that field: the sum is meant to
- *                 fill it, so that from 50 um to 5 um the bits above the position carry data. The
- *                 zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame
- *                 of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum (open): printed: An offset gives a position a wanted value, is applied to the position at
- *                 its activation, and shifts all values by its amount. Used: All transmitted values
- *                 are shifted by the offset. Why: The range that the text gives, from the offset
- *                 up, and the limit fit a mere shift, which does not depend on where the sensor
- *                 stands; a value given to a position would be a preset. [6.4 p.32]
+ * takes the whole field of the single cycle data, so a decoder has to know what the register
+ * Configuration holds.
+ * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
+ * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
+ * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
+ * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
+ * Why: The limit of the offset is the whole field less the positions of the resolution, with a
+ * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
+ * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
+ * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
+ * Erratum offset_meaning (open, wrong data): Printed: An offset gives a position a wanted value, is
+ * applied to the position at its activation, and shifts all values by its amount. Used: All
+ * transmitted values are shifted by the offset. Why: The range that the text gives, from the offset
+ * up, and the limit fit a mere shift, which does not depend on where the sensor stands; a value
+ * given to a position would be a preset. [6.4 p.32]
  */
 #define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 10U
 
@@ -2580,7 +3009,7 @@ static inline lika_result lika_sma21_set_offset(
 static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save parameters */
+        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* Command: save_parameters */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_SAVE_PARAMETERS_STEPS_COUNT;
@@ -2608,7 +3037,7 @@ static inline lika_result lika_sma21_save_parameters(
 static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT] = {
-        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore defaults */
+        { LIKA_STEP_WRITE, 0x48U, 0xFFU, 0x04U, 1U, 0U }, /* Command: restore_defaults */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
     };
     *count = LIKA_SMA21_RESTORE_DEFAULTS_STEPS_COUNT;
@@ -2629,25 +3058,25 @@ static inline lika_result lika_sma21_restore_defaults(
 /*
  * Identify the device [6.4 p.28].
  * Result: Manufacturer, device, resolution and serial number are known; the supply is not.
- * Erratum (open): printed: One device ID, SM21 with the release, for all models. Used: As printed.
- *                 [6.4 p.34; prot: p.14-15]
+ * Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all
+ * models. Used: As printed. [6.4 p.34; prot: p.14-15]
  */
 #define LIKA_SMA21_IDENTIFY_STEPS_COUNT 14U
 
 static inline const lika_step *lika_sma21_identify_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_IDENTIFY_STEPS_COUNT] = {
-        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Lika's are 4C 69 */
+        { LIKA_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: Lika's are 4C 69 */
         { LIKA_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* name SM21, and the release */
+        { LIKA_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: name SM21, and the release */
         { LIKA_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7AU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7BU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7CU, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x7DU, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* tells the resolution */
+        { LIKA_STEP_READ, 0x42U, 0xFFU, 0U, 1U, 0U }, /* Profile ID: tells the resolution */
         { LIKA_STEP_READ, 0x43U, 0xFFU, 0U, 1U, 0U },
-        { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* year, week and number */
+        { LIKA_STEP_READ, 0x44U, 0xFFU, 0U, 1U, 0U }, /* Serial number: year, week and number */
         { LIKA_STEP_READ, 0x45U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x46U, 0xFFU, 0U, 1U, 0U },
         { LIKA_STEP_READ, 0x47U, 0xFFU, 0U, 1U, 0U }
@@ -2702,18 +3131,19 @@ static inline lika_result lika_sma21_identify(
  * until the initialization, as after power-on, is over; the manual does not say how long it takes.
  * An Initialization error has to be reset after the initialization is over and normal operation has
  * started again.
- * Erratum (open): printed: Ten times in succession (in successione, in sequenza), at transmission
- *                 intervals of 40 us or more. Used: No other request in between, and 40 us or more
- *                 after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
- * Erratum (open): printed: Send no request until the initialization is over; none is accepted while
- *                 the position is reset. No time is given. Used: No wait is made up. [7.3.3.2 p.41]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in
+ * sequenza), at transmission intervals of 40 us or more. Used: No other request in between, and 40
+ * us or more after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
+ * Erratum rs485_reset_duration (open, omission): Printed: Send no request until the initialization
+ * is over; none is accepted while the position is reset. No time is given. Used: No wait is made
+ * up. [7.3.3.2 p.41]
  */
 #define LIKA_SMA21_RESET_ERRORS_STEPS_COUNT 1U
 
 static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
-        /* data ID reset errors; in succession, no other request in between */
+        /* reset_errors; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0xDAU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_ERRORS_STEPS_COUNT;
@@ -2738,22 +3168,23 @@ static inline lika_result lika_sma21_reset_errors(
  * The ten requests have to follow one another: stop polling the position meanwhile. No request is
  * accepted meanwhile, since the absolute positions are composed and the EEPROM is written; the
  * manual does not say how long it takes.
- * Erratum (open): printed: 3.3: zero setting and preset are needed after mounting but available
- *                 with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position
- *                 to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38;
- *                 7.3.3.2 p.41]
- * Erratum (open): printed: Ten times in succession (in successione, in sequenza), at transmission
- *                 intervals of 40 us or more. Used: No other request in between, and 40 us or more
- *                 after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
- * Erratum (open): printed: Send no request until the initialization is over; none is accepted while
- *                 the position is reset. No time is given. Used: No wait is made up. [7.3.3.2 p.41]
+ * Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed
+ * after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets
+ * the position to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38; 7.3.3.2
+ * p.41]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in
+ * sequenza), at transmission intervals of 40 us or more. Used: No other request in between, and 40
+ * us or more after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
+ * Erratum rs485_reset_duration (open, omission): Printed: Send no request until the initialization
+ * is over; none is accepted while the position is reset. No time is given. Used: No wait is made
+ * up. [7.3.3.2 p.41]
  */
 #define LIKA_SMA21_RESET_POSITION_STEPS_COUNT 1U
 
 static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
-        /* data ID reset position; in succession, no other request in between */
+        /* reset_position; in succession, no other request in between */
         { LIKA_STEP_SEND, 0U, 0xFFU, 0x7AU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_POSITION_STEPS_COUNT;
@@ -2773,52 +3204,71 @@ static inline lika_result lika_sma21_reset_position(
 
 /* -- alarms ------------------------------------------------------------------------------------ */
 
-/* Temperature alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_TEMPERATURE_ALARM_MASK 0x80U /* in the alarm field, ALMC */
-
-/* Signal on the strength alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_SIGNAL_STRENGTH_ALARM_MASK 0x40U /* in the alarm field, ALMC */
+/*
+ * Temperature alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Flag: temperature_alarm in ALMC.
+ */
+#define LIKA_SMA21_ALARM_TEMPERATURE_ALARM_MASK 0x80U
 
 /*
- * Low amplitude error: The amplitude of the signal is too low [7.3.3.1 p.40; 7.3.2 p.38]
- * Detected: In operation. Stays until it is reset (latch).
- * Remedy: Reset the errors with data ID B.
- * Procedures that clear it: reset_errors.
+ * Signal on the strength alarm: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Flag: signal_strength_alarm in ALMC.
  */
-#define LIKA_SMA21_ALARM_LOW_AMPLITUDE_ERROR_MASK 0x20U /* in the alarm field, ALMC */
-
-/* Higher track error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_HIGHER_TRACK_ERROR_MASK 0x10U /* in the alarm field, ALMC */
-
-/* Encoder inharmonious error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40] */
-#define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U /* in the alarm field, ALMC */
+#define LIKA_SMA21_ALARM_SIGNAL_STRENGTH_ALARM_MASK 0x40U
 
 /*
- * Hardware error: An error in the EEPROM [7.3.3.1 p.40; 7.3.2 p.38]
- * Detected: At power-on. Stays until it is reset (latch).
+ * Low amplitude error: The amplitude of the signal is too low [7.3.3.1 p.40; 7.3.2 p.38].
+ * Flag: low_amplitude_error in ALMC.
+ * Detected: In operation.
+ * Stays until it is reset.
  * Remedy: Reset the errors with data ID B.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_SMA21_ALARM_HARDWARE_ERROR_MASK 0x04U /* in the alarm field, ALMC */
+#define LIKA_SMA21_ALARM_LOW_AMPLITUDE_ERROR_MASK 0x20U
+
+/*
+ * Higher track error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Flag: higher_track_error in ALMC.
+ */
+#define LIKA_SMA21_ALARM_HIGHER_TRACK_ERROR_MASK 0x10U
+
+/*
+ * Encoder inharmonious error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
+ * Flag: encoder_inharmonious_error in ALMC.
+ */
+#define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U
+
+/*
+ * Hardware error: An error in the EEPROM [7.3.3.1 p.40; 7.3.2 p.38].
+ * Flag: hardware_error in ALMC.
+ * Detected: At power-on.
+ * Stays until it is reset.
+ * Remedy: Reset the errors with data ID B.
+ * Cleared by: reset_errors.
+ */
+#define LIKA_SMA21_ALARM_HARDWARE_ERROR_MASK 0x04U
 
 /*
  * Initialization error: One of the alarms named above came up during the initialization, or the
- * absolute position cannot be found [7.3.3.1 p.40; 7.3.3.2 p.41]
- * Detected: During the initialization right after power-on or after a reset ID. Stays until it is
- * reset (latch).
+ * absolute position cannot be found [7.3.3.1 p.40; 7.3.3.2 p.41].
+ * Flag: initialization_error in ALMC.
+ * Detected: During the initialization right after power-on or after a reset ID.
+ * Stays until it is reset.
  * Remedy: Reset the errors with data ID B once the initialization is over and normal operation has
  * started again.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_SMA21_ALARM_INITIALIZATION_ERROR_MASK 0x02U /* in the alarm field, ALMC */
+#define LIKA_SMA21_ALARM_INITIALIZATION_ERROR_MASK 0x02U
 
 /*
- * Overspeed: The speed is too high [7.3.3.1 p.40; 7.3.2 p.38]
- * Detected: In operation. Stays until it is reset (latch).
+ * Overspeed: The speed is too high [7.3.3.1 p.40; 7.3.2 p.38].
+ * Flag: overspeed in ALMC.
+ * Detected: In operation.
+ * Stays until it is reset.
  * Remedy: Reset the errors with data ID B.
- * Procedures that clear it: reset_errors.
+ * Cleared by: reset_errors.
  */
-#define LIKA_SMA21_ALARM_OVERSPEED_MASK 0x01U /* in the alarm field, ALMC */
+#define LIKA_SMA21_ALARM_OVERSPEED_MASK 0x01U
 
 #ifdef __cplusplus
 }

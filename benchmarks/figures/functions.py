@@ -1,0 +1,82 @@
+"""Measures how long and how branched functions are.
+
+The complexity of a function is one, and one more for each of: ``if``, ``elif``, conditional expression, loop, the
+``else`` of a loop or of a ``try``, ``except``, further part of ``and`` and ``or``, loop and condition of a
+comprehension, ``assert``, and ``case`` but for ``case _``. That is how radon counts. A function inside another one
+counts for itself alone.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from .tree import Source
+
+#: The longest function that needs no excuse, in lines with its signature and docstring.
+LONGEST = 40
+
+_Definition = (ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function or method."""
+
+    place: str
+    name: str
+    lines: int
+    complexity: int
+    has_docstring: bool
+
+
+def functions(modules: Sequence[Source]) -> list[Function]:
+    """Every function of the modules."""
+    return [
+        Function(
+            item.at(node.lineno),
+            node.name,
+            (node.end_lineno or node.lineno) - node.lineno + 1,
+            complexity(node),
+            ast.get_docstring(node) is not None,
+        )
+        for item in modules
+        for node in ast.walk(item.tree)
+        if isinstance(node, _Definition)
+    ]
+
+
+def complexity(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """How many ways lead through a function."""
+    return 1 + sum(_branches(node) for node in _own_nodes(function))
+
+
+def _own_nodes(node: ast.AST) -> Iterator[ast.AST]:
+    """The nodes below ``node``, those of functions and classes in it left out."""
+    for child in ast.iter_child_nodes(node):
+        if not isinstance(child, (*_Definition, ast.ClassDef)):
+            yield child
+            yield from _own_nodes(child)
+
+
+def _branches(node: ast.AST) -> int:
+    match node:
+        case ast.If() | ast.IfExp() | ast.Assert() | ast.ExceptHandler():
+            return 1
+        case ast.For() | ast.AsyncFor() | ast.While():
+            return 1 + bool(node.orelse)
+        case ast.Try():
+            return int(bool(node.orelse))
+        case ast.BoolOp():
+            return len(node.values) - 1
+        case ast.comprehension():
+            return 1 + len(node.ifs)
+        case ast.match_case():
+            return int(not _takes_all(node))
+        case _:
+            return 0
+
+
+def _takes_all(case: ast.match_case) -> bool:
+    return case.guard is None and isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None

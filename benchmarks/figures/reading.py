@@ -1,0 +1,172 @@
+"""Finds the places where the C and Python targets and their templates look into text, perhaps into their own.
+
+Found by the shape of the code: the methods of regular expressions and those of strings that search, cut or replace; a
+string sought with ``in``; a comparison with a string that is no lower-case word, such as ``== "return number"``; and
+each call of a function that looks into text so and answers ``bool`` or a set of names. Of nested looks the outermost
+counts. Whether the text is code, the shape cannot tell. ``ALLOWED`` names the looks into names, text of manuals and
+comments, with the reason; every other one counts, and is listed for people to judge.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, nodes
+
+from .tree import Checkout, Source
+
+LANGUAGES = ("c", "python")
+
+_EXPRESSION_METHODS = {"sub", "subn", "match", "search", "fullmatch", "findall", "finditer"}
+_TEXT_METHODS = {
+    "startswith", "endswith", "removeprefix", "removesuffix", "find", "rfind", "replace", "partition", "rpartition",
+    "split", "rsplit", "splitlines", "isalnum", "isdigit", "isidentifier",
+}  # fmt: skip
+_METHODS = _EXPRESSION_METHODS | _TEXT_METHODS
+_WORD = re.compile(r"[a-z_]+")
+_ANSWERS = re.compile(r"bool|(frozen)?set\[str\]")
+
+
+@dataclass(frozen=True)
+class Look:
+    """A look into text: its place, the function around it, its expression; ``reason`` says why it is none into code."""
+
+    place: str
+    function: str
+    expression: str
+    reason: str = ""
+
+
+#: Looks into other text than code: function and expression, each a regular expression for all of it, and the reason.
+ALLOWED: Sequence[tuple[str, str, str]] = (
+    (".*", r"[\w.]+\.replace\('[_-]', '[ _-]'\).*", "a name of the spec in words, or as a name of another sort"),
+    (".*", r".*\bname \| replace\(\"_\", \" \"\).*", "the same in a template"),
+    (".*", r"[\w.]*name\.split\('_'\)", "the words of a name of the spec"),
+    (".*", r"[\w.\[\]]+\.partition\('\.'\)", "a place in a spec: register and field"),
+    (".*", r"\w+\.startswith\((f'\{\w+\}\.'|\w+ \+ '\.')\)", "a place in a spec: what lies below another one"),
+    (".*", r".*\bmeaning\.lower\(\).*", "text of a manual"),
+    (".*", r"field\.name\.startswith\('zero_'\)", "a name of the model"),
+    (".*", r"'(send|write)' in does", "a set of what steps do"),
+    (".*", r"name == 'H'", "one of five names that each header has"),
+    ("", r"f?'.*'\.split\(\)", "a list of words"),
+    ("about_access", r"does == 'Writes'", "the verb of a sentence"),
+    ("_row", r".*\b(family|stem)\)", "an order code as the manual prints it"),
+    ("laid_out|_lines|_broken|_split", ".*", "a line of C, broken where the language allows it, whatever it says"),
+    ("broken|_broken|_items", ".*", "a line of Python, broken at its brackets, whatever it says"),
+    ("|_row|imports|public", r"(names|needed|optional|_if\(what, listed\))\.split\(\)", "a list of words"),
+    ("__str__", r"\{first\.operator, .*", "the operators of an expression"),
+    ("_render", r"template\.endswith\(.*", "the name of a template"),
+    ("_holds|span_text|plain_expression", ".*", "an expression of the spec in words"),
+    ("shared_names", ".*", "a name of the shared headers, in capitals or not"),
+    ("about_register", r"register\.byte_order\..*", "a word of the spec"),
+    ("written_out|_repeated|_rows|_covers", ".*", "patterns of order codes, as the spec has them"),
+    ("_order", r"version\.split\('\.'\)", "the number of a version"),
+    ("ascii_text|in_comment|in_comment_lead|_apart|comment_lines", ".*", "text of a spec on its way into a comment"),
+    (".*", r".*ascii_text\(text\).*", "text of a spec on its way into a package's description"),
+    ("in_pieces|docstring|_in_docstring", ".*", "text of a spec on its way into quotes or a docstring"),
+    (
+        "|quoted|_toml|_markdown",
+        r".*(\bletter\b|\bshown\b|plain\(text\)|\bcharacter\b|not in text).*",
+        "text of a spec on its way into quotes",
+    ),
+)
+
+
+def looks(checkout: Checkout) -> list[Look]:
+    """Every look into text, those that are allowed with the reason."""
+    modules = [item for item in checkout.modules if _language(item.path) in LANGUAGES]
+    templates = [item for item in checkout.templates if Path(item.path).parts[1] in LANGUAGES]
+    found = [look for item in modules for look in _in_module(item, frozenset())]
+    helpers = {look.function for look in found if not look.reason} & _answering(modules)
+    found = [look for item in modules for look in _in_module(item, helpers)]
+    return found + [look for item in templates for look in _in_template(item)]
+
+
+def _language(path: str) -> str:
+    """The target that a module belongs to, by its folder or, earlier, by its name up to an underscore."""
+    parts = Path(path).parts
+    if parts[1] != "targets":
+        return ""
+    return parts[2] if len(parts) > 3 else Path(parts[2]).stem.partition("_")[0]
+
+
+def _look(place: str, function: str, expression: str) -> Look:
+    reasons = (
+        reason
+        for where, how, reason in ALLOWED
+        if re.fullmatch(where, function) and re.fullmatch(how, expression, re.DOTALL)
+    )
+    return Look(place, function, expression, next(reasons, ""))
+
+
+def _in_module(module: Source, helpers: Set[str]) -> Iterator[Look]:
+    """The looks of a module, and its calls of ``helpers``."""
+    for function, node in _outermost(module.tree, helpers):
+        yield _look(module.at(node.lineno), function, ast.unparse(node))
+
+
+def _outermost(tree: ast.AST, helpers: Set[str], function: str = "") -> Iterator[tuple[str, ast.expr]]:
+    """Every expression that looks into text and is in no other such one, with the name of the function around it."""
+    for child in ast.iter_child_nodes(tree):
+        if isinstance(child, (ast.Call, ast.Compare)) and (_looks_into(child) or _is_call_of(child, helpers)):
+            yield function, child
+        else:
+            inner = child.name if isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef)) else function
+            yield from _outermost(child, helpers, inner)
+
+
+def _is_call_of(node: ast.expr, helpers: Set[str]) -> bool:
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in helpers
+
+
+def _looks_into(node: ast.Call | ast.Compare) -> bool:
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS
+    if isinstance(node.ops[0], (ast.In, ast.NotIn)) and _strings(node.left):
+        return True
+    return any(text and not _WORD.fullmatch(text) for side in (node.left, *node.comparators) for text in _strings(side))
+
+
+def _strings(node: ast.expr) -> list[str]:
+    """The strings that an expression consists of, alone or in a tuple, list or set."""
+    if isinstance(node, (ast.Tuple, ast.List, ast.Set)):
+        return [text for item in node.elts for text in _strings(item)]
+    return [node.value] if isinstance(node, ast.Constant) and isinstance(node.value, str) else []
+
+
+def _answering(modules: Sequence[Source]) -> set[str]:
+    """The functions that answer ``bool`` or names."""
+    return {
+        node.name
+        for item in modules
+        for node in ast.walk(item.tree)
+        if isinstance(node, ast.FunctionDef) and node.returns and _ANSWERS.fullmatch(ast.unparse(node.returns))
+    }
+
+
+def _in_template(template: Source) -> Iterator[Look]:
+    lines = template.text.splitlines()
+    tree = Environment().parse(template.text)
+    found = [node.lineno for node in tree.find_all(nodes.Compare) if _looks_into_there(node)]
+    methods = (node.node for node in tree.find_all(nodes.Call))
+    found += [node.lineno for node in methods if isinstance(node, nodes.Getattr) and node.attr in _METHODS]
+    found += [node.lineno for node in tree.find_all(nodes.Filter) if node.name == "replace"]
+    for line in sorted(found):
+        yield _look(template.at(line), "", lines[line - 1].strip())
+
+
+def _looks_into_there(node: nodes.Compare) -> bool:
+    if node.ops[0].op in ("in", "notin") and _strings_there(node.expr):
+        return True
+    sides = (node.expr, *(item.expr for item in node.ops))
+    return any(text and not _WORD.fullmatch(text) for side in sides for text in _strings_there(side))
+
+
+def _strings_there(node: nodes.Expr) -> list[str]:
+    if isinstance(node, (nodes.Tuple, nodes.List)):
+        return [text for item in node.items for text in _strings_there(item)]
+    return [node.value] if isinstance(node, nodes.Const) and isinstance(node.value, str) else []

@@ -1,0 +1,215 @@
+"""Tells who writes the statements of the generated C headers and Python modules: templates, strings of Python, or both.
+
+A statement counts once, however many lines it takes. In C it is the text in the body of a function up to a ``;``, a
+``{`` or the ``:`` of a ``case``: ``if (…) {``, ``for (…) {``, ``return …;``, a declaration. In Python it is a
+statement in the body of a function; of a compound one its head, ``if …:``, ``for …:``. Left out are comments,
+docstrings, preprocessor lines, signatures, braces alone, and the initialisers of tables: in C ``… = {…};``, in Python
+everything outside of functions.
+
+It comes from the writer of its letters, digits and operators; blanks, brackets, commas, points, colons, semicolons
+and quotes do not count. In ``out->{{ name }} = {{ value }};`` template and Python are mixed, and in
+``{{ name }} = {{ value }};`` as well, since the template assigns.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import tokenize
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+
+from .traced import PYTHON, TEMPLATE
+from .tree import Checkout
+
+#: What a statement's origin can be.
+ORIGINS = ("template", "mixed", "Python")
+
+_SILENT = frozenset(" \t\n\r.,:;()[]{}\"'`\\")
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A generated file: its text, and the origin of each letter."""
+
+    text: str
+    origin: str
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A statement: the line that it begins on, and who wrote it."""
+
+    line: int
+    origin: str
+
+
+def printed(checkout: Checkout) -> dict[str, Printed]:
+    """The headers and modules that a checkout makes of its specs.
+
+    Raises:
+        RuntimeError: It makes none.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        _lay_out(checkout, folder / "path" / "codewheel")
+        result, output = folder / "result.json", folder / "output"
+        arguments = ["generate", str(checkout.root / "specs"), "-o", str(output), "--target", "c", "--target", "python"]
+        done = subprocess.run(
+            [sys.executable, "-m", "figures.traced", str(result), str(output), *arguments],
+            env=os.environ | {"PYTHONPATH": os.pathsep.join([str(folder / "path"), str(Path(__file__).parents[1])])},
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if done.returncode:
+            raise RuntimeError(f"{checkout.root} generates nothing:\n{done.stderr.strip()}")
+        found = json.loads(result.read_text(encoding="utf-8"))
+    return {path: Printed(text, origin) for path, (text, origin) in found.items()}
+
+
+def _lay_out(checkout: Checkout, package: Path) -> None:
+    """Make ``package`` the package ``codewheel`` of a checkout, as it would be if it were installed."""
+    package.mkdir(parents=True)
+    for item in (checkout.root / "generator").iterdir():
+        if item.name != "__pycache__":
+            (package / item.name).symlink_to(item)
+    for name in ("templates", "specs"):
+        (package / name).symlink_to(checkout.root / name)
+
+
+def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, Counter[str]]:
+    """The origins of the statements, counted for each sort of file."""
+    families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
+    counts = {
+        f"{language}, {sort}": Counter[str]() for language in ("C", "Python") for sort in ("families", "shared by all")
+    }
+    for path, file in files.items():
+        language = "C" if path.endswith(".h") else "Python"
+        sort = "families" if Path(path).stem in families else "shared by all"
+        counts[f"{language}, {sort}"].update(item.origin for item in statements(path, file))
+    return counts
+
+
+def statements(path: str, file: Printed) -> list[Statement]:
+    """The statements of a C header or a Python module, by the end of its name."""
+    masked, spans = _in_c(file.text) if path.endswith(".h") else _in_python(file.text)
+    found = []
+    for start, end in spans:
+        counted = [index for index in range(start, end) if masked[index] not in _SILENT]
+        if counted:
+            line = file.text.count("\n", 0, counted[0]) + 1
+            found.append(Statement(line, _who({file.origin[index] for index in counted})))
+    return found
+
+
+def _who(origins: set[str]) -> str:
+    return {frozenset(TEMPLATE): "template", frozenset(PYTHON): "Python"}.get(frozenset(origins), "mixed")
+
+
+Span = tuple[int, int]
+
+_C_COMMENT = re.compile(r'(/\*.*?\*/|//[^\n]*)|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.DOTALL)
+_C_PREPROCESSOR = re.compile(r"^[ \t]*#(?:\\\n|[^\n])*", re.MULTILINE)
+_C_TEXT = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'')
+
+
+def _blank(match: re.Match[str]) -> str:
+    return re.sub(r"[^\n]", " ", match[0])
+
+
+def _in_c(text: str) -> tuple[str, list[Span]]:
+    """A header without comments and preprocessor lines, every letter in its place, and its statements."""
+    masked = _C_COMMENT.sub(lambda match: _blank(match) if match[1] else match[0], text)
+    masked = _C_PREPROCESSOR.sub(_blank, masked)
+    return masked, list(_CScanner(masked).statements())
+
+
+class _CScanner:
+    """Goes through a header once; ``inside`` tells of each open brace whether it holds code or other things."""
+
+    def __init__(self, masked: str) -> None:
+        self.code = _C_TEXT.sub(lambda match: "x" * len(match[0]), masked)
+        self.inside: list[str] = []
+        self.start = 0
+
+    def statements(self) -> Iterator[Span]:
+        parentheses = 0
+        for index, letter in enumerate(self.code):
+            parentheses += (letter == "(") - (letter == ")")
+            if letter == "{":
+                yield from self._opened(index)
+            elif letter == "}" and self.inside:
+                self.inside.pop()
+                self.start = index + 1
+            elif (letter == ";" and not parentheses) or (letter == ":" and self._is_label(index)):
+                if self._in_code():
+                    yield self.start, index
+                self.start = index + 1
+
+    def _opened(self, index: int) -> Iterator[Span]:
+        """A function, a block, or in code the initialiser of a table; outside also a type or ``extern "C"``."""
+        head = self.code[self.start : index].strip()
+        if self._in_code() and not head.endswith("="):
+            yield self.start, index
+            self.inside.append("code")
+        else:
+            self.inside.append("code" if head.endswith(")") else "other")
+        self.start = index + 1
+
+    def _in_code(self) -> bool:
+        return self.inside[-1:] == ["code"]
+
+    def _is_label(self, index: int) -> bool:
+        return self._in_code() and re.match(r"\s*(?:case\b|default\b)", self.code[self.start : index]) is not None
+
+
+def _in_python(text: str) -> tuple[str, list[Span]]:
+    """A module without comments, every letter in its place, and its statements."""
+    starts = [0]
+    for line in text.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    masked = list(text)
+    for token in tokenize.generate_tokens(StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            at = starts[token.start[0] - 1] + token.start[1]
+            masked[at : at + len(token.string)] = " " * len(token.string)
+    lines = text.splitlines()
+
+    def place(line: int, column: int) -> int:
+        return starts[line - 1] + len(lines[line - 1].encode()[:column].decode())
+
+    functions = [
+        node for node in ast.walk(ast.parse(text)) if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+    ]
+    found = {}
+    for function in functions:
+        for node in _statements_below(function):
+            end = _head_end(node)
+            found[place(node.lineno, node.col_offset)] = place(*end)
+    return "".join(masked), sorted(found.items())
+
+
+def _statements_below(function: ast.AST) -> Iterator[ast.stmt]:
+    """The statements in the body of a function, at any depth; docstrings are none."""
+    for node in ast.iter_child_nodes(function):
+        if isinstance(node, ast.stmt) and not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)):
+            yield node
+        yield from _statements_below(node)
+
+
+def _head_end(node: ast.stmt) -> tuple[int, int]:
+    """Where a statement ends, or begins to hold others."""
+    body: list[ast.stmt] = getattr(node, "body", [])
+    if body:
+        return body[0].lineno, body[0].col_offset
+    return node.end_lineno or node.lineno, node.end_col_offset or 0

@@ -1,0 +1,240 @@
+"""Runs ``codewheel generate`` so that every letter of its files tells its origin: a template, or a string of Python.
+
+    python -m figures.traced RESULT FOLDER ARGUMENTS...
+
+runs ``codewheel ARGUMENTS...``, whichever codewheel the path of modules leads to, and writes to RESULT, as JSON, the
+text and the origin of every file that FOLDER holds then. It has a process of its own, since it changes Jinja.
+
+A template's own letters are its text and the strings that stand in its expressions: of ``{{ "if (" ~ limit ~ ")" }}``
+the template writes ``if (`` and ``)``. They stay its own through macros, ``{% set %}`` blocks, ``~``, ``+``, ``%``,
+``strip``, ``join``, and through every filter that changes blanks or adds something. Where a filter changes a string
+otherwise (``upper``, ``replace``), the result counts as Python's, and so does a string of a template that Python code
+cuts or joins. Templates with autoescape, those of XML, are not traced.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import re
+import runpy
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import jinja2
+import jinja2.runtime
+from jinja2 import nodes
+from jinja2.compiler import CodeGenerator, Frame
+from jinja2.runtime import Context
+
+TEMPLATE, PYTHON = "t", "p"
+
+_PLACEHOLDER = re.compile(r"%[sdr]|%\(\w+\)s|\{\w*\}")
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+#: A formatter of Python adds brackets and commas where it breaks a line.
+_MOVED = frozenset(" \t\n\r(),")
+_RENDERED: list[Traced] = []
+
+
+class Traced(str):
+    """Text whose ``origin`` has a letter for each of its own: ``TEMPLATE`` or ``PYTHON``."""
+
+    origin: str
+
+    def __new__(cls, text: str, origin: str) -> Traced:
+        made = super().__new__(cls, text)
+        made.origin = origin
+        return made
+
+    def __str__(self) -> str:
+        return self  # Jinja calls str() on what it prints.
+
+    def __add__(self, other: str) -> str:
+        return _joined((self, _traced(other)))
+
+    def __radd__(self, other: str) -> str:
+        return _joined((_traced(other), self))
+
+    def __mod__(self, values: Any) -> str:
+        return aligned(super().__mod__(values), [self])
+
+    def format(self, *values: object, **named: object) -> str:
+        return aligned(super().format(*values, **named), [self])
+
+    def join(self, items: Iterable[Any], /) -> str:
+        parts = [part for item in items for part in (self, _traced(item))]
+        return _joined(parts[1:])
+
+    def strip(self, letters: str | None = None, /) -> str:
+        return aligned(super().strip(letters), [self])
+
+    def lstrip(self, letters: str | None = None, /) -> str:
+        return aligned(super().lstrip(letters), [self])
+
+    def rstrip(self, letters: str | None = None, /) -> str:
+        return aligned(super().rstrip(letters), [self])
+
+
+def template_text(text: str) -> Traced:
+    """A string that stands in a template."""
+    return Traced(text, TEMPLATE * len(text))
+
+
+def _traced(value: object) -> Traced:
+    """What an expression of a template has for a value."""
+    return value if isinstance(value, Traced) else Traced(text := str(value), PYTHON * len(text))
+
+
+def _joined(parts: Iterable[Traced]) -> Traced:
+    kept = list(parts)
+    return Traced("".join(kept), "".join(part.origin for part in kept))
+
+
+def _printed(parts: Iterable[str]) -> Traced:
+    """The output of a template, a macro or a block: values, which are traced, and between them the template's text."""
+    return _joined(part if isinstance(part, Traced) else template_text(part) for part in parts)
+
+
+def aligned(text: str, sources: Iterable[Traced]) -> Traced:
+    """``text``, made of ``sources`` by changing blanks and adding letters; they keep the origin that they had."""
+    places = [index for index, letter in enumerate(text) if not letter.isspace()]
+    dense = "".join(text[index] for index in places)
+    origin = [PYTHON] * len(text)
+    cursor = 0
+    for source in sources:
+        whole = _dense(source)
+        for piece in [whole] if dense.find(whole, cursor) >= 0 else _runs(source):
+            at = dense.find(piece, cursor)
+            if at >= 0:
+                cursor = at + len(piece)
+                for index, letter in zip(places[at:cursor], piece.origin, strict=True):
+                    origin[index] = letter
+    return Traced(text, "".join(origin))
+
+
+def _dense(text: Traced) -> Traced:
+    """``text`` without blanks."""
+    kept = [index for index, letter in enumerate(text) if not letter.isspace()]
+    return Traced("".join(text[index] for index in kept), "".join(text.origin[index] for index in kept))
+
+
+def _runs(text: Traced) -> Iterator[Traced]:
+    """The parts of ``text`` that are of one origin, and between the placeholders of a format."""
+    for run in re.finditer(f"{TEMPLATE}+|{PYTHON}+", text.origin):
+        for part in _PLACEHOLDER.split(text[run.start() : run.end()]):
+            dense = "".join(part.split())
+            if dense:
+                yield Traced(dense, run[0][0] * len(dense))
+
+
+class _Filters(dict[str, Callable[..., Any]]):
+    """Filters that keep the origin of what goes through them."""
+
+    def __getitem__(self, name: str) -> Callable[..., Any]:
+        plain = super().__getitem__(name)
+
+        @functools.wraps(plain)
+        def tracing(*arguments: Any, **named: Any) -> Any:
+            made = plain(*arguments, **named)
+            if not isinstance(made, str) or isinstance(made, Traced) or hasattr(made, "__html__"):
+                return made
+            return aligned(made, _filtered(arguments))
+
+        return tracing
+
+
+def _filtered(arguments: Iterable[Any]) -> Iterator[Traced]:
+    """The text that goes into a filter: its first argument after what Jinja passes, or the items of that."""
+    value = next(item for item in arguments if not isinstance(item, (Context, nodes.EvalContext, jinja2.Environment)))
+    for item in value if isinstance(value, (list, tuple)) else [value]:
+        if isinstance(item, Traced):
+            yield item
+
+
+class _Generator(CodeGenerator):
+    """Compiles the strings in a template's expressions so that they tell where they come from."""
+
+    def visit_Const(self, node: nodes.Const, frame: Frame) -> None:  # noqa: N802 (Jinja's name)
+        value = node.as_const(frame.eval_ctx)
+        if isinstance(value, str) and not frame.eval_ctx.autoescape:
+            self.write(f"environment.template_text({value!r})")
+        else:
+            super().visit_Const(node, frame)
+
+
+class _Template(jinja2.Template):
+    def render(self, *values: Any, **named: Any) -> str:
+        text = super().render(*values, **named)
+        if isinstance(text, Traced):
+            _RENDERED.append(text)
+        return text
+
+
+class _Environment(jinja2.Environment):
+    """Stands in for Jinja's own; keeps no cache: templates there are not traced, and traced ones must not get there."""
+
+    code_generator_class = _Generator
+    template_class = _Template
+    concat = staticmethod(_printed)
+    template_text = staticmethod(template_text)
+
+    def __init__(self, *options: Any, **named: Any) -> None:
+        named["bytecode_cache"] = None
+        super().__init__(*options, **named)
+        self.filters = _Filters(self.filters)
+        if not self.autoescape:
+            self.finalize = _traced
+
+
+def _str_join(parts: Iterable[Any]) -> str:
+    """The operator ``~``."""
+    return _joined(map(_traced, parts))
+
+
+def _code(text: str) -> list[int]:
+    """The places of the letters that stay, in their order, when a formatter breaks lines: no blanks, no C comments."""
+    kept = set(range(len(text)))
+    for found in _COMMENT.finditer(text):
+        kept.difference_update(range(*found.span()))
+    return [index for index, letter in enumerate(text) if index in kept and letter not in _MOVED]
+
+
+def _origin(text: str) -> str:
+    """Where the letters of a file come from: of a template that printed all of it, or of those that printed parts."""
+    whole = next((item for item in _RENDERED if item == text), None)
+    if whole is not None:
+        return whole.origin
+    code = _code(text)
+    letters = "".join(text[index] for index in code)
+    for item in _RENDERED:
+        places = _code(item)
+        if "".join(item[index] for index in places) == letters:
+            origin = [PYTHON] * len(text)
+            for at, place in zip(code, places, strict=True):
+                origin[at] = item.origin[place]
+            return "".join(origin)
+    parts = [item for item in _RENDERED if item.strip() and item.strip() in text]
+    return aligned(text, sorted(parts, key=lambda item: text.find(item.strip()))).origin
+
+
+def main() -> None:
+    result, folder, *arguments = sys.argv[1:]
+    sys.argv[1:] = arguments
+    with patch.object(jinja2, "Environment", _Environment), patch.object(jinja2.runtime, "str_join", _str_join):
+        try:
+            runpy.run_module("codewheel", run_name="__main__", alter_sys=True)
+        except SystemExit as end:
+            if end.code:
+                raise
+    files = {
+        path.relative_to(folder).as_posix(): path for path in Path(folder).rglob("*") if path.suffix in (".h", ".py")
+    }
+    texts = {name: path.read_text(encoding="utf-8") for name, path in sorted(files.items())}
+    Path(result).write_text(json.dumps({name: [text, _origin(text)] for name, text in texts.items()}), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

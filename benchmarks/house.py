@@ -1,0 +1,174 @@
+"""The state of the house in figures: how the generator is built, and how much of its output templates write.
+
+    python benchmarks/house.py                       measures this checkout and prints a table
+    python benchmarks/house.py --against COMMIT      puts an earlier commit beside it
+    python benchmarks/house.py --list                names the places that are counted as well
+
+The sources are read, not imported; only the generator itself runs, once for each commit, in a process of its own. The
+modules in benchmarks/figures/ say at their heads how they count.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from figures.functions import LONGEST, Function, functions
+from figures.imports import circles, graph, rooms
+from figures.kinds import comparisons
+from figures.reading import Look, looks
+from figures.statements import ORIGINS, by_output, printed
+from figures.tree import COLUMNS, Checkout, unpack
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A line of the table, and the places that it counts."""
+
+    title: str
+    value: str
+    places: Sequence[str] = ()
+
+
+def measure(checkout: Checkout) -> Iterator[Figure]:
+    """Every figure of a checkout, in order of the table."""
+    arrows = graph(checkout.modules)
+    yield _circles("circles of modules that import each other", circles(arrows))
+    yield _circles("circles of rooms", circles(rooms(arrows)))
+    flat = checkout.flat_modules()
+    yield Figure("modules that lie flat", _count(flat), flat)
+    yield from _shares(checkout)
+    yield from _lines("lines of targets", checkout.lines_of_targets())
+    yield from _lines("lines of templates", checkout.lines_of_templates())
+    yield from _looks(checkout)
+    yield _kinds(checkout)
+    wide = list(checkout.wide_lines())
+    yield _counted_by(f"lines over {COLUMNS} columns", {place: place.partition("/")[0] for place in wide})
+    yield from _functions(functions(checkout.modules))
+    yield Figure("characters without blanks, generator and templates", f"{checkout.size():,}")
+
+
+def _count(items: Sequence[object]) -> str:
+    return f"{len(items):,}"
+
+
+def _circles(title: str, found: Sequence[Sequence[str]]) -> Figure:
+    shown = f"{len(found)} ({'; '.join(_circle(item) for item in found)})" if found else "0"
+    return Figure(title, shown, [", ".join(item) for item in found])
+
+
+def _circle(names: Sequence[str]) -> str:
+    """A circle in few words: all of its names, or the first ones."""
+    return ", ".join(names) if len(names) <= 3 else f"{names[0]}, {names[1]} and {len(names) - 2} more"
+
+
+def _shares(checkout: Checkout) -> Iterator[Figure]:
+    """Who writes the statements, for each sort of output and for all that are made for families."""
+    counts = by_output(checkout, printed(checkout))
+    for title, count in counts.items():
+        yield Figure(f"statements wholly from Python strings: {title}", _share(count))
+    yield Figure("statements wholly from Python strings: all", _share(sum(counts.values(), Counter())))
+
+
+def _share(count: Counter[str]) -> str:
+    template, mixed, python = (count[item] / (count.total() or 1) for item in ORIGINS)
+    return f"{python:.1%} of {count.total():,} (mixed {mixed:.1%}, template {template:.1%})"
+
+
+def _lines(title: str, counts: Counter[str]) -> Iterator[Figure]:
+    for name, lines in sorted(counts.items()):
+        yield Figure(f"{title}: {name}", f"{lines:,}")
+    yield Figure(f"{title}: all", f"{counts.total():,}")
+
+
+def _looks(checkout: Checkout) -> Iterator[Figure]:
+    found = looks(checkout)
+    code = [f"{item.place} {item.function}: {_short(item)}" for item in found if not item.reason]
+    other = [f"{item.place} {item.function}: {_short(item)} ({item.reason})" for item in found if item.reason]
+    yield Figure("places that read back generated text", _count(code), code)
+    yield Figure("looks into names, manual text and comments", _count(other), other)
+
+
+def _short(look: Look) -> str:
+    text = " ".join(look.expression.split())
+    return text if len(text) <= 100 else f"{text[:97]}..."
+
+
+def _kinds(checkout: Checkout) -> Figure:
+    found = comparisons(checkout)
+    value = _by_name(Counter(item.attribute for item in found))
+    return Figure("string comparisons of kinds", value, [f"{item.place} {item.attribute}" for item in found])
+
+
+def _counted_by(title: str, names: Mapping[str, str]) -> Figure:
+    return Figure(title, _by_name(Counter(names.values())), list(names))
+
+
+def _by_name(counts: Counter[str]) -> str:
+    parts = ", ".join(f"{name} {count:,}" for name, count in counts.most_common())
+    return f"{counts.total():,} ({parts})" if parts else "0"
+
+
+def _functions(found: Sequence[Function]) -> Iterator[Figure]:
+    number = len(found) or 1
+    long = [item for item in found if item.lines > LONGEST]
+    worst = sorted(found, key=lambda item: -item.complexity)[:10]
+    yield Figure("functions", _count(found))
+    yield Figure("lines of a function, mean", f"{sum(item.lines for item in found) / number:.1f}")
+    yield Figure(
+        f"functions over {LONGEST} lines", _count(long), [f"{item.place} {item.name} {item.lines}" for item in long]
+    )
+    yield Figure("complexity of a function, mean", f"{sum(item.complexity for item in found) / number:.1f}")
+    yield Figure(
+        "complexity of a function, worst",
+        f"{worst[0].complexity} ({worst[0].name})" if worst else "0",
+        [f"{item.place} {item.name} {item.complexity}" for item in worst],
+    )
+    yield Figure("functions with docstrings", f"{sum(item.has_docstring for item in found) / number:.0%}")
+
+
+def table(columns: Mapping[str, Iterable[Figure]]) -> Iterator[str]:
+    """The figures of several commits side by side, in Markdown; a dash where one has no such figure."""
+    values = {name: {item.title: item.value for item in figures} for name, figures in columns.items()}
+    longest = max(values.values(), key=len)
+    titles = dict.fromkeys([*longest, *(title for column in values.values() for title in column)])
+    yield f"| | {' | '.join(values)} |"
+    yield "|---" * (len(values) + 1) + "|"
+    for title in titles:
+        yield f"| {title} | {' | '.join(column.get(title, '–') for column in values.values())} |"
+
+
+def lists(figures: Iterable[Figure]) -> Iterator[str]:
+    """The places that the figures count, in Markdown."""
+    for item in figures:
+        if item.places:
+            yield from ("", f"### {item.title}", "", *(f"- `{place}`" for place in item.places))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--against", metavar="COMMIT", help="measure this commit as well, in a folder of its own")
+    parser.add_argument("--list", action="store_true", help="list the places that are counted in this checkout")
+    chosen = parser.parse_args()
+    columns = {}
+    if chosen.against:
+        with tempfile.TemporaryDirectory() as folder:
+            columns[chosen.against] = list(measure(unpack(ROOT, chosen.against, Path(folder))))
+    columns["this checkout"] = list(measure(Checkout(ROOT)))
+    print("\n".join(table(columns)))
+    if chosen.list:
+        print("\n".join(lists(columns["this checkout"])))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (LookupError, RuntimeError) as problem:
+        sys.exit(f"house: {problem}")

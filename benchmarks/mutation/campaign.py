@@ -1,0 +1,64 @@
+"""A campaign: mutants drawn evenly over files and classes of facts, each tried, by several processes."""
+
+from __future__ import annotations
+
+import multiprocessing
+import random
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from .slips import Mutant
+from .trial import Trial, Verdict
+
+#: Mutants that a process is handed at a time.
+_AT_A_TIME = 20
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A mutant and what became of it."""
+
+    mutant: Mutant
+    verdict: Verdict
+
+
+def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
+    """So many mutants: as many of each file and class of fact as there are, and of these as many of each slip."""
+    draw = random.Random(seed)
+    slips: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
+    for mutant in mutants:
+        slips[mutant.file, mutant.place.fact][mutant.slip].append(mutant)
+    columns = [list(_in_turns([_shuffled(item, draw) for item in kinds.values()])) for kinds in slips.values()]
+    return [mutant for _, mutant in zip(range(number), _in_turns(columns), strict=False)]
+
+
+def _shuffled(mutants: Sequence[Mutant], draw: random.Random) -> list[Mutant]:
+    return draw.sample(mutants, len(mutants))
+
+
+def _in_turns(columns: Sequence[Sequence[Mutant]]) -> Iterator[Mutant]:
+    """The first of each column, the second of each that has one, and so on."""
+    for index in range(max(map(len, columns), default=0)):
+        yield from (column[index] for column in columns if index < len(column))
+
+
+def tried(trial: Trial, mutants: Sequence[Mutant], jobs: int) -> Iterator[Tried]:
+    """What becomes of each mutant, in their order."""
+    if jobs < 2 or "fork" not in multiprocessing.get_all_start_methods():
+        yield from (Tried(mutant, trial.verdict(mutant)) for mutant in mutants)
+        return
+    # The processes have trial and mutants from this one; only numbers and verdicts travel.
+    _Shared.trial, _Shared.mutants = trial, mutants
+    with multiprocessing.get_context("fork").Pool(jobs) as pool:
+        verdicts = pool.imap(_verdict, range(len(mutants)), _AT_A_TIME)
+        yield from (Tried(mutant, verdict) for mutant, verdict in zip(mutants, verdicts, strict=True))
+
+
+class _Shared:
+    trial: Trial
+    mutants: Sequence[Mutant]
+
+
+def _verdict(index: int) -> Verdict:
+    return _Shared.trial.verdict(_Shared.mutants[index])

@@ -1,0 +1,116 @@
+"""What a mutant that nobody refuses does to the outputs: to code, to texts only, or to nothing."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+from enum import Enum
+from functools import cache
+from typing import Any
+
+from codewheel.dump.plain import device_dump
+from codewheel.model import Device
+from codewheel.spec.schema import load_schema
+from codewheel.targets import Library, TargetError
+from codewheel.targets.registry import files_of, load_target
+
+#: The outputs that machines read.
+_CODE = ("python", "c", "biss")
+#: Texts that are facts: which contact carries what.
+_FACTS = frozenset(("contact", "signal"))
+_C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+_XML_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+
+
+class Effect(Enum):
+    """What has changed in the outputs."""
+
+    NOTHING = "nothing"
+    TEXTS = "texts"
+    CODE = "code"
+
+
+class Outputs:
+    """The outputs of a device that nothing is wrong with, to hold those of its mutants against.
+
+    Attributes:
+        targets: The outputs that machines read, without those that cannot be made of the device.
+    """
+
+    def __init__(self, device: Device) -> None:
+        self._device, self._dump = device, device_dump(device)
+        made = {name: _code(name, device) for name in _CODE}
+        self._code = {name: files for name, files in made.items() if files is not None}
+        self.targets = tuple(self._code)
+
+    def effect(self, device: Device) -> Effect:
+        """What the outputs show of the change to another device: they are made only where the facts differ."""
+        if device == self._device:
+            return Effect.NOTHING
+        dump = device_dump(device)
+        if dump == self._dump:
+            return Effect.NOTHING
+        if _facts(dump) == _facts(self._dump):
+            return Effect.TEXTS
+        same = self._code and all(_code(name, device) == files for name, files in self._code.items())
+        return Effect.TEXTS if same else Effect.CODE
+
+
+@cache
+def _text_keys() -> frozenset[str]:
+    """The keys under which plain data have words for people."""
+    schema = load_schema("show")
+    parts: list[Mapping[str, Any]] = [schema, *schema["$defs"].values()]
+    return frozenset(
+        key
+        for part in parts
+        for key, item in part.get("properties", {}).items()
+        for reference in (item.get("$ref", ""), item.get("items", {}).get("$ref", ""))
+        if reference.rpartition("/")[2] in ("text", "names", "source") and key not in _FACTS
+    )
+
+
+def _facts(data: Any) -> Any:
+    """Plain data without words for people."""
+    if isinstance(data, dict):
+        return {key: _facts(item) for key, item in data.items() if key not in _text_keys()}
+    return [_facts(item) for item in data] if isinstance(data, list) else data
+
+
+def _files(name: str, device: Device) -> Mapping[str, str] | None:
+    target = load_target(name)
+    options = {option.name: option.default for option in target.options}
+    try:
+        return files_of(target, Library((device,)), options)
+    except TargetError:
+        return None
+
+
+def _code(name: str, device: Device) -> dict[str, str] | None:
+    """The files of an output without comments and docstrings; None where it cannot be made."""
+    files = _files(name, device)
+    return None if files is None else {path: text for path, whole in files.items() for text in _stripped(path, whole)}
+
+
+def _stripped(path: str, text: str) -> Iterator[str]:
+    if path.endswith(".py"):
+        yield _python(text)
+    elif path.endswith((".h", ".c")):
+        yield " ".join(_C_COMMENT.sub(" ", text).split())
+    elif "idbiss" in path:
+        yield " ".join(_XML_COMMENT.sub(" ", text).split())
+
+
+def _python(text: str) -> str:
+    """A module as its syntax tree without docstrings."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            node.body = [item for item in body if not _is_docstring(item)]  # type: ignore[attr-defined]
+    return ast.dump(tree)
+
+
+def _is_docstring(node: ast.AST) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)

@@ -1,0 +1,89 @@
+"""Names that a slip may take for another: those of the things that a key can name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from codewheel.spec.rules.walk import items, mapping
+
+from .places import Place
+
+#: Keys that name an item of a list at the top, with the list.
+_OF_LISTS = {
+    "register": "registers",
+    "of": "registers",
+    "limits_of": "",
+    "write_clears": "registers",
+    "bank_select": "registers",
+    "crc": "crcs",
+    "use": "field_groups",
+    "group": "field_groups",
+    "procedure": "procedures",
+    "cleared_by": "procedures",
+    "erratum": "errata",
+    "alternative": "alternatives",
+}
+#: Keys that give a name to the thing itself: whatever it is called, all else has to call it so.
+_DEFINES = frozenset(("name", "device", "manufacturer"))
+
+
+def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
+    """Names that could stand in this place by mistake; none for a place that holds no reference."""
+    key = next((step for step in reversed(place.path) if isinstance(step, str)), "")
+    value = str(place.value)
+    if "." in value and place.kind == "" and "pattern" in place.schema:
+        yield from _dotted(value, data)
+        return
+    if place.kind != "name" or key in _DEFINES:
+        return
+    known = [item["name"] for _, item in items(data, _OF_LISTS.get(key, "")) if "name" in item]
+    known += _beside(place, data)
+    if not known:
+        known = list(_under(key, data))
+    yield from (name for name in dict.fromkeys(known) if name != value and isinstance(name, str))
+
+
+def _dotted(text: str, data: dict[str, Any]) -> Iterator[str]:
+    """Other fields of a register that is named as ``register.field``."""
+    name, _, field = text.partition(".")
+    register = next((item for _, item in items(data, "registers") if item.get("name") == name), {})
+    yield from (
+        f"{name}.{item['name']}" for _, item in items(register, "fields") if item.get("name") not in (field, None)
+    )
+
+
+def _beside(place: Place, data: dict[str, Any]) -> list[str]:
+    """Names of what holds the place: fields and joins of its layout, values of the register that a step names."""
+    chain = [data]
+    for step in place.path[:-1]:
+        chain.append(chain[-1][step])
+    owner = next((item for item in reversed(chain) if isinstance(item, dict)), {})
+    register = next((item for _, item in items(data, "registers") if item.get("name") == owner.get("register")), {})
+    if register:
+        fields = [field for _, field in items(register, "fields")]
+        if place.path[-1] == "field":
+            return [field["name"] for field in fields if "name" in field]
+        return [name for field in fields for name in mapping(field, "values")]
+    holder = next((item for item in reversed(chain) if isinstance(item, dict) and "fields" in item), None)
+    if holder is None or place.path[-1] in _OF_LISTS:
+        return []
+    return [field["name"] for _, field in items(holder, "fields") if "name" in field] + list(mapping(holder, "join"))
+
+
+def _under(key: str, node: Any) -> Iterator[str]:
+    """All texts that stand under a key anywhere."""
+    if isinstance(node, dict):
+        for name, item in node.items():
+            if name == key:
+                yield from _texts(item)
+            yield from _under(key, item)
+    elif isinstance(node, list):
+        for item in node:
+            yield from _under(key, item)
+
+
+def _texts(item: Any) -> Iterable[str]:
+    if isinstance(item, str):
+        return (item,)
+    return [text for text in item if isinstance(text, str)] if isinstance(item, list) else ()

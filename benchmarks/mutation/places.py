@@ -1,0 +1,144 @@
+"""The values of a spec that a slip can change: where each stands, what kind of value it is, and which class of fact."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from codewheel.spec.document import Document, Path
+from codewheel.spec.schema import load_schema
+
+#: Classes of facts by their keys, lists passed over; the first that fits. What stands in capitals is a key of any name.
+_CLASSES = (
+    ("erratum", r"errata\b.*"),
+    ("example", r"examples\b.*"),
+    ("prose fact", r"(characteristics|leds|tables|lost_figures|documents)\b.*"),
+    ("source", r".*\b(source|alignment_source|output_code_source)"),
+    ("manual", r"(codewheel|device|manufacturer|title|manual\b.*|python_package|version|trademarks|vendor)"),
+    ("BiSS manufacturer ID", r"biss_id"),
+    ("movement", r"movement"),
+    ("supply", r".*\bsupply\b.*"),
+    ("parameter", r"parameters\.NAME\.(equals|hexadecimal|unit|alternative|interface|read_from)"),
+    ("limit", r"parameters\.NAME\.(min|max)"),
+    ("order code: sets", r"order_code\.parts\.values\.NAME\.sets\.NAME"),
+    ("order code: interface", r"order_code\.parts\.values\.NAME\.interface"),
+    ("order code: labels", r"order_code\.(pattern|parts|also_written)\b.*"),
+    ("alternative", r"alternatives\b.*"),
+    ("printed once more", r"(printed_defaults\b.*|registers\.addresses|procedures\.printed_writes\b.*)"),
+    ("CRC", r"crcs\b.*"),
+    ("CRC", r".*\bfields\.crc"),
+    ("clock", r"interfaces\.NAME\.clock\b.*"),
+    ("cable length", r"interfaces\.NAME\.cable_lengths\b.*"),
+    ("time", r"(interfaces\.NAME\.)?(timings|timeout)\b.*"),
+    ("serial port", r"interfaces\.NAME\.port\b.*"),
+    ("network", r"interfaces\.NAME\.network\b.*"),
+    ("data ID", r"interfaces\.NAME\.data_ids\b.*"),
+    ("memory access", r"interfaces\.NAME\.memory_access\b.*"),
+    ("measurement", r"(interfaces\.NAME\.)?measurement\b.*"),
+    ("byte order", r".*\bbyte_order"),
+    ("position", r".*\bfields\.(bits|at|top_bit|low_bit|padded_to|use|name|parity_of|parity|signed|digits\b.*)"),
+    ("position", r".*\b(join|gray)\b.*"),
+    ("position", r"(field_groups|interfaces\.NAME\.(layouts|control_data)|registers)(\.fields)?"),
+    ("position", r"field_groups\.bits"),
+    ("selector", r"interfaces\.NAME\.layouts\.(when\b.*|from|channel)"),
+    (
+        "layout",
+        r"(interfaces\.NAME\.layouts|registers|field_groups|interfaces\.NAME\.control_data)\.(other_bits|carried_as|name)",
+    ),
+    ("layout", r"interfaces\.NAME\.layouts"),
+    ("named value", r".*\bfields\.values(\.NAME)?(\.value)?"),
+    ("active level", r".*\bfields\.active"),
+    ("constant", r".*\bfields\.(constant|unused|equals|text|values_of)"),
+    ("default", r"registers\.default"),
+    ("default", r".*\bfields\.(default|zero_means)"),
+    ("flag and field", r".*\bfields\.(makes_position|sums_up|power_of_two|implemented|reserved|explained_by|unit)"),
+    ("address", r"registers\.(address|length|bank|interface|name)"),
+    ("address", r"(field_groups|registers)"),
+    ("access", r"registers\.access"),
+    ("limit", r"registers\.(meanings\.)?(min|max|limits_of|above_max|when|is)"),
+    ("limit", r"registers\.meanings(\.name)?"),
+    ("wait", r"registers\.wait_at_least_ms"),
+    ("behaviour", r"registers\.(volatile|clears_itself|write_clears|opened_by|reserved|default)\b.*"),
+    ("alarm", r"alarms\b.*"),
+    ("wait", r"procedures\.steps\.(at_least_ms|times|every_at_least_us|until|in_succession)"),
+    ("procedure step", r"procedures(\.steps\b.*)?"),
+    ("procedure", r"procedures\b.*"),
+    ("pin", r"connectors\b.*"),
+    ("hardware input", r"inputs\b.*"),
+    ("interface", r"interfaces\b.*"),
+    ("order code: labels", r"(order_code|parameters)\b.*"),
+)
+_COMPILED = tuple((name, re.compile(pattern)) for name, pattern in _CLASSES)
+
+#: Classes in which a wrong value moves a position, breaks a check or an access, or comes at the wrong time.
+STRICT = frozenset(("position", "CRC", "address", "byte order", "access", "default", "limit", "clock", "time", "wait"))
+#: Classes that are words for people: no output computes with them, and no other fact says them once more.
+PROSE = frozenset(("prose", "prose fact", "source", "erratum", "manual"))
+#: Classes that are there to find slips in others.
+WITNESSES = frozenset(("example", "printed once more"))
+
+#: Texts that are facts: a pin, a wire, what a label shows.
+_FACTUAL_TEXTS = frozenset(("contact", "signal", "description_file", "pattern", "open", "then"))
+
+
+@dataclass(frozen=True)
+class Place:
+    """A value of a spec: where it stands, its keys without lists, and what the language says of it."""
+
+    path: Path
+    keys: str
+    value: Any
+    #: The definition of the language that the value follows, such as ``name`` or ``expression``, else empty.
+    kind: str
+    schema: Mapping[str, Any]
+    #: Whether the map that holds the value can do without it.
+    optional: bool
+
+    @property
+    def fact(self) -> str:
+        """The class of fact."""
+        words = self.kind in ("text", "names") and str(self.path[-1]) not in _FACTUAL_TEXTS
+        found = next((name for name, pattern in _COMPILED if pattern.fullmatch(self.keys)), "other")
+        return "prose" if words and found not in PROSE | WITNESSES else found
+
+
+def places(document: Document) -> Iterator[Place]:
+    """Every value of a device or manufacturer file: those inside of others after these."""
+    kind = "device" if "device" in document.data else "manufacturer"
+    schema = load_schema(kind)
+    yield from (place for place in _inside((), "", document.data, schema, _Language(schema)) if place.keys)
+
+
+@dataclass(frozen=True)
+class _Language:
+    """The JSON Schema of a kind of file."""
+
+    schema: Mapping[str, Any]
+
+    def followed(self, schema: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
+        """The definition that a schema refers to, with its name; else the schema itself."""
+        if "$ref" not in schema:
+            return "", schema
+        name = str(schema["$ref"]).removeprefix("#/$defs/")
+        inner, found = self.followed(self.schema["$defs"][name])
+        return inner or name, {**schema, **found}
+
+
+def _inside(
+    path: Path, keys: str, value: Any, schema: Mapping[str, Any], language: _Language, optional: bool = False
+) -> Iterator[Place]:
+    kind, followed = language.followed(schema)
+    yield Place(path, keys, value, kind, followed, optional)
+    if isinstance(value, dict):
+        known = followed.get("properties", {})
+        for key, item in value.items():
+            below = f"{keys}.{key if key in known or keys == 'interfaces' else 'NAME'}".removeprefix(".")
+            below = "interfaces.NAME" if keys == "interfaces" else below
+            inner = known[key] if key in known else followed.get("additionalProperties", {})
+            free = key not in followed.get("required", ())
+            yield from _inside((*path, key), below, item, inner if isinstance(inner, dict) else {}, language, free)
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from _inside((*path, index), keys, item, followed.get("items", {}), language)

@@ -1,0 +1,242 @@
+"""What a transcriber's slips make of the values of a spec."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from codewheel.spec.document import Document, Path
+
+from .names import other_names
+from .places import PROSE, Place, places
+
+
+class Gone(Enum):
+    """Stands for what was left out."""
+
+    GONE = "nothing"
+
+
+#: A place and what stands there instead.
+Change = tuple[Path, Any]
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A spec with one slip: the place, the slip by its name, and what it changes."""
+
+    file: str
+    place: Place
+    slip: str
+    changes: tuple[Change, ...]
+
+    @property
+    def said(self) -> str:
+        """The slip in one line, as it would be seen in a comparison of the files."""
+        return f"{_shown(self.place.value)} -> {_shown(self.changes[0][1])}"
+
+    @property
+    def is_left_out(self) -> bool:
+        """Whether something is left out rather than wrong."""
+        return self.slip in ("item lost", "key lost")
+
+
+#: Digits that are taken for each other, in print and in handwriting.
+_ALIKE = {
+    "0": "86", "1": "7", "2": "7", "3": "8", "4": "9", "5": "63", "6": "85", "7": "1", "8": "3B", "9": "40",
+    "A": "4", "B": "8", "C": "0", "D": "0", "E": "F", "F": "E",
+}  # fmt: skip
+_NUMBER = re.compile(r"0x[0-9A-Fa-f]+|[0-9]+(?:\.[0-9]+)*")
+_IN_TEXT = re.compile(r"0x[0-9A-Fa-f]+|[0-9]+")
+_WORD = re.compile(r"(?<![a-z0-9_^])[a-z][a-z0-9_]*|(?<=\^)[a-z][a-z0-9_]*")
+#: Lists in which the order says something: of their items each may come before its neighbour.
+_ORDERED = re.compile(r".*\b(fields|steps|digits|join\.NAME|writes|printed_writes)")
+#: Keys whose text is hexadecimal without a prefix.
+_HEX_TEXTS = frozenset(("bytes",))
+
+
+def mutants(document: Document) -> Iterator[Mutant]:
+    """Every slip of one place of a document, in the order of the file."""
+    for place in places(document):
+        for slip, changes in _slips(place, document):
+            yield Mutant(document.file, place, slip, changes)
+
+
+def mutated(document: Document, mutant: Mutant) -> dict[str, Any]:
+    """The data of a document with the slip; what the slip does not touch is shared."""
+    data = document.data
+    for path, new in mutant.changes:
+        data = _replaced(data, path, new)
+    return data
+
+
+def _replaced(node: Any, path: Path, new: Any) -> Any:
+    step, rest = path[0], path[1:]
+    if isinstance(node, list):
+        assert isinstance(step, int)
+        if not rest and new is Gone.GONE:
+            return node[:step] + node[step + 1 :]
+        return [*node[:step], new if not rest else _replaced(node[step], rest, new), *node[step + 1 :]]
+    if not rest and new is Gone.GONE:
+        return {key: item for key, item in node.items() if key != step}
+    return {**node, step: new if not rest else _replaced(node[step], rest, new)}
+
+
+def _slips(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
+    value, path = place.value, place.path
+    in_prose = place.fact in PROSE
+    if isinstance(value, dict):
+        if place.keys == "order_code.parts.values":
+            yield from _labels(place)
+    elif not isinstance(value, list):
+        of_value = _of_value(place, document)
+        yield from ((slip, ((path, new),)) for slip, new in of_value if new != value)
+        if not in_prose:
+            yield from _exchanged(place, document)
+    if in_prose:
+        return
+    if isinstance(path[-1], int) or place.keys.endswith(".NAME"):
+        yield "item lost", ((path, Gone.GONE),)
+    elif place.optional:
+        yield "key lost", ((path, Gone.GONE),)
+    if isinstance(path[-1], int) and _ORDERED.fullmatch(place.keys):
+        items, index = _found(document.data, path[:-1]), path[-1]
+        if index + 1 < len(items):
+            yield "items swapped", ((path, items[index + 1]), ((*path[:-1], index + 1), items[index]))
+
+
+def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
+    value, schema = place.value, place.schema
+    if isinstance(value, bool):
+        yield "boolean turned", not value
+    elif isinstance(value, int):
+        yield from _of_number(value, _written(place, document))
+    elif isinstance(value, str) and "enum" in schema:
+        yield from (("another word", word) for word in schema["enum"])
+    elif isinstance(value, str):
+        names = list(other_names(place, document.data))
+        yield from (("another name", name) for name in names)
+        if place.kind != "name" and not names:
+            yield from _of_text(value, str(place.path[-1]) in _HEX_TEXTS)
+            if place.kind == "expression":
+                yield from _of_expression(value, document.data.get("parameters", {}))
+
+
+def _written(place: Place, document: Document) -> str:
+    """A number as the file has it."""
+    line, column = document.position(place.path)
+    found = _NUMBER.match(document.line(line), column - 1)
+    return found[0] if found is not None else str(place.value)
+
+
+def _of_number(value: int, written: str) -> Iterator[tuple[str, int]]:
+    for slip, text in _of_digits(written):
+        yield slip, int(text, 16 if text.startswith("0x") else 10)
+    yield from (("one more or less", value + step) for step in (-1, 1) if value + step >= 0)
+    yield from (("bit flipped", value ^ 1 << bit) for bit in range(max(value.bit_length(), 1)))
+
+
+def _of_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
+    """Slips in the digits of a number as it is written; a ``bare`` one is hexadecimal without a prefix."""
+    start = 2 if written.startswith("0x") else 0
+    hexadecimal, digits = bare or start > 0, written[start:]
+    for index, digit in enumerate(digits):
+        before, after = written[: start + index], digits[index + 1 :]
+        if len(digits) > 1 and not bare:
+            yield "digit lost", before + after
+        if after and after[0] != digit:
+            yield "digits swapped", before + after[0] + digit + after[1:]
+        for other in _ALIKE.get(digit.upper(), ""):
+            if hexadecimal or other.isdecimal():
+                yield "digit mistaken", before + other + after
+    if digits.endswith("0") and len(digits) > 1 and not bare:
+        yield "zero too many", written + "0"
+
+
+def _of_text(text: str, bare: bool) -> Iterator[tuple[str, str]]:
+    """Slips in each number that a text holds."""
+    if set(text) <= {"0", "1"} and len(text) > 2:
+        yield from (("bit flipped", text[:at] + str(1 - int(text[at])) + text[at + 1 :]) for at in range(len(text)))
+    for found in (re.compile("[0-9A-Fa-f]+") if bare else _IN_TEXT).finditer(text):
+        for slip, digits in _of_digits(found[0], bare):
+            yield slip, text[: found.start()] + digits + text[found.end() :]
+        if not bare and not found[0].startswith("0x"):
+            number = int(found[0])
+            yield from (
+                ("one more or less", f"{text[: found.start()]}{number + step}{text[found.end() :]}")
+                for step in (-1, 1)
+                if number + step >= 0
+            )
+
+
+def _of_expression(text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for found in _WORD.finditer(text):
+        for name in parameters:
+            if name != found[0]:
+                yield "another name", text[: found.start()] + name + text[found.end() :]
+    for index, sign in enumerate(text):
+        if sign in "+-":
+            yield "another word", text[:index] + {"+": "-", "-": "+"}[sign] + text[index + 1 :]
+
+
+def _labels(place: Place) -> Iterator[tuple[str, tuple[Change, ...]]]:
+    """Slips in the texts of labels, which are keys."""
+    for label in place.value:
+        made = [(slip, text) for found in _IN_TEXT.finditer(label) for slip, text in _of_label(label, found)]
+        for slip, text in made:
+            if text and text not in place.value:
+                values = {text if key == label else key: item for key, item in place.value.items()}
+                yield slip, ((place.path, values),)
+
+
+def _of_label(label: str, found: re.Match[str]) -> Iterator[tuple[str, str]]:
+    for slip, digits in _of_digits(found[0]):
+        yield slip, label[: found.start()] + digits + label[found.end() :]
+
+
+def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
+    """The value of the next item in this one's place, and the other way round, as when a row of a table slips."""
+    path = place.path
+    for depth in (1, 2):
+        if len(path) <= depth:
+            return
+        owner, step, rest = path[: -depth - 1], path[-depth - 1], path[-depth:]
+        siblings = _found(document.data, owner)
+        following = _following(siblings, step, place)
+        if following is None:
+            continue
+        other = (*owner, following, *rest)
+        found = _found(document.data, other)
+        if found is not None and found != place.value and not isinstance(found, (dict, list)):
+            yield "exchanged with the next", ((path, found), (other, place.value))
+        return
+
+
+def _following(siblings: Any, step: str | int, place: Place) -> str | int | None:
+    """The step to the item after this one, in a list or in a map of free names."""
+    if isinstance(siblings, list) and isinstance(step, int):
+        return step + 1 if step + 1 < len(siblings) else None
+    if isinstance(siblings, dict) and ".NAME." in f"{place.keys}.":
+        keys: Sequence[Any] = list(siblings)
+        at = keys.index(step) + 1
+        return keys[at] if at < len(keys) else None
+    return None
+
+
+def _found(data: Any, path: Path) -> Any:
+    for step in path:
+        in_list = isinstance(data, list) and isinstance(step, int) and step < len(data)
+        if not in_list and not (isinstance(data, dict) and step in data):
+            return None
+        data = data[step]
+    return data
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Gone):
+        return value.value
+    text = " ".join(str(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."

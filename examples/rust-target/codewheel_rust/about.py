@@ -1,0 +1,52 @@
+"""Documentation: what ``say`` has to tell of the parts of a device, as comments in Markdown for rustdoc."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from codewheel.model import Device, Field, Interface, Layout, Register, cite
+from codewheel.say import field, layout, name, place, register
+from codewheel.say.lines import wrapped
+from codewheel.say.text import Said, Style
+
+_MARKUP = re.compile(r"[\\`*<\[\]]")
+_LIST = re.compile(r"^(\s*\d*)([-+#>.)])", re.MULTILINE)
+
+
+def markdown(text: str) -> str:
+    """Text of a spec as text in Markdown."""
+    return _MARKUP.sub(r"\\\g<0>", text)
+
+
+_STYLE = Style(
+    text=markdown,
+    code=lambda text: f"`{text.replace('`', ' ')}`",
+    ref=lambda ref: markdown(ref.title),
+    cited=lambda sources: f"({markdown(cite(sources))})" if sources else "",
+)
+
+
+def doc(items: Iterable[Said | str] | Said, indent: int = 0, mark: str = "///") -> str:
+    """Statements as a comment for rustdoc, each a paragraph."""
+    lead = f"{' ' * indent}{mark} "
+    said = [items] if isinstance(items, Said) else items
+    texts = [_STYLE.sentence(item) if isinstance(item, Said) else item for item in said]
+    paragraphs = (_LIST.sub(r"\1\\\2", wrapped(text, 100 - len(lead))) for text in texts)
+    return "\n".join(f"{lead}{line}".rstrip() for line in "\n\n".join(paragraphs).split("\n"))
+
+
+def frame_text(device: Device, interface: Interface, item: Layout) -> list[Said]:
+    """What a frame is, and what has to be known of it."""
+    return [layout.head(interface, item, name.title(item)), *layout.layout(device, interface, item)]
+
+
+def register_text(device: Device, item: Register) -> list[Said]:
+    """What a register is, and what has to be known of it."""
+    return [register.head(device, item, name.title(item)), *register.register(device, item)]
+
+
+def field_text(device: Device, owner: Layout, item: Field) -> list[str]:
+    """Where a field stands, and what it means, in one paragraph."""
+    text = _STYLE.paragraph([Said(tuple(place.field_place(owner, item))), *field.field(device, item)])
+    return [text[0].upper() + text[1:]]

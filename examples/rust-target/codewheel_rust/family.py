@@ -1,0 +1,141 @@
+"""A family as the templates see it: the plan of its parts, and the name that each has in Rust."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from codewheel.model import Device, Field, Interface, Layout, Register, Text, Value
+from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, Term, characters, codec_of
+from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
+from codewheel.plan.frames import dispatches
+from codewheel.plan.held import held_parameters
+from codewheel.plan.limits import Limits, limits_of
+from codewheel.targets import TargetProblem
+
+from .names import OF_MODULE, OF_STRUCT, Names, Place, constant, pascal, snake
+from .spelling import type_of
+
+WORD = 64
+
+
+@dataclass(frozen=True)
+class Enum:
+    """The named values of a choice, as a type."""
+
+    name: str
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Struct:
+    """A frame or register as a type. ``enums`` has the type of each member that is a choice."""
+
+    layout: Layout
+    codec: Codec
+    crc: CrcFunction | None
+    enums: Mapping[str, Enum]
+    register: Register | None = None
+    limits: Limits | None = None
+
+    @property
+    def read(self) -> dict[str, Bits]:
+        """The fields whose bits the decoder works with, by name; constants in bytes are looked at byte by byte."""
+        found = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
+        for check in self.codec.checks:
+            if not isinstance(check, AlwaysIs) or self.codec.by_word:
+                found[check.field.name] = check.bits
+            if isinstance(check, ParityIs):
+                found[check.of.name] = check.of_bits
+        return found
+
+    @property
+    def sent(self) -> list[Term]:
+        """What is encoded as a number: all but zeros, the CRC, and texts that are copied."""
+        return [item for item in self.codec.terms if item.value != Fixed(0) and not characters(item.field)]
+
+    def type_of(self, field: Field) -> str:
+        """The type of a member."""
+        return self.enums[field.name].name if field.name in self.enums else type_of(field)
+
+    def allows(self, field: Field, values: Iterable[int]) -> bool:
+        """Whether the type of a member alone keeps out every other value."""
+        return field.name in self.enums and {item.value for item in field.values} == set(values)
+
+    def too_wide(self) -> Iterator[str]:
+        """What would have to fit into a word, and does not."""
+        if self.codec.by_word and self.layout.widest > WORD:
+            yield f"'{self.layout.name}' has {self.layout.widest} bits, and fields that move with the order code"
+        for field in self.layout.fields:
+            if isinstance(field.kind, Text) and field.widest > WORD and not characters(field):
+                yield f"'{field.name}' has {field.widest} bits, which do not fill bytes"
+
+
+class Family:
+    """The types, functions and constants of a family; ``problems`` tells which it cannot have."""
+
+    def __init__(self, device: Device) -> None:
+        self.device, self._scopes, self._wide = device, list[Names](), list[TargetProblem]()
+        self._top, self._inner, codes, methods = (self._scope(taken) for taken in (OF_MODULE, OF_MODULE, (), ()))
+        self.codes = {item.code: codes.give(constant(item.code), "order_code") for item in device.variants}
+        self.held = tuple(held_parameters(device))
+        for held in self.held:
+            methods.give(f"with_{held.register.name}", "registers", held.register.name)
+        answers = [(f"{item.name}_{answer.name}", answer) for item in device.alternatives for answer in item.answers]
+        self.answers = {methods.give(snake(name), "alternatives"): answer for name, answer in answers}
+        for name in (item.name for item in device.parameters if item.equals is not None):
+            methods.give(snake(name), "parameters", name)
+        self.crcs = {item: self._top.give(crc_name(item), "crcs", item.crc.name) for item in crc_functions(device)}
+        self.enums, self.register_enums = list[Enum](), list[Enum]()
+        self.frames = [(interface, self._frame(interface, layout)) for interface, layout in device.layouts()]
+        self.registers = [self._register(item) for item in device.registers]
+        self.dispatches = [(item, told) for item in device.interfaces for told in dispatches(item.layouts)]
+        for interface, told in self.dispatches:
+            self._top.give(pascal(f"{interface.name}_from_{told.sender}"), "interfaces", interface.name)
+
+    @property
+    def problems(self) -> list[TargetProblem]:
+        return [*(problem for scope in self._scopes for problem in scope.problems), *self._wide]
+
+    def _scope(self, taken: tuple[str, ...]) -> Names:
+        self._scopes.append(Names(self.device, taken))
+        return self._scopes[-1]
+
+    def _frame(self, interface: Interface, layout: Layout) -> Struct:
+        """Frames share the type of a choice that has the same values in all frames of the interface."""
+        others = [field for other in interface.layouts for field in other.data_fields]
+        owners = {}
+        for field in layout.data_fields:
+            is_shared = all(item.values == field.values for item in others if item.name == field.name)
+            owners[field.name] = interface.name if is_shared else layout.name
+        place = ("interfaces", interface.name, "layouts", layout.name)
+        return self._struct(self._top, self.enums, place, layout, owners)
+
+    def _register(self, item: Register) -> Struct:
+        owners = {field.name: item.name for field in item.layout.fields}
+        struct = self._struct(self._inner, self.register_enums, ("registers", item.name), item.layout, owners)
+        return replace(struct, register=item, limits=limits_of(self.device, item))
+
+    def _struct(
+        self, names: Names, enums: list[Enum], place: Place, layout: Layout, owners: Mapping[str, str]
+    ) -> Struct:
+        choices = [item for item in layout.data_fields if item.values]
+        types = {item.name: Enum(pascal(f"{owners[item.name]}_{item.name}"), item.values) for item in choices}
+        for enum in types.values():
+            if enum not in enums:
+                enums.append(enum)
+                names.give(enum.name, *place)
+        names.give(pascal(layout.name), *place)
+        methods = self._scope(OF_STRUCT)
+        runs = [run.name for field in layout.fields for run in field.runs]
+        for name in [*(join.name for join in layout.joins), *runs]:
+            methods.give(snake(name), *place)
+        struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
+        for wrong in struct.too_wide():
+            self._wide.append(TargetProblem(self.device, "rust-size", place, f"{wrong}; {WORD} is the most in Rust"))
+        return struct
+
+
+def crc_name(item: CrcFunction) -> str:
+    """What the function for a CRC is called."""
+    return f"crc_{item.crc.name}" if item.alone else f"crc_{item.crc.name}_{item.carrier.value}"

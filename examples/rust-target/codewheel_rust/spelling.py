@@ -1,0 +1,125 @@
+"""Types, numbers and expressions as Rust writes them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+
+from codewheel.model import Device, Field, Number, Parameter, Piece, assert_never, kinds
+from codewheel.model.expressions import Expression, Factor, Term
+from codewheel.say.lines import plain
+
+from .names import snake
+
+
+def unsigned(bits: int, least: int = 8) -> str:
+    """The type of a number of so many bits."""
+    return f"u{next(size for size in (8, 16, 32, 64, 128) if size >= max(bits, least))}"
+
+
+def type_of(field: Field) -> str:
+    """The type of a member; that of a choice has a name of its own."""
+    match field.kind:
+        case Number(signed=True):
+            return unsigned(field.widest).replace("u", "i")
+        case Number(zero_means=largest):
+            return unsigned(max(field.widest, largest.bit_length()))
+        case kinds.Choice() | kinds.Decimal() | kinds.Constant() | kinds.Unused() | kinds.CrcValue():
+            return unsigned(field.widest)
+        case kinds.Flag() | kinds.Parity():
+            return "bool"
+        case kinds.Text():
+            return f"[u8; {field.widest // 8}]"
+        case _:
+            assert_never(field.kind)
+
+
+def type_of_parameter(item: Parameter) -> str:
+    """The type of a parameter: ``u32``, in which places and widths are worked out, unless it is larger."""
+    return unsigned(item.largest.bit_length(), 32)
+
+
+def fills(field: Field, type_: str) -> bool:
+    """Whether every number of a type fits into a field."""
+    return field.width == Expression(int(type_[1:]))
+
+
+def hexadecimal(number: int) -> str:
+    """A number in hexadecimal, if it has several digits."""
+    return f"0x{number:X}" if number > 9 else f"{number}"
+
+
+def quoted(text: str) -> str:
+    """A literal of text on one line."""
+    return json.dumps(plain(text), ensure_ascii=False)
+
+
+def widened(value: str, type_: str) -> str:
+    """A number of this type in 64 bits."""
+    return value if type_[1:] == "64" else f"{type_[0]}64::from({value})"
+
+
+def narrowed(value: str, type_: str) -> str:
+    """A number of 64 bits in this type, which is large enough."""
+    return value if type_[1:] == "64" else f"{value} as {type_}"
+
+
+def byte_of(piece: Piece) -> str:
+    """The bits of a piece in its byte."""
+    byte = f"bytes[{piece.byte}] >> {piece.right}" if piece.right else f"bytes[{piece.byte}]"
+    masked = f"({byte}) & {hexadecimal(piece.mask)}" if piece.right else f"{byte} & {hexadecimal(piece.mask)}"
+    return byte if piece.mask == 0xFF >> piece.right else masked
+
+
+def taken(pieces: Iterable[Piece]) -> str:
+    """What the bits of these pieces of ``bytes`` are together."""
+    parts = ((f"u64::from({byte_of(piece)})", piece.left) for piece in pieces)
+    return " | ".join(f"({part} << {left})" if left else part for part, left in parts)
+
+
+def put_byte(piece: Piece, raw: str) -> str:
+    """What a piece of a number, which fits, gives to its byte."""
+    part = f"({raw} >> {piece.left}) as u8" if piece.left else f"{raw} as u8"
+    if piece.mask != 0xFF >> piece.right:
+        part = f"{part} & {hexadecimal(piece.mask)}"
+    return f"({part}) << {piece.right}" if piece.right else part
+
+
+PIECES = (byte_of, put_byte, taken)
+NUMBERS = (fills, hexadecimal, narrowed, quoted, type_of_parameter, unsigned, widened)
+
+
+class Scope:
+    """Spells expressions over the parameters of ``variant``."""
+
+    def __init__(self, device: Device) -> None:
+        self._parameters = {item.name: item for item in device.parameters}
+
+    def parameter(self, name: str) -> str:
+        """A parameter as it is; one that the user has to decide on is asked for."""
+        asked = self._parameters[name].alternative
+        call = "" if self._parameters[name].equals is None else "()"
+        return f"variant.{snake(name)}{call}" + (f'.ok_or(Fault::Undecided("{asked}"))?' if asked else "")
+
+    def expression(self, item: Expression, type_: str = "u32") -> str:
+        """An expression in a type that holds it; what is subtracted comes last."""
+        alone = item.constant == 0 and len(item.terms) == 1 and not item.terms[0].is_product
+        plus = [self._term(term, type_, alone) for term in item.terms if term.sign > 0]
+        minus = [self._term(term, type_, False) for term in item.terms if term.sign < 0]
+        if item.constant > 0 or not plus:
+            plus.append(f"{max(item.constant, 0)}")
+        if item.constant < 0:
+            minus.append(f"{-item.constant}")
+        return " - ".join([" + ".join(plus), *minus])
+
+    def _term(self, term: Term, type_: str, alone: bool) -> str:
+        return " * ".join(self._factor(factor, type_, alone) for factor in term.factors)
+
+    def _factor(self, factor: Factor, type_: str, alone: bool) -> str:
+        name = self.parameter(factor.parameter)
+        own = type_of_parameter(self._parameters[factor.parameter])
+        if factor.power:
+            return f"1_{type_} << {name}" if alone else f"(1_{type_} << {name})"
+        if own == type_:
+            return name
+        return f"{type_}::from({name})" if int(own[1:]) < int(type_[1:]) else f"{name} as {type_}"

@@ -1,0 +1,98 @@
+"""Joined numbers and numbers in Gray code: whether what a layout says of them can be."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from ..model import (
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Field,
+    Flag,
+    Kind,
+    Layout,
+    Number,
+    Parity,
+    Text,
+    Unused,
+    assert_never,
+)
+from .fields import Site
+
+
+def check_joined(layout: Layout, site: Site) -> None:
+    """What a layout says of joined numbers and of one in Gray code; a number is told of once."""
+    faulty = _check_joins(layout, site)
+    if layout.gray_of and layout.gray_of not in faulty:
+        _check_gray(layout, site)
+
+
+def _check_joins(layout: Layout, site: Site) -> set[str]:
+    """A joined number takes in plain bits, each field once and, in a word, in the order in which they are sent."""
+    fields = {field.name: field for field in layout.fields}
+    faulty: set[str] = set()
+    for join in layout.joins:
+        before = len(site.context.report)
+        for index, name in enumerate(join.fields):
+            if name in join.fields[:index]:
+                site.report("join-order", f"'{join.name}' takes in '{name}' twice", "join", join.name, index)
+            elif name in fields and (at_fault := _no_plain_bits(fields[name].kind)):
+                wrong = f"'{join.name}' takes in '{name}', {at_fault}, or leave '{name}' out of '{join.name}'"
+                site.report("join-of", wrong, "join", join.name, index)
+        pairs = [pair for pair in pairwise(join.fields) if pair[0] != pair[1] and {*pair} <= fields.keys()]
+        for index, (above, below) in enumerate(pairs, 1):
+            if not layout.in_bytes and _is_above(fields[below], fields[above], site):
+                wrong = (
+                    f"'{join.name}' has '{above}' above '{below}'; in '{layout.name}' '{below}' is sent first, and with"
+                    " it the more significant bits"
+                )
+                site.report("join-order", wrong, "join", join.name, index)
+        if len(site.context.report) > before:
+            faulty.add(join.name)
+    return faulty
+
+
+def _no_plain_bits(kind: Kind) -> str:
+    """Why a joined number cannot take in a field of this kind, and what to do; empty where it can.
+
+    A joined number is made of bits as they are sent. If a part were worth something else, the two would disagree.
+    """
+    match kind:
+        case Number(signed=True):
+            return "which is signed; leave 'signed' out"
+        case Number(zero_means=0) | Flag(active_low=False) | Choice() | Decimal():
+            return ""
+        case Number():
+            return "which has 'zero_means'; leave 'zero_means' out"
+        case Flag():
+            return "which is active low; write 'bits: 1' in place of 'active'"
+        case Constant() | Unused() | CrcValue() | Parity() | Text():
+            return "which is no number; give the field 'bits' and no kind"
+        case _:
+            assert_never(kind)
+
+
+def _check_gray(layout: Layout, site: Site) -> None:
+    """What is sent in Gray code is one number of several bits in one piece."""
+    parts = [field for name in layout.names_in(layout.gray_of) for field in layout.fields if field.name == name]
+    other = next((field for field in parts if not isinstance(field.kind, (Number, Choice))), None)
+    if other is not None or (len(parts) == 1 and parts[0].widest == 1):
+        at_fault = other or parts[0]
+        is_number_or_flag = isinstance(at_fault.kind, (Number, Choice, Flag))
+        what = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is no number'}"
+        site.report("gray-of", f"{what}; only a number of several bits can be in Gray code", "gray", "of")
+    for above, below in pairwise(parts):
+        if any(below.low.value(values) + below.width.value(values) != above.low.value(values) for values in site.sets):
+            wrong = (
+                f"'{above.name}' and '{below.name}' are not next to each other; a number in Gray code is in one piece,"
+                " its most significant part first"
+            )
+            site.report("gray-of", wrong, "gray", "of")
+            return
+
+
+def _is_above(field: Field, other: Field, site: Site) -> bool:
+    both = [values for values in site.sets if field.width.value(values) and other.width.value(values)]
+    return any(field.low.value(values) > other.low.value(values) for values in both)

@@ -1,0 +1,101 @@
+"""What has to hold for a layout whose fields have their places: lengths, values that fit, the CRC at the end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..model import (
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Field,
+    Flag,
+    Layout,
+    Number,
+    Parity,
+    Text,
+    Unused,
+    assert_never,
+)
+from ..model.expressions import Expression
+from .fields import Site
+from .joins import check_joined
+
+#: Numbers of frames and registers are held in 64 bits by the generated C.
+LARGEST_NUMBER = 64
+
+
+def is_sound(layout: Layout, site: Site) -> bool:
+    """Whether a layout can be, with the parameters of every order code; if not, after reporting why."""
+    before = len(site.context.report)
+    if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
+        wrong = f"'{layout.name}' takes {layout.bits.render()} bits, which is no whole number of bytes"
+        site.report("width-mismatch", wrong)
+    if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
+        site.report("too-long", f"'{layout.name}' takes {layout.widest} bits; {LARGEST_NUMBER} is the most")
+    for field in layout.fields:
+        _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
+    selector = next((field for field in layout.fields if field.name == layout.selector), None)
+    for selected in layout.selects:
+        if selector is not None and selector.values and selected not in [item.value for item in selector.values]:
+            site.report("undefined-reference", f"'{layout.selector}' has no value {selected}", "when")
+    for name in (*(item.name for item in layout.fields), *(item.name for item in layout.joins)):
+        if layout.unused and name == "unused":
+            wrong = "'unused' is what a decoded frame calls all its unused bits; give the field another name"
+            site.report("duplicate-name", wrong, "fields", name)
+    check_joined(layout, site)
+    return len(site.context.report) == before
+
+
+def _check_field(layout: Layout, field: Field, site: Site) -> None:
+    kind, bits = field.kind, field.widest
+    is_zeros = field.padding_of or field.name.startswith("zero_")
+    if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
+        site.report("too-long", f"'{field.name}' takes {bits} bits; {LARGEST_NUMBER} is the most")
+    match kind:
+        case Number():
+            pass
+        case Flag():
+            if field.width != Expression(1):
+                site.report("width-mismatch", f"'{field.name}' is a flag of one bit; it takes {bits}")
+        case Parity():
+            if field.width != Expression(1):
+                site.report("width-mismatch", f"'{field.name}' is a parity bit; it takes {bits} bits")
+        case Choice():
+            # Where the width is a plain number, the rules on the text have looked already.
+            for item in kind.values if not field.width.is_constant else ():
+                if item.value >> bits:
+                    wrong = f"the value '{item.name}' = {item.value:#x} does not fit into {bits} bits"
+                    site.report("value-too-wide", wrong)
+        case Constant() | Unused():
+            narrowest = min((field.width.value(parameters) for parameters in site.sets), default=0)
+            if not field.width.is_constant and kind.value >> narrowest and narrowest:
+                word = "unused" if isinstance(kind, Unused) else "constant"
+                wrong = f"'{word}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
+                site.report("value-too-wide", wrong)
+        case Decimal():
+            if kind.limit > 1 << bits:
+                site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {bits} bits")
+        case Text():
+            if bits % 8 or (isinstance(field.equals, str) and 8 * len(field.equals) != bits):
+                site.report("width-mismatch", f"the text of '{field.name}' does not fill its {bits} bits")
+        case CrcValue():
+            _check_crc(layout, field, kind, site)
+        case _:
+            assert_never(kind)
+
+
+def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
+    crc = site.context.crcs.get(kind.crc)
+    if crc is None:
+        return
+    if field.width != Expression(crc.width):
+        site.report("width-mismatch", f"'{field.name}' takes {field.widest} bits; the CRC '{crc.name}' has {crc.width}")
+    if field is not layout.fields[-1]:
+        site.report(
+            "crc-not-last",
+            f"'{field.name}' covers everything sent before it, so it has to be the last field of '{layout.name}'",
+        )
+    if layout.in_bytes and crc.width % 8:
+        site.report("width-mismatch", f"a CRC of {crc.width} bits does not end a frame of whole bytes")

@@ -1,0 +1,190 @@
+"""From paths to the library: read, check and build every spec, with all problems in one report."""
+
+from __future__ import annotations
+
+import keyword
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from ..model import Device, Manufacturer
+from ..spec.check import check_document
+from ..spec.document import Document
+from ..spec.problems import Report, listed
+from ..spec.read import read_document, read_specs
+from .alike import check_alike
+from .counts import read_counts
+from .device import build_device
+from .facts import build_manufacturer
+
+
+def packaged_specs() -> Path:
+    """The folder of the specs that ship with the tool; in an editable install, the checkout's ``specs``."""
+    return Path(str(resources.files("codewheel.specs")))
+
+
+def packaged_masters() -> Path:
+    """The folder of the descriptions of masters that ship with the tool."""
+    return packaged_specs() / "masters"
+
+
+def _packaged_families() -> list[Path]:
+    return sorted(
+        path
+        for path in packaged_specs().iterdir()
+        if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml"))
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """A device with its spec, and the name of every file that it comes from, its manufacturer's included."""
+
+    device: Device
+    document: Document
+    files: frozenset[str]
+
+
+def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+    """Every device that the specs at ``paths`` describe, in order of name, and everything that is wrong with them.
+
+    Args:
+        paths: Files and folders; without any, the specs that ship with the tool.
+
+    Returns:
+        The devices, to be used only when the report is empty, and the report.
+    """
+    families, report = load_families(paths)
+    return tuple(family.device for family in families), report
+
+
+def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+    """Like ``load_library``, but the devices are those that can be used although something else is wrong."""
+    families, report = load_families(paths)
+    sound = sound_families(families, report)
+    broken = [family.device for family in families if family not in sound]
+    devices = (family.device for family in sound)
+    return tuple(device for device in devices if not any(_share(device, other) for other in broken)), report
+
+
+def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
+    """The families in whose files nothing is wrong up to now."""
+    faulty = {problem.file for problem in report.problems}
+    return [family for family in families if faulty.isdisjoint(family.files)]
+
+
+def _share(one: Device, other: Device) -> bool:
+    """Whether two devices have one name or order code, so that neither can be told from the other."""
+    codes = {item.code for item in one.variants}
+    return one.name == other.name or any(item.code in codes for item in other.variants)
+
+
+def load_families(paths: Sequence[Path] = ()) -> tuple[list[Family], Report]:
+    """Like ``load_library``, with the spec and the files of each device."""
+    report = Report()
+    documents = read_specs(paths or _packaged_families(), report)
+    documents += _missing_manufacturers(documents, report)
+    return families_of(documents, report), report
+
+
+def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
+    """The families of documents that have been read, in order of name; what is wrong with them goes into ``report``."""
+    checked = [(document, check_document(document, report)) for document in documents]
+    makers = _makers(checked, report)
+    # A manufacturer file with problems of its own is there all the same.
+    broken = {str(document.data.get("manufacturer")) for document in documents if "device" not in document.data}
+    families: list[Family] = []
+    for document, data in checked:
+        if data is None or "device" not in data:
+            continue
+        maker = makers.get(data["manufacturer"])
+        if maker is None and data["manufacturer"] not in broken and "manufacturer" in document.data:
+            known = f"; known: {listed(sorted(makers))}" if makers else ""
+            report.add(
+                "undefined-reference",
+                document,
+                ("manufacturer",),
+                f"there is no manufacturer file for '{data['manufacturer']}'{known}",
+            )
+        device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
+        if device is None:
+            continue
+        device = replace(device, times_read=read_counts(Path(document.file), report))
+        _compare_with_others(device, [family.device for family in families], document, report)
+        makers_files = (item for item in documents if "device" not in item.data)
+        of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}
+        families.append(Family(device, document, frozenset({document.file, *of_maker})))
+    check_alike(documents, report)
+    return sorted(families, key=lambda family: family.device.name)
+
+
+def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report) -> dict[str, Manufacturer]:
+    makers: dict[str, Manufacturer] = {}
+    for document, data in checked:
+        if data is not None and "device" not in data and "manufacturer" in data:
+            if data["manufacturer"] in makers:
+                wrong = f"there is another manufacturer file for '{data['manufacturer']}'"
+                report.add("duplicate-name", document, ("manufacturer",), wrong)
+            built = build_manufacturer(data)
+            _check_manufacturer(built, makers.values(), document, report)
+            makers[built.name] = built
+    return makers
+
+
+def _unknown_manufacturer(name: str) -> Manufacturer:
+    """Stands for a manufacturer of whom no file tells, so that what is wrong with the device can be told."""
+    package = f"{name}_encoders"
+    return Manufacturer(name=name, title="", biss_id=None, python_package=package, version="0.0.0", trademarks=())
+
+
+def _check_manufacturer(
+    maker: Manufacturer, others: Iterable[Manufacturer], document: Document, report: Report
+) -> None:
+    """A manufacturer's files are named after it alone, and its Python package hides no module of Python's own."""
+    package = maker.python_package
+    path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
+    if package in sys.stdlib_module_names or keyword.iskeyword(package):
+        report.add(
+            "not-allowed",
+            document,
+            path,
+            f"'python_package' cannot be '{package}': that is a name of Python's own; take '{package}_encoders'",
+        )
+    for other in others:
+        if other.name == maker.name:
+            continue
+        if other.python_package == package:
+            report.add(
+                "duplicate-name",
+                document,
+                path,
+                f"the Python package '{package}' is that of '{other.name}' as well; each has its own",
+            )
+        if maker.biss_id is not None and other.biss_id == maker.biss_id:
+            wrong = f"the BiSS manufacturer ID {maker.biss_id:#06x} is that of '{other.name}' as well"
+            wrong += f"; it names the file idbiss{maker.biss_id:04X}.xml"
+            report.add("duplicate-name", document, ("biss_id",), wrong)
+
+
+def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
+    """The manufacturer files that lie beside device files which were given alone."""
+    given = {Path(document.file).resolve() for document in documents}
+    folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
+    beside = [folder / "manufacturer.yaml" for folder in folders]
+    found = (read_document(path, report) for path in beside if path.resolve() not in given and path.is_file())
+    return [document for document in found if document is not None]
+
+
+def _compare_with_others(device: Device, others: Sequence[Device], document: Document, report: Report) -> None:
+    """Families have names of their own, and no order code belongs to two."""
+    if any(other.name == device.name for other in others):
+        report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
+    codes = {variant.code: other for other in others for variant in other.variants}
+    for variant in device.variants:
+        if variant.code in codes:
+            wrong = f"the order code {variant.code} belongs to '{codes[variant.code].name}' as well"
+            report.add("order-code-ambiguous", document, ("order_code", "pattern"), wrong)
+            return

@@ -1,0 +1,75 @@
+"""From checked data to those parts of the model that have the members of the spec under the names of the spec."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import is_dataclass
+from functools import cache
+from inspect import Parameter, signature
+from types import MappingProxyType
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+from ..model import Source, Sources
+
+Raw = Mapping[str, Any]
+T = TypeVar("T")
+
+_SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
+_EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})})
+
+
+def parse_sources(text: str) -> Sources:
+    """``6.4 p.35; it: 6.4 p.36`` as sources; a page range such as ``p.14-15`` stays part of the section."""
+    found = []
+    for piece in text.split(";"):
+        match = _SOURCE.fullmatch(piece)
+        if match is not None:
+            page = int(match["page"]) if match["page"] else None
+            found.append(Source(match["document"] or "", match["section"], page))
+    return tuple(found)
+
+
+def sources(raw: Raw, key: str = "source") -> Sources:
+    return parse_sources(raw[key]) if key in raw else ()
+
+
+def record(kind: Callable[..., T], raw: Raw, /, **made: Any) -> T:
+    """A ``kind`` with the values that ``raw`` has under the names of its members, and those that are ``made`` already.
+
+    What neither has is the default of the member, else empty: no text, 0, false, None where the type allows it. Parts
+    of the model inside it, and lists of them, are filled likewise.
+    """
+    for name, hint, has_default in _members(kind):
+        if name in made:
+            continue
+        if hint == Sources:
+            made[name] = sources(raw, name)
+        elif name in raw:
+            made[name] = _value(hint, raw[name])
+        elif not has_default:
+            made[name] = _EMPTY.get(get_origin(hint) or hint)
+    return kind(**made)
+
+
+def records(kind: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
+    """The items that ``raw`` lists under ``key``."""
+    return tuple(record(kind, item) for item in raw.get(key, ()))
+
+
+@cache
+def _members(kind: Callable[..., object]) -> tuple[tuple[str, Any, bool], ...]:
+    hints = get_type_hints(kind)
+    return tuple(
+        (item.name, hints[item.name], item.default is not Parameter.empty)
+        for item in signature(kind).parameters.values()
+    )
+
+
+def _value(hint: Any, value: Any) -> Any:
+    inside = next(iter(get_args(hint)), hint)
+    if get_origin(hint) is tuple:
+        return tuple(record(inside, item) if isinstance(item, Mapping) else item for item in value)
+    if isinstance(inside, type) and is_dataclass(inside) and isinstance(value, Mapping):
+        return record(inside, value)
+    return value

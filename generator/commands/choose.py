@@ -1,0 +1,58 @@
+"""``--choose``: what the manual leaves open, as the user decides it."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Sequence
+
+from ..dump.plain import for_interface
+from ..model import Alternative, Device, Layout, Variant
+from ..spec.problems import quoted, visible
+from .terminal import Stop
+
+
+class UndecidedError(ValueError):
+    """A frame cannot be read before something is decided; the message has the question and every answer."""
+
+
+def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
+    """``eeprom_address=as_printed`` and the like as answers by the names of their alternatives.
+
+    Raises:
+        Stop: A pair names no alternative of this order code or no answer of it, or it has two; exit code 2.
+    """
+    known = {item.name: item for item in for_interface(device, variant.interface).alternatives}
+    answers: dict[str, str] = {}
+    for pair in pairs:
+        name, _, answer = pair.partition("=")
+        if not known:
+            raise Stop(f"with {variant.code} there is nothing to choose", 2)
+        if name not in known:
+            right = " or ".join(option for item in known.values() for option in _options(item))
+            raise Stop(f"{quoted(visible(name))} is nothing to choose with {variant.code}; write {right}", 2)
+        if answer not in (item.name for item in known[name].answers):
+            right = " or ".join(_options(known[name]))
+            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer))}; write {right}", 2)
+        if answers.setdefault(name, answer) != answer:
+            raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer)}", 2)
+    return answers
+
+
+def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) -> None:
+    """Stop before a frame is read in a way that nobody has decided on.
+
+    Raises:
+        UndecidedError: The layout needs an answer that is not among ``answers``.
+    """
+    missing = [item for item in device.alternatives_of(layout) if item.name not in answers]
+    if missing:
+        asked = " ".join(f"{item.meaning}: add {' or '.join(_explained(item))}." for item in missing)
+        raise UndecidedError(f"{quoted(layout.name)} cannot be decoded before you decide. {asked}".removesuffix("."))
+
+
+def _options(item: Alternative) -> Iterator[str]:
+    return (f"--choose {item.name}={answer.name}" for answer in item.answers)
+
+
+def _explained(item: Alternative) -> Iterator[str]:
+    for option, answer in zip(_options(item), item.answers, strict=True):
+        yield f"{option} ({answer.meaning})"

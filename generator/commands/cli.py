@@ -1,0 +1,480 @@
+"""The command line: arguments in, text and exit code out.
+
+Exit codes: 0 done; 1 problems in the input, a difference found, a frame with a fault, or a register that holds another
+value than this encoder's; 2 wrong usage, unknown order code, or a frame that cannot be read, since it is none or needs
+--choose; 3 a sound frame whose
+position is not usable. Of several frames the worst decides: 2, then 1, then 3.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from . import look_up
+from .arguments import Parser, ShowVersion, a_path, add_examples, parse
+from .terminal import Stop, prepare, release
+
+_DESCRIPTION = (
+    "Describe an absolute encoder once; get a Python codec, C headers, a BiSS XML description and documentation."
+)
+_SPECS = (
+    "files, each read whatever it holds, or folders, of which every .yaml file is read that is a spec by its keys; "
+    "without any, the specs that lie in the current folder, or else those that ship with codewheel"
+)
+JSON_VERSION = 1
+
+_Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; ``arguments`` default to those of the process."""
+    prepare()
+    try:
+        code = _run(arguments)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        return code
+    except BrokenPipeError:
+        # The reader of our output has left before the end: neither done nor a verdict, so what a shell says of it.
+        release()
+        return 141
+    except OSError as error:
+        release()
+        with suppress(OSError):
+            place = error.filename or "the output"
+            print(f"codewheel: cannot write {place}: {error.strerror or error}", file=sys.stderr, flush=True)
+        release()
+        return 1
+    except KeyboardInterrupt:
+        return 130
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    try:
+        chosen = parse(_parser(), arguments)
+        prepare(as_json=getattr(chosen, "json", False))
+        code: int = chosen.run(chosen)
+        return code
+    except Stop as stop:
+        print(f"codewheel: {stop}", file=sys.stderr)
+        return stop.code
+    except SystemExit as stop:  # Of the parser: help, or wrong usage.
+        return int(stop.code or 0)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(prog="codewheel", description=_DESCRIPTION)
+    parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for add in (_add_generate, _add_check, _add_list, _add_show, _add_decode, _add_master, _add_diff, _add_new):
+        add(commands)
+    add_examples(commands)
+    return parser
+
+
+def _add_generate(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "generate", help="write all outputs, or compare them", description="Write every output of the specs."
+    )
+    _add_specs(parser)
+    parser.add_argument(
+        "-o",
+        dest="output",
+        type=a_path,
+        default=Path("generated"),
+        metavar="DIR",
+        help="output folder (default: generated)",
+    )
+    parser.add_argument(
+        "--target", action="append", metavar="NAME", help="an output to write, of those below; may be repeated"
+    )
+    parser.add_argument(
+        "--option",
+        action="append",
+        default=[],
+        metavar="TARGET.OPTION=VALUE",
+        help="a setting of a target, of those below; may be repeated",
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; exit 1 if an output is not what the specs yield"
+    )
+    parser.add_argument(
+        "--force", action="store_true", help="overwrite files in the way that codewheel has not written"
+    )
+    _add_own_files(parser)
+    parser.more_help = _targets_for_help
+    parser.set_defaults(run=_generate)
+
+
+def _add_own_files(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--templates",
+        type=a_path,
+        metavar="DIR",
+        help="folder of your templates, DIR/TARGET/NAME, which come before ours",
+    )
+    parser.add_argument(
+        "--biss-dtd",
+        type=a_path,
+        metavar="FILE",
+        help="the idbiss.dtd that you have: exit 1 if the idbiss file is not valid by it",
+    )
+
+
+def _add_check(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "check", help="look for problems in specs", description="Report every problem of the specs."
+    )
+    _add_specs(parser)
+    parser.add_argument(
+        "--target",
+        action="append",
+        metavar="NAME",
+        help="an output that has to be able to express the specs, of those below; may be repeated",
+    )
+    parser.add_argument("--json", action="store_true", help="print the problems as JSON")
+    parser.add_argument(
+        "--coverage",
+        action="store_true",
+        help="say how often each fact was read; exit 1 if one that has to be read twice was read once",
+    )
+    parser.add_argument(
+        "--write", action="store_true", help="with --coverage: keep the counts beside the specs, for their pages"
+    )
+    parser.more_help = _targets_for_help
+    parser.set_defaults(run=_check)
+
+
+def _add_list(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "list", help="list the families", description="List families, interfaces, order codes and manuals."
+    )
+    _add_spec_option(parser)
+    parser.set_defaults(run=_list)
+
+
+def _add_show(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "show",
+        help="show a family or an order code",
+        description="Show everything that is known of a family or an order code.",
+    )
+    parser.add_argument(
+        "what", metavar="FAMILY|ORDER-CODE", help="the name of a family as list shows it, or the code on a label"
+    )
+    _add_spec_option(parser)
+    parser.set_defaults(run=_show)
+
+
+def _add_decode(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "decode",
+        help="name every bit of a frame",
+        description="Name every bit of a frame, check its CRC, and say what the encoder reports.",
+        epilog="FRAME is hex bytes for RS-485; for SSI and BiSS one number, first bit sent most significant: 0b... "
+        "with every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit "
+        "codes: 0 done; 1 a frame with a fault, or a register that holds another value than this encoder's; 2 wrong "
+        "usage, text that is no frame, or a frame that needs --choose; 3 a sound frame whose position is not usable. "
+        "Of several frames the worst decides: 2, 1, 3.",
+    )
+    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument(
+        "frame", nargs="+", metavar="FRAME", help="the frame, in one or several arguments; - reads one frame a line"
+    )
+    parser.add_argument(
+        "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as the value of this register"
+    )
+    _add_register_option(parser)
+    parser.add_argument(
+        "--choose",
+        action="append",
+        default=[],
+        metavar="NAME=ANSWER",
+        help="answer a question that the manual leaves open, as show lists them; may be repeated (else: frames that "
+        "depend on it are not decoded)",
+    )
+    parser.add_argument(
+        "--layout",
+        metavar="NAME",
+        help="the frame's layout, as show names it, where nothing in the frame tells it: another BiSS data channel",
+    )
+    parser.add_argument(
+        "--from", dest="sender", choices=("encoder", "master"), default="encoder", help="who sent it (default: encoder)"
+    )
+    _add_spec_option(parser)
+    parser.set_defaults(run=_decode)
+
+
+def _add_master(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "master",
+        help="what a BiSS or SSI master is told",
+        description="What a BiSS or SSI master has to be told about an encoder.",
+    )
+    parser.add_argument(
+        "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label; without one, the masters are listed"
+    )
+    parser.add_argument("--master", metavar="NAME", help="this master only; exit 1 if it cannot take the encoder")
+    parser.add_argument(
+        "--masters",
+        action="append",
+        type=a_path,
+        default=[],
+        metavar="PATH",
+        help="descriptions of masters of your own, files or folders",
+    )
+    _add_register_option(parser)
+    parser.add_argument("--cable", type=_metres, metavar="METRES", help="choose the clocks for a cable of this length")
+    _add_spec_option(parser)
+    parser.set_defaults(run=_master)
+
+
+def _add_diff(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "diff",
+        help="what another version of a spec changes",
+        description="Name each changed fact, breaking or compatible; exit 1 if there is one.",
+    )
+    parser.add_argument("old", type=a_path, metavar="OLD", help="the spec as it was: a file or a folder")
+    parser.add_argument("new", type=a_path, metavar="NEW", help="the spec as it is to be")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(run=_diff)
+
+
+def _add_new(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "new",
+        help="write a spec to start from",
+        description="Write a commented spec that passes check, to be filled from a manual.",
+    )
+    parser.add_argument("name", metavar="NAME", help="name of the family: small letters, digits and underscores")
+    parser.add_argument(
+        "-o", dest="output", type=a_path, metavar="FILE", help="where to write it (default: NAME.yaml in this folder)"
+    )
+    parser.set_defaults(run=_new)
+
+
+def _metres(text: str) -> int:
+    """A length of cable: a whole number of metres, or what is rounded up to one."""
+    try:
+        metres = math.ceil(float(text))
+    except (ValueError, OverflowError):
+        metres = 0
+    if not 0 < metres <= 100_000:
+        raise argparse.ArgumentTypeError(f"'{text}' is no length in metres, such as 30")
+    return metres
+
+
+def _add_specs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS)
+    parser.add_argument(
+        "--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS"
+    )
+
+
+def _add_register_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--register",
+        action="append",
+        default=[],
+        metavar="ADDRESS=BYTE",
+        help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)",
+    )
+
+
+def _add_spec_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--specs",
+        action="append",
+        type=a_path,
+        default=[],
+        metavar="PATH",
+        help="specs to use instead of those that ship with the tool",
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _print_json(data: Mapping[str, Any]) -> None:
+    print(json.dumps(data, indent=2, ensure_ascii=False))
+
+
+def _targets_for_help() -> str:
+    from .outputs import listing
+
+    return listing()
+
+
+def _generate(chosen: argparse.Namespace) -> int:
+    from ..targets import Library
+    from .generate import run
+    from .outputs import load_for, options_named, targets_named
+
+    targets = targets_named(chosen.target)
+    options = options_named(chosen.option, targets)
+    if chosen.templates is not None and not chosen.templates.is_dir():
+        raise Stop(f"there is no folder {chosen.templates}", 2)
+    if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
+        raise Stop("--biss-dtd is for the target biss", 2)
+    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    devices, report = load_for(paths, targets)
+    if report:
+        raise look_up.problems(report)
+    print(look_up.read_line(paths, devices, report))
+    return run(chosen, Library(devices, chosen.templates), targets, options)
+
+
+def _check(chosen: argparse.Namespace) -> int:
+    from . import check, coverage
+    from .outputs import targets_named
+
+    if chosen.write and not chosen.coverage:
+        raise Stop("--write is for the counts of --coverage", 2)
+    targets = targets_named(chosen.target)
+    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    found = check.run(paths, targets)
+    covered = coverage.cover(found, chosen.write) if chosen.coverage else []
+    if chosen.json:
+        counts = coverage.as_data(covered) if chosen.coverage else {}
+        _print_json({"version": JSON_VERSION} | check.as_data(found) | counts)
+    else:
+        print(check.as_text(found, paths))
+        if chosen.coverage:
+            print(coverage.as_text(covered, found))
+    return 0 if coverage.is_complete(covered, found.report) else 1
+
+
+def _list(chosen: argparse.Namespace) -> int:
+    from .show import list_data, list_text
+
+    devices = look_up.load(chosen.specs)
+    if chosen.json:
+        _print_json(list_data(devices))
+    else:
+        print(list_text(devices))
+    if look_up.has_other_specs(chosen.specs):
+        print(f"codewheel: {look_up.OWN_SPECS_HINT}", file=sys.stderr)
+    return 0
+
+
+def _show(chosen: argparse.Namespace) -> int:
+    device, match = look_up.family_or_code(chosen.specs, chosen.what)
+    if chosen.json:
+        from ..dump.plain import device_dump, variant_dump
+
+        _print_json(device_dump(device) if match is None else variant_dump(device, match))
+        return 0
+    from .show import device_text, variant_text
+
+    print(device_text(device) if match is None else variant_text(device, match))
+    return 0
+
+
+def _diff(chosen: argparse.Namespace) -> int:
+    from .diff import as_data, as_text, compare
+
+    changes = compare(look_up.load([chosen.old]), look_up.load([chosen.new]))
+    if chosen.json:
+        _print_json(as_data(changes))
+    else:
+        print(as_text(changes))
+    return 1 if changes else 0
+
+
+def _new(chosen: argparse.Namespace) -> int:
+    from .new import NameRefused, NotWritten, write_spec
+
+    try:
+        for path in write_spec(chosen.name, chosen.output):
+            print(f"written    {path.as_posix()}")
+    except NameRefused as error:
+        raise Stop(str(error), 2) from None
+    except NotWritten as error:
+        raise Stop(str(error), 1) from None
+    return 0
+
+
+def _held(pairs: Sequence[str]) -> dict[int, int]:
+    """``0x56=0x10`` and the like as bytes by address.
+
+    Raises:
+        Stop: A pair is none; exit code 2.
+    """
+    held = {}
+    for pair in pairs:
+        address, equals, value = pair.partition("=")
+        try:
+            held[int(address, 0)] = int(value, 0)
+        except ValueError:
+            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2) from None
+        if not equals or not 0 <= int(value, 0) <= 255:
+            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2)
+    return held
+
+
+def _master(chosen: argparse.Namespace) -> int:
+    from ..masters import sheet, text
+    from ..masters.record import NoRecord, record
+    from ..reference.run_time import RegisterError, with_registers
+    from ..spec.problems import suggestion
+
+    look_up.refuse_missing(chosen.masters)
+    known, report = sheet.load_masters(chosen.masters)
+    if report:
+        raise look_up.problems(report)
+    if chosen.order_code is None:
+        if chosen.json:
+            _print_json(text.masters_data(known))
+        else:
+            print(text.masters_text(known))
+        return 0
+    names = [item.name for item in known]
+    if chosen.master is not None and chosen.master not in names:
+        hint = suggestion(chosen.master, names) or "; codewheel master lists them"
+        raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
+    device, match = look_up.order_code(chosen.specs, chosen.order_code)
+    try:
+        variant = with_registers(device, match.variant, _held(chosen.register))
+        found = record(device, variant, not chosen.register, chosen.cable)
+    except RegisterError as error:
+        raise Stop(str(error), 2) from None
+    except NoRecord as error:
+        raise Stop(str(error), 1) from None
+    sheets = [sheet.sheet(item, found) for item in known if chosen.master in (None, item.name)]
+    if chosen.json:
+        _print_json(text.sheet_data(match, found, sheets))
+    else:
+        print(text.sheet_text(match, device.title, found, sheets))
+    return 1 if chosen.master is not None and sheets[0].refusals else 0
+
+
+def _decode(chosen: argparse.Namespace) -> int:
+    from ..reference.findings import compare_held, fixed_addresses
+    from ..reference.run_time import RegisterError, decided, with_registers
+    from .choose import answers_of
+    from .decode_run import Decoding, Request, frames
+
+    device, match = look_up.order_code(chosen.specs, chosen.order_code)
+    answers = answers_of(device, match.variant, chosen.choose)
+    held, fixed = _held(chosen.register), fixed_addresses(device, match.variant)
+    changing = {address: value for address, value in held.items() if address not in fixed}
+    try:
+        variant = decided(device, with_registers(device, match.variant, changing), answers)
+    except RegisterError as error:
+        raise Stop(str(error), 2) from None
+    others = compare_held(device, match.variant, held)
+    match = replace(match, variant=variant)
+    asked = Request(device, match, chosen.sender, chosen.layout, chosen.register_name, chosen.json, others, answers)
+    decoding = Decoding(asked)
+    try:
+        decoding.run(frames(chosen.frame))
+    except BrokenPipeError:
+        release()
+    return decoding.code

@@ -1,0 +1,95 @@
+"""``codewheel check --coverage``: how often each fact of the specs was read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from ..build.counts import RULE, counts_text
+from ..model import TimesRead
+from ..readings.coverage import Coverage, added, coverage_of
+from ..readings.fact import Sort
+from ..say.words import counted
+from ..spec.problems import Report
+from ..spec.second import counts_beside
+from .check import Checked
+
+_HEADINGS = ("twice", "explained", "once", "derived")
+_OLD = "the counts are not those of the readings; write them anew: codewheel check --coverage --write"
+
+
+def cover(found: Checked, write: bool) -> list[Coverage]:
+    """The coverage of what was checked; the counts beside the specs are written, or reported where they are old."""
+    covered = coverage_of(found.readings)
+    for item in covered:
+        place = counts_beside(Path(item.spec.file))
+        if write:
+            place.write_text(counts_text(item.total), encoding="utf-8")
+        elif place.is_file() and place.read_text(encoding="utf-8") != counts_text(item.total):
+            found.report.add_at(str(place), 1, 1, RULE, _OLD)
+    return covered
+
+
+def is_complete(covered: Sequence[Coverage], report: Report) -> bool:
+    """Whether nothing is wrong, and everything that has to be was read twice."""
+    return not report and not any(item.lacking for item in covered)
+
+
+def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
+    """The coverage as ``--json`` prints it."""
+    return {
+        "coverage": [_family_data(item) for item in covered],
+        "total": asdict(added(item.total for item in covered)),
+    }
+
+
+def _family_data(item: Coverage) -> dict[str, Any]:
+    once = [
+        {
+            "class": sort.value,
+            "file": item.spec.file,
+            "line": item.spec.position(place)[0],
+            "path": item.spec.name_path(place),
+            "needed": sort.is_needed,
+        }
+        for sort, place in item.once
+    ]
+    classes = {sort.value: asdict(count) | {"needed": sort.is_needed} for sort, count in item.counts.items()}
+    return {"family": item.family, "classes": classes, "total": asdict(item.total), "once": once}
+
+
+def as_text(covered: Sequence[Coverage], found: Checked) -> str:
+    """The coverage for a person: by class, by family, and what has to be read a second time."""
+    missing = [family.device.name for family in found.families if family.device.name not in _names(covered)]
+    without = [f"not read twice: {', '.join(missing)}"] if missing else []
+    if not covered:
+        return "\n".join(without)
+    rows = [(f"{sort.value}{' *' if sort.is_needed else ''}", count) for sort, count in _by_class(covered).items()]
+    rows += [(item.family, item.total) for item in covered]
+    rows += [("in all", added(item.total for item in covered))] if len(covered) > 1 else []
+    lines = ["facts, and how often they were read; * has to be read twice", _line("", _HEADINGS)]
+    lines += [_line(name, (count.twice, count.explained, count.once, count.derived)) for name, count in rows]
+    return "\n".join([*lines, *without, *_lacking(covered)])
+
+
+def _names(covered: Sequence[Coverage]) -> set[str]:
+    return {item.family for item in covered}
+
+
+def _by_class(covered: Sequence[Coverage]) -> Mapping[Sort, TimesRead]:
+    return {sort: added(item.counts[sort] for item in covered) for sort in Sort}
+
+
+def _line(name: str, cells: Sequence[object]) -> str:
+    return f"{name:<16}" + "".join(f"{cell:>11}" for cell in map(str, cells))
+
+
+def _lacking(covered: Sequence[Coverage]) -> list[str]:
+    lines = []
+    for item in covered:
+        for sort, place in item.lacking:
+            line, column = item.spec.position(place)
+            lines.append(f"{item.spec.file}:{line}:{column}: read once: {sort.value}, {item.spec.name_path(place)}")
+    return [*lines, f"{counted(len(lines), 'fact')} to be read a second time"] if lines else []

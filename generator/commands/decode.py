@@ -1,0 +1,373 @@
+"""``codewheel decode``: the text of a frame in, every bit named out, and where it does not fit, what would make it
+fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+from ..model import Crc, Device, Fault, Layout, PlacedLayout, Variant, Verdict
+from ..reference import codec
+from ..reference.findings import Findings, Report
+from ..reference.order_codes import Match
+from ..reference.parameters import parameters_of
+from ..reference.run_time import decode_register
+from ..say.lines import WIDTH, wrapped
+from ..say.words import WORTH, counted, sentence
+from ..why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
+from .frame_text import FrameTextError, checked, frame_bytes, frame_number
+
+VERSION = 1
+_NOTHING_TAKEN: Mapping[str, str] = MappingProxyType({})
+
+
+def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
+    """The frame that ``text`` writes, decoded.
+
+    Args:
+        device: The family.
+        variant: The order code.
+        sender: ``encoder`` or ``master``.
+        text: Hex bytes where the line carries bytes; where it carries bits one number, ``0b`` with every digit or
+            ``0x``.
+        layout: The layout's name; without it, the one that the frame tells, or else the sender's first.
+
+    Raises:
+        FrameTextError: The text cannot be read as a frame, or there is no such layout.
+    """
+    text = checked(text)
+    layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
+    if not layouts:
+        raise FrameTextError(
+            f"over {device.interface(variant.interface).title} the {sender} sends no frame that the manual describes"
+        )
+    if layout is None:
+        if layouts[0].in_bytes:
+            return codec.decode_bytes(device, variant, sender, frame_bytes(text))
+        return _decode_bits(device, layouts[0].place(variant.parameters), text)
+    placed = next((item.place(variant.parameters) for item in layouts if item.name == layout), None)
+    if placed is None:
+        raise FrameTextError(
+            f"{variant.code} has no layout '{layout}' from the {sender}; it has: "
+            + ", ".join(item.name for item in layouts)
+        )
+    return (
+        codec.decode_placed(device, placed, frame_bytes(text))
+        if placed.layout.in_bytes
+        else _decode_bits(device, placed, text)
+    )
+
+
+def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
+    """The value of the register ``name`` from hex bytes in ascending order of address.
+
+    Raises:
+        FrameTextError: The text is no hex bytes.
+        RegisterError: There is no such register, or it has another length.
+    """
+    return decode_register(device, variant, name, frame_bytes(checked(text)))
+
+
+def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decoded:
+    given = frame_number(placed, text)
+    if given.exact:
+        return codec.decode_bits(device, placed, given.number, given.bits)
+    return codec.decode(device, placed, given.number)
+
+
+def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
+    """What would explain the frame that ``text`` writes, if its CRC, length or a constant is wrong.
+
+    ``decoded`` is what ``decode_text`` made of it.
+    """
+    placed = decoded.layout
+    wrong = {item.fault for item in decoded.problems}
+    if placed is not None and not placed.layout.in_bytes:
+        given = frame_number(placed, text.strip())
+        if wrong & {Fault.CRC, Fault.LENGTH}:
+            return explain_bits(device, variant, placed, given)
+        return explain_constant(device, variant, placed, given) if Fault.CONSTANT in wrong else None
+    if placed is not None and not wrong & {Fault.CRC, Fault.LENGTH}:
+        return None
+    return explain_bytes(device, variant, sender, placed, frame_bytes(text.strip()))
+
+
+def decoded_data(
+    variant: Variant,
+    sender: str,
+    decoded: codec.Decoded,
+    said: Findings,
+    why: Why | None = None,
+    line: int | None = None,
+    taken: Mapping[str, str] = _NOTHING_TAKEN,
+) -> dict[str, Any]:
+    """The result as plain data, in the shape of ``decode.schema.json``.
+
+    ``line`` is that of standard input, if any; ``taken`` are the answers by which the frame was read.
+    """
+    return {
+        "version": VERSION,
+        "line": line,
+        "order_code": variant.code,
+        "alternatives": dict(taken),
+        "layout": decoded.layout.name if decoded.layout is not None else None,
+        "direction": sender,
+        "fields": list(map(_field_data, decoded.fields)),
+        "crc": {"received": decoded.crc.received, "computed": decoded.crc.computed, "ok": decoded.crc.ok}
+        if decoded.crc is not None
+        else None,
+        "problems": [
+            {"kind": item.fault.value, "field": item.field or None, "message": item.message}
+            for item in decoded.problems
+        ],
+        "reports": [_report_data(item) for item in said.reports],
+        "verdict": said.verdict.value if said.verdict is not None else None,
+        "differences": [
+            {"field": item.field, "found": item.found, "documented": item.documented, "message": item.message}
+            for item in said.differences
+        ],
+        "why": _why_data(why) if why is not None else None,
+    }
+
+
+def _field_data(item: codec.DecodedField) -> dict[str, Any]:
+    return {
+        "name": item.name,
+        "raw": item.raw,
+        "value": item.value,
+        "unit": item.unit or None,
+        "meaning": item.meaning,
+    }
+
+
+def _report_data(report: Report) -> dict[str, Any]:
+    return {
+        "field": report.field,
+        "meaning": report.meaning,
+        "remedy": report.remedy or None,
+        "makes_position": report.makes_position.value if report.makes_position is not None else None,
+        "source": report.source,
+    }
+
+
+def _why_data(why: Why) -> dict[str, Any]:
+    return {
+        "explanations": [
+            {
+                "kind": item.kind,
+                "text": item.text,
+                "one_in": item.one_in,
+                "twice": item.twice,
+                "order_codes": list(item.codes),
+                "reads": dict(item.reads),
+            }
+            for item in why.explanations
+        ],
+        "tried": why.tried,
+        "coincidence": round(why.coincidence, 4),
+        "cannot_see": list(why.cannot_see),
+    }
+
+
+_NOTHING_SAID = Findings()
+
+
+def explain(
+    device: Device,
+    match: Match,
+    sender: str,
+    decoded: codec.Decoded,
+    said: Findings = _NOTHING_SAID,
+    why: Why | None = None,
+    line: int | None = None,
+    taken: Mapping[str, str] = _NOTHING_TAKEN,
+) -> str:
+    """The result for a person, at most 80 columns wide."""
+    start = f"line {line}: " if line is not None else ""
+    lines = [start + _heading(device, match.variant, sender, decoded), *_label_lines(device, match)]
+    if decoded.layout is not None:
+        lines += [_layout_line(decoded.layout), *_taken_lines(device, taken)]
+    if decoded.fields:
+        lines += ["", *_table(decoded)]
+        # An angle in degrees looks too good for a position that is not to be used.
+        measured = _measured(device, match.variant, decoded) if said.verdict not in (None, Verdict.NOT_USABLE) else ""
+        lines += ["", measured] if measured else []
+    if decoded.crc is not None:
+        lines += ["", _crc_line(device.crc(decoded.crc.name), decoded.crc)]
+    lines.append("")
+    lines += [wrapped(f"{item.fault.value} fault: {item.message}", WIDTH, "  ", "") for item in decoded.problems]
+    lines += [wrapped(f"not as documented: {item.message}", WIDTH, "  ", "") for item in said.differences]
+    if not decoded.problems:
+        lines += _last_words(decoded, said)
+    lines += _why_lines(why) if why is not None else []
+    return "\n".join(lines)
+
+
+def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decoded) -> str:
+    is_frame = decoded.layout is None or decoded.layout.layout.sender != ""
+    heading = f"{variant.code}, {device.interface(variant.interface).title}"
+    return f"{heading}, from the {sender}" if is_frame else heading
+
+
+def _label_lines(device: Device, match: Match) -> Iterator[str]:
+    """What the order code leaves open, and how its label differs from the codes of the manual."""
+    variant = match.variant
+    held = [item for item in parameters_of(device, variant.interface) if item.read_from]
+    if held:
+        state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in held)
+        yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, "  ")
+    yield from label_differences(device, replace(match, tail=""))
+
+
+def label_differences(device: Device, match: Match) -> Iterator[str]:
+    """How a label differs from the codes of the manual, in lines of at most 80 columns."""
+    if match.written_as_in:
+        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  ")
+    if match.unlisted:
+        yield wrapped(f"not listed in the manual, taken as any other: {', '.join(match.unlisted)}", WIDTH, "  ")
+    if match.tail:
+        yield f"  the label goes on with {match.tail}"
+    if match.special:
+        special = device.order_code.special or "A code that ends in /Sxxx may differ from the manual."
+        yield wrapped(special, WIDTH, "  ")
+
+
+def _layout_line(placed: PlacedLayout) -> str:
+    layout = placed.layout
+    title = layout.printed_name or placed.name.replace("_", " ")
+    channel = f", data channel {layout.channel}" if layout.channel else ""
+    return f"{title}, {_size(placed)}{channel}"
+
+
+def _taken_lines(device: Device, taken: Mapping[str, str]) -> Iterator[str]:
+    """What the user has decided of what the manual leaves open."""
+    for item in device.alternatives:
+        for answer in item.answers:
+            if taken.get(item.name) == answer.name:
+                yield wrapped(f"read with {item.name} = {answer.name}: {answer.meaning}", 80, "  ", "")
+
+
+def _crc_line(crc: Crc, found: codec.CrcResult) -> str:
+    verdict = "as it has to be" if found.ok else f"WRONG, over the bits before it the CRC is {found.computed:#04x}"
+    inverted = f", start value {crc.init:#x}" if crc.init else ""
+    inverted += ", sent inverted" if crc.xorout == crc.mask else ""
+    return wrapped(f"CRC {found.received:#04x}: {verdict} ({crc.polynomial}{inverted})", WIDTH, "  ", "")
+
+
+def _last_words(decoded: codec.Decoded, said: Findings) -> list[str]:
+    """How the text on a sound frame or register ends: what the encoder reports, or that nothing is wrong."""
+    if said.reports:
+        lines = ["the encoder reports:", *(wrapped(_reported(item), WIDTH, " " * 6, "  - ") for item in said.reports)]
+        return [*lines, f"so {WORTH[said.verdict]}"] if said.verdict else lines
+    is_frame = decoded.layout is not None and decoded.layout.layout.sender != ""
+    words = ["no other fault" if said.differences else "no fault"]
+    words += ["this frame carries no CRC"] if is_frame and decoded.crc is None else []
+    words += [WORTH[said.verdict]] if said.verdict is not None else []
+    return [wrapped("; ".join(words), WIDTH, "  ", "")]
+
+
+def _reported(report: Report) -> str:
+    name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
+    return (
+        f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}"
+        if report.remedy
+        else f"{name}: {report.meaning}"
+    )
+
+
+def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
+    """The position in degrees or micrometres; of a frame with the angle alone, that."""
+    measurement = device.measurement_of(variant.interface)
+    if measurement is None:
+        return ""
+    name = measurement.of
+    if name not in decoded.values:
+        joins = [join for layout in device.interface(variant.interface).layouts for join in layout.joins]
+        name = next((join.fields[-1] for join in joins if join.name == name), name)
+    value = decoded.values.get(name)
+    if not isinstance(value, int):
+        return ""
+    terms = (measurement.step_um, measurement.steps_per_turn, measurement.turns)
+    step, per_turn, turns = (item.value(variant.parameters) if item is not None else 0 for item in terms)
+    if step:
+        return f"{name}: {value * step:,} µm"
+    if per_turn < 1:
+        return ""
+    turn, counts = divmod(value, per_turn)
+    degrees = f"{counts * 360 / per_turn:.{len(str(per_turn // 360))}f}°"
+    return f"{name}: {degrees}" + (f" of revolution {turn:,}" if turns > 1 and name == measurement.of else "")
+
+
+def _why_lines(why: Why) -> list[str]:
+    by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
+    tried = counted(why.tried, "usual mistake")
+    noise = f"{tried} tried; of 100 frames of random bits {by_chance} would fit one or more of them"
+    if not why.explanations:
+        lines = ["", wrapped(f"Nothing usual would make it fit ({noise}).", WIDTH, "  ", "")]
+    else:
+        twice = (
+            "No single mistake would make it fit. Two at once would"
+            if why.explanations[-1].twice
+            else "What would make it fit"
+        )
+        lines = ["", wrapped(f"{twice}, likeliest first ({noise}):", WIDTH, "  ", "")]
+        for item in why.explanations:
+            lines.append(wrapped(item.text, WIDTH, " " * 6, "    - "))
+            lines.append(wrapped(_beside(item), WIDTH, " " * 6, " " * 6))
+    return [*lines, wrapped(f"Such a CRC cannot see {'; nor '.join(why.cannot_see)}.", WIDTH, "  ", "")]
+
+
+def _beside(item: Explanation) -> str:
+    reads = ", ".join(f"{name} {value}" for name, value in item.reads.items())
+    return f"by coincidence in {_one_in(item.one_in)} frames" + (f"; it would read {reads}" if reads else "")
+
+
+def _one_in(number: int) -> str:
+    return f"1 of {number:,}" if number < 1_000_000 else "less than 1 of a million"
+
+
+def _size(placed: PlacedLayout) -> str:
+    return counted(placed.bits // 8, "byte") if placed.layout.in_bytes else counted(placed.bits, "bit")
+
+
+def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
+    """Where a field stands, as a person counts: ``bits 46:31``, or ``byte 2 bits 7:4`` with the first byte as 0."""
+    if not layout.in_bytes:
+        return f"{high}:{low}" if high != low else f"{high}"
+    last = bits // 8 - 1
+    first_byte, last_byte = (
+        (low // 8, high // 8) if layout.byte_order == "low_byte_first" else (last - high // 8, last - low // 8)
+    )
+    if first_byte != last_byte:
+        whole = low % 8 == 0 and high % 8 == 7
+        return f"bytes {first_byte}-{last_byte}" if whole else f"bytes {first_byte}.{low % 8}-{last_byte}.{high % 8}"
+    if high - low == 7:
+        return f"byte {first_byte}"
+    return f"byte {first_byte}.{high % 8}" + (f":{low % 8}" if high != low else "")
+
+
+def _table(decoded: codec.Decoded) -> list[str]:
+    assert decoded.layout is not None
+    rows = []
+    for item in decoded.fields:
+        if item.name == codec.UNUSED and item.high < 0:
+            continue  # each unused field has a line of its own
+        place = bit_place(decoded.layout.layout, decoded.layout.bits, item.high, item.low) if item.high >= 0 else ""
+        value = {True: "yes", False: "no"}[item.value] if isinstance(item.value, bool) else str(item.value)
+        raw = f"{item.raw:#x}" if item.high > item.low or item.high < 0 else str(item.raw)
+        unit = f" {item.unit}" if item.unit and not isinstance(item.value, bool) else ""
+        rows.append((place, item.name, raw, value + unit, item.meaning))
+    widths = [max(len(row[column]) for row in rows) for column in range(4)]
+    lines = []
+    for row in rows:
+        start = "  ".join(text.ljust(width) for text, width in zip(row[:4], widths, strict=True))
+        indent = " " * (len(start) + 2)
+        if len(indent) > 56:
+            lines.append(start.rstrip())
+            if row[4]:
+                lines.append(wrapped(row[4], WIDTH, " " * 6))
+        else:
+            lines.append(wrapped(row[4], WIDTH, indent, start + "  ") if row[4] else start.rstrip())
+    return lines

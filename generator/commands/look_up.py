@@ -1,0 +1,171 @@
+"""From what the user named to devices: the specs to read, a family, an order code."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..say.words import counted
+from ..spec.files import SUFFIXES, own_specs
+from .terminal import Stop
+
+if TYPE_CHECKING:
+    from ..model import Device
+    from ..reference.order_codes import Match
+    from ..spec.problems import Report
+
+#: From this likeness on, of 1, a code is worth naming as the nearest.
+_NEAR = 0.4
+OWN_SPECS_HINT = "for the specs of this folder add: --specs ."
+_MOST_FILES = 8
+
+
+def load(paths: Sequence[Path]) -> tuple[Device, ...]:
+    """The devices of the specs; problems go to standard error.
+
+    Raises:
+        Stop: There are problems, exit code 1, or there is no such path; 2.
+    """
+    from ..build.load import load_library
+
+    refuse_missing(paths)
+    devices, report = load_library(paths)
+    if report:
+        raise problems(report)
+    return devices
+
+
+def refuse_missing(paths: Sequence[Path]) -> None:
+    """What is not there was not meant.
+
+    Raises:
+        Stop: There is nothing at one of the paths; exit code 2.
+    """
+    missing = [str(path) for path in paths if not _is_there(path)]
+    if missing:
+        raise Stop(f"there is no file or folder {' or '.join(missing)}", 2)
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.exists() or path.is_symlink()
+    except (OSError, ValueError):
+        return True  # Something is; reading it says what is wrong.
+
+
+def own_or_shipped(paths: Sequence[Path]) -> list[Path]:
+    """The paths that were given, else the specs of the current folder, else none, which stands for those that ship.
+
+    Raises:
+        Stop: There is nothing at one of the paths; exit code 2.
+    """
+    refuse_missing(paths)
+    return list(paths) or own_specs(Path())
+
+
+def read_line(paths: Sequence[Path], devices: Sequence[Device], report: Report) -> str:
+    """What was read, in one line: it shows a user who forgot a path."""
+    if not paths:
+        return f"read the specs that ship with codewheel: {', '.join(device.name for device in devices)}"
+    passed_over = [file for file in report.passed_over if file not in report.files]
+    others = f"; passed over: {_listed(passed_over)}" if passed_over else ""
+    return f"read {counted(len(report.files), 'spec')}: {_listed(report.files)}{others}"
+
+
+def _listed(files: Sequence[str]) -> str:
+    more = len(files) - _MOST_FILES
+    return ", ".join(files[:_MOST_FILES]) + (f" and {more} more" if more > 0 else "")
+
+
+def order_code(specs: Sequence[Path], text: str) -> tuple[Device, Match]:
+    """The family and variant of an order code; specs with problems are left out, and named.
+
+    Raises:
+        Stop: There is no such code, exit code 2, or the specs have problems and no sound one has it; 1.
+    """
+    with _sound(specs) as devices:
+        return find(devices, text, specs)
+
+
+def family_or_code(specs: Sequence[Path], text: str) -> tuple[Device, Match | None]:
+    """A family by its name, or the family and variant of an order code.
+
+    Raises:
+        Stop: As ``order_code`` does.
+    """
+    with _sound(specs) as devices:
+        family = _family(devices, text)
+        return (family, None) if family is not None else find(devices, text, specs)
+
+
+def find(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> tuple[Device, Match]:
+    """The family and variant of an order code among ``devices``, which ``specs`` describe.
+
+    Raises:
+        Stop: There is no such code; exit code 2.
+    """
+    from ..reference.order_codes import UnknownOrderCode
+    from ..reference.order_codes import find as find_in
+
+    explanation = ""
+    for device in devices:
+        try:
+            return device, find_in(device, text)
+        except UnknownOrderCode as reason:
+            explanation = explanation or (str(reason) if reason.close else "")
+    raise Stop(explanation or _unknown(devices, text, specs), 2)
+
+
+def _unknown(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> str:
+    """What to say of a text that is no order code, nor nearly one."""
+    from ..reference.order_codes import nearest_codes
+
+    device = _family(devices, text)
+    if device is not None:
+        code = device.variants[0].code
+        needed = f"an order code is needed, such as {code}; codewheel show {device.name} tells of them"
+        return f"'{text}' is a family, and {needed}"
+    if Path(text).suffix in SUFFIXES:
+        return f"'{text}' is no order code; a spec is given as: --specs {text}"
+    hint = f"; {OWN_SPECS_HINT}" if has_other_specs(specs) else ""
+    near = ", ".join(nearest_codes(devices, text, _NEAR))
+    remedy = f"the nearest are {near}" if near else "codewheel list shows what they look like"
+    return f"'{text}' is no known order code; {remedy}{hint}"
+
+
+def has_other_specs(specs: Sequence[Path]) -> bool:
+    """Whether the current folder holds specs that a look-up does not read: only those that are named count for it."""
+    return not specs and bool(own_specs(Path()))
+
+
+def _family(devices: Sequence[Device], text: str) -> Device | None:
+    return next((device for device in devices if device.name == text.strip().lower()), None)
+
+
+@contextmanager
+def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
+    """The devices that can be used; where nothing is found, problems of the specs are the likelier reason."""
+    from ..build.load import load_sound
+
+    refuse_missing(specs)
+    devices, report = load_sound(specs)
+    try:
+        yield devices
+    except Stop:
+        if report:
+            raise problems(report) from None
+        raise
+    if report:
+        files = list(dict.fromkeys(problem.file for problem in report.problems))
+        left_out = f"left out, for {counted(len(report), 'problem')}: {_listed(files)}; codewheel check tells them"
+        print(f"codewheel: {left_out}", file=sys.stderr)
+
+
+def problems(report: Report) -> Stop:
+    """All problems on standard error, and the end that they call for."""
+    for problem in report.problems:
+        print(problem.format(), file=sys.stderr)
+    return Stop(counted(len(report), "problem"), 1)

@@ -1,0 +1,129 @@
+"""Targets as the user asks for them: by name, with options; what they cannot express is told like any other problem."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from ..build.load import Family, load_families, sound_families
+from ..model import Device
+from ..spec.problems import Report, listed, suggestion
+from ..targets import Library, Options, Target, TargetError
+from ..targets.registry import BUILT_IN, load_target, problems_of, target_names
+from .terminal import Stop
+
+_WIDTH = 79
+
+
+def targets_named(names: Iterable[str] | None = None) -> list[Target]:
+    """The targets of these names, each once; without any, ours.
+
+    Raises:
+        Stop: There is no such target, exit code 2, or it cannot be loaded, exit code 1.
+    """
+    found = []
+    for name in dict.fromkeys(names or BUILT_IN):
+        try:
+            found.append(load_target(name))
+        except LookupError:
+            raise Stop(_no_target(name), 2) from None
+        except TargetError as error:
+            raise Stop(str(error), 1) from None
+    return found
+
+
+def _no_target(name: str) -> str:
+    return f"there is no target '{name}'{suggestion(name, target_names(), 'there are')}"
+
+
+def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[str, Options]:
+    """The value of every option by the name of its target: as ``settings`` say, else the default.
+
+    Args:
+        settings: Texts such as ``plc.separator=semicolon``.
+        targets: The targets that run.
+
+    Raises:
+        Stop: A setting is none, or is for no target that runs; exit code 2.
+    """
+    asked = {target.name: target for target in targets}
+    found = {target.name: {option.name: option.default for option in target.options} for target in targets}
+    for setting in settings:
+        place, equals, value = setting.partition("=")
+        name, dot, option = place.partition(".")
+        if not equals or not dot:
+            raise Stop(f"'{setting}' is no setting; write it as in TARGET.OPTION=VALUE", 2)
+        if name not in asked:
+            wrong = f"'{place}' is for a target that does not run; add --target {name}"
+            raise Stop(wrong if name in target_names() else _no_target(name), 2)
+        _refuse_setting(asked[name], option, value)
+        found[name][option] = value
+    return dict(found)
+
+
+def _refuse_setting(target: Target, name: str, value: str) -> None:
+    """Raise ``Stop`` if the target has no such option, or the option no such value."""
+    options = {option.name: option for option in target.options}
+    if name not in options:
+        near = suggestion(name, options, "it has") if options else "; it has none"
+        raise Stop(f"the target '{target.name}' has no option '{name}'{near}", 2)
+    values = options[name].values
+    if values and value not in values:
+        raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, values, 'it can be')}", 2)
+
+
+def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
+    """The devices that the specs describe, and a report that says as well what these targets cannot express.
+
+    Raises:
+        Stop: A target fails; exit code 1.
+    """
+    families, report = load_families(paths)
+    tell_unfit(families, targets, report)
+    return tuple(family.device for family in families), report
+
+
+def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Report) -> None:
+    """Reports what these targets cannot express of the families in whose specs nothing else is wrong.
+
+    Raises:
+        Stop: A target fails; exit code 1.
+    """
+    sound = {family.device.name: family for family in sound_families(families, report)}
+    library = Library(tuple(family.device for family in sound.values()))
+    for target in targets:
+        try:
+            found = problems_of(target, library)
+        except TargetError as error:
+            raise Stop(str(error), 1) from None
+        for problem in found:
+            document = sound[problem.device.name].document
+            line, _ = document.position(problem.other)
+            message = problem.message.replace("{line}", str(line)) if problem.other else problem.message
+            report.add(problem.rule, document, problem.place, message)
+
+
+def listing() -> str:
+    """All targets with their options, for ``--help``."""
+    targets = {name: _or_fault(name) for name in target_names()}
+    indent = " " * (max(map(len, targets)) + 4)
+    lines = [f"targets, of which {listed(BUILT_IN)} run where --target names none:"]
+    for name, found in targets.items():
+        lead = f"  {name}".ljust(len(indent))
+        lines += _filled(found.summary if isinstance(found, Target) else found, lead, indent)
+        for option in found.options if isinstance(found, Target) else ():
+            text = f"--option {name}.{option.name}={'|'.join(option.values) or 'VALUE'}: {option.summary}"
+            lines += _filled(f"{text} (default: {option.default})", indent, indent + "  ")
+    return "\n".join(lines)
+
+
+def _or_fault(name: str) -> Target | str:
+    try:
+        return load_target(name)
+    except TargetError as error:
+        return str(error)
+
+
+def _filled(text: str, first: str, others: str) -> list[str]:
+    return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=others, break_on_hyphens=False)

@@ -1,0 +1,181 @@
+"""``codewheel list`` and ``codewheel show`` for a person, at most 80 columns wide."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..dump.plain import for_interface
+from ..model import Device, Measurement, Parameter, Sources, Variant, cite
+from ..reference.order_codes import Match
+from ..reference.parameters import parameters_of, run_time_names
+from ..say.erratum import erratum
+from ..say.lines import WIDTH, pairs, wrapped
+from ..say.measurement import measurement
+from ..say.order_code import open_values, spelling
+from ..say.parameter import parameter, value
+from ..say.text import BY_NAME
+from ..say.words import language
+from .decode import label_differences
+from .show_parts import alternative_lines, at, frame_lines, interface_lines, layout_lines, register_lines
+
+
+def list_data(devices: Sequence[Device]) -> dict[str, Any]:
+    """The families as plain data."""
+    return {
+        "version": 1,
+        "families": [
+            {
+                "family": device.name,
+                "title": device.title,
+                "manufacturer": device.manufacturer.title,
+                "interfaces": [item.name for item in device.interfaces],
+                "pattern": device.order_code.pattern,
+                "order_codes": [variant.code for variant in device.variants],
+                "manual": {
+                    "title": device.manual.title,
+                    "revision": device.manual.revision,
+                    "date": device.manual.date or None,
+                },
+            }
+            for device in devices
+        ],
+    }
+
+
+def list_text(devices: Sequence[Device]) -> str:
+    """A few lines for each family."""
+    lines = []
+    for device in devices:
+        manual = f"{device.manual.title}, revision {device.manual.revision}" + (
+            f" of {device.manual.date}" if device.manual.date else ""
+        )
+        lines += [
+            wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH, " " * 10, f"{device.name:<8}  "),
+            *pairs(
+                [
+                    ("interfaces", ", ".join(item.title for item in device.interfaces)),
+                    ("order codes", f"{len(device.variants)}, {device.order_code.pattern}"),
+                    ("manual", manual),
+                ],
+                10,
+            ),
+            "",
+        ]
+    return "\n".join(lines).rstrip()
+
+
+def device_text(device: Device) -> str:
+    """A family: what its order codes decide, its interfaces, registers, procedures and errata."""
+    lines = [
+        wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH),
+        *_manual(device),
+        "",
+        f"Order codes: {device.order_code.pattern}",
+    ]
+    for part in device.order_code.parts:
+        lines.append(wrapped(part.meaning, WIDTH, "    ", f"  {part.name}: "))
+        lines += pairs([(item.text, item.meaning) for item in part.values], 4)
+        lines += [wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in open_values(part)]
+    for spelled in device.order_code.also_written:
+        lines.append(wrapped(BY_NAME.sentence(spelling(spelled)), WIDTH, "    ", "  "))
+    lines += ["", "Parameters"]
+    lines += pairs([(item.name, BY_NAME.paragraph(parameter(device, item))) for item in device.parameters], 2)
+    lines += alternative_lines(device)
+    lines += _position(
+        [("", device.measurement), *((item.title, item.measurement) for item in device.interfaces)], None
+    )
+    for interface in device.interfaces:
+        lines += ["", *interface_lines(device, interface)]
+        for layout in interface.layouts:
+            lines += layout_lines(device, interface, layout)
+    return "\n".join([*lines, *register_lines(device, None), *_inputs_and_procedures(device), *_errata(device)])
+
+
+def variant_text(device: Device, match: Match) -> str:
+    """One order code: interface, widths, frames, registers and limits, without what belongs to another interface."""
+    variant = match.variant
+    here = for_interface(device, variant.interface)
+    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
+    lines += [*label_differences(device, match), *_manual(device), *_parameters(device, variant)]
+    lines += alternative_lines(here)
+    lines += _position([("", device.measurement_of(variant.interface))], variant.parameters)
+    interface = here.interface(variant.interface)
+    lines += ["", *interface_lines(device, interface)]
+    for layout in interface.layouts:
+        lines += ["", *frame_lines(device, layout, variant)]
+    return "\n".join([*lines, *register_lines(here, variant), *_inputs_and_procedures(here), *_errata(here)])
+
+
+def _manual(device: Device) -> list[str]:
+    manual = device.manual
+    date = f" of {manual.date}" if manual.date else ""
+    origin = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
+    return [wrapped(origin, WIDTH, "  ")]
+
+
+def _parameters(device: Device, variant: Variant) -> list[str]:
+    """What the order code decides of this interface, and what registers do."""
+    shown = parameters_of(device, variant.interface)
+    at_run_time = run_time_names(device)
+    fixed = [item for item in shown if item.name not in at_run_time and not item.alternative]
+    held = [item for item in shown if item.name in at_run_time]
+    lines = ["", "Parameters", *_values(device, fixed, variant)] if fixed else []
+    if held:
+        lines += ["", "Held by registers, as delivered", *_values(device, held, variant)]
+        addresses = dict.fromkeys(device.register(item.register).address for item in held if item.read_from)
+        example = f"--register 0x{next(iter(addresses)):02X}=0x.."
+        lines.append(wrapped(f"decode takes what they hold instead, a byte at a time: {example}", WIDTH, "  ", "  "))
+    return lines
+
+
+def _values(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
+    names = max(len(item.name) for item in parameters)
+    shown = {item.name: value(item, variant.parameters[item.name]) for item in parameters}
+    numbers = max(map(len, shown.values()))
+    rows = (
+        (f"{item.name.ljust(names)}  {shown[item.name].ljust(numbers)}", BY_NAME.paragraph(parameter(device, item)))
+        for item in parameters
+    )
+    return pairs(rows, 2)
+
+
+def _position(
+    measurements: Sequence[tuple[str, Measurement | None]], parameters: Mapping[str, int] | None
+) -> list[str]:
+    style = at(parameters) if parameters is not None else BY_NAME
+    rows = []
+    for over, item in measurements:
+        if item is None:
+            continue
+        counts = style.phrase(measurement(item))
+        if item.step_um is not None and item.steps is not None and parameters is not None:
+            micrometres = item.step_um.value(parameters) * item.steps.value(parameters)
+            counts += f"; {micrometres // 1000:,}.{micrometres % 1000:03} mm in all"
+        rows.append((over or item.of, f"{counts}  [{cite(item.source)}]"))
+    return ["", "Position", *pairs(rows, 2)] if rows else []
+
+
+def _listed(title: str, rows: Sequence[tuple[str, str, Sources]]) -> list[str]:
+    """A paragraph of names, each with its text and its source."""
+    return ["", title, *pairs([(name, f"{text}  [{cite(source)}]") for name, text, source in rows], 2)] if rows else []
+
+
+def _inputs_and_procedures(device: Device) -> list[str]:
+    inputs = _listed("Inputs", [(item.name, item.meaning, item.source) for item in device.inputs])
+    return inputs + _listed("Procedures", [(item.name, item.title, item.source) for item in device.procedures])
+
+
+def _errata(device: Device) -> list[str]:
+    """The errata; those of wording only are counted."""
+    found = [item for item in device.errata if item.severity != "wording"]
+    if not device.errata:
+        return []
+    lines = ["", "Errata of the manual"]
+    lines += [wrapped(BY_NAME.sentence(erratum(item)), WIDTH, "    ", "  ") for item in found]
+    more = len(device.errata) - len(found)
+    return lines + (
+        [wrapped(f"and {more} of wording only, which --json and the documentation list", WIDTH, "    ", "  ")]
+        if more
+        else []
+    )

@@ -1,0 +1,171 @@
+"""Parts of what ``codewheel show`` prints: interfaces, frames and registers as lines of at most 80 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from ..model import Constant, Device, Field, Interface, Layout, PlacedLayout, Unused, Value, Variant, cite
+from ..model.expressions import Expression
+from ..reference.parameters import needed_parameters, run_time_widths
+from ..say import field
+from ..say import interface as say_interface
+from ..say import layout as say_layout
+from ..say import register as say_register
+from ..say.alternative import answer, needs, question
+from ..say.lines import WIDTH, pairs, wrapped
+from ..say.place import bits, field_at, hexadecimal
+from ..say.text import BY_NAME, Style
+from ..say.words import counted
+from .decode import bit_place
+
+
+def at(parameters: Mapping[str, int]) -> Style:
+    """The style of statements about an order code: expressions are numbers."""
+    return replace(BY_NAME, resolve=lambda expression: Expression(expression.value(parameters)))
+
+
+def interface_lines(device: Device, interface: Interface) -> list[str]:
+    """One interface: clock, times, port, data IDs."""
+    facts = say_interface.facts(device, interface)
+    rows = [(item.label, f"{BY_NAME.phrase(item)}  {BY_NAME.cited(item.source)}") for item in facts]
+    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, 2)]
+
+
+# -- frames
+
+
+def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
+    """A frame of a family: its fields with their widths, groups of fields in one line."""
+    rows: dict[str, list[str]] = {}
+    for item in layout.fields:
+        width = item.width.constant if item.width.is_constant else item.width.render()
+        rows.setdefault(item.group or item.name, []).append(
+            f"{item.name} {width}" if item.group else counted(width, "bit") + _fixed(item)
+        )
+    return [
+        wrapped(BY_NAME.sentence(say_layout.head(interface, layout, layout.name)), WIDTH, "    ", "  "),
+        *pairs(((name, ", ".join(parts)) for name, parts in rows.items()), 4),
+        *(wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in say_layout.facts(interface, layout)),
+        *(wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in needs(device, layout)),
+    ]
+
+
+def _fixed(item: Field) -> str:
+    match item.kind:
+        case Constant(value):
+            return f", always {field.short(value)}"
+        case Unused(value):
+            return f", unused, {field.short(value)} in the manual"
+        case _:
+            return ""
+
+
+def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
+    """A frame of an order code: a title, a picture, and what registers may change of it."""
+    interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
+    style = at(variant.parameters)
+    name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
+    lines = [wrapped(style.sentence(say_layout.head(interface, layout, name)), WIDTH, "  ", ""), *picture(placed)]
+    notes = [style.sentence(item) for item in say_layout.carries(interface, layout)]
+    for item in device.alternatives_of(layout):
+        shown = f"The picture has {item.answers[0].name}."
+        notes += [f"{style.sentence(said)} {shown}" for said in needs(replace(device, alternatives=(item,)), layout)]
+    widths = run_time_widths(device, layout)
+    if widths:
+        notes.append(
+            f"As delivered: the widths are those in {' and '.join(field_at(device, path) for path in widths)}."
+        )
+    if layout.gray_of and layout.gray_when:
+        names = needed_parameters(device, layout.gray_when)
+        held = ", ".join(field_at(device, item.read_from) for item in device.run_time_parameters if item.name in names)
+        decided = f", as delivered by {held}" if held else ""
+        notes.append(f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{decided}.")
+    return [*lines, *(wrapped(note, WIDTH, "  ", "  ") for note in notes)]
+
+
+def picture(placed: PlacedLayout) -> list[str]:
+    """The layout as a row of boxes in sending order, broken to the width of a terminal."""
+    rows: list[tuple[str, str]] = []
+    lines: list[str] = []
+
+    def flush() -> None:
+        if rows:
+            edge = "  +" + "+".join("-" * len(name) for name, _ in rows) + "+"
+            lines.extend(
+                [
+                    "  " + "".join(f" {place}" for _, place in rows).rstrip(),
+                    edge,
+                    "  |" + "|".join(name for name, _ in rows) + "|",
+                    edge,
+                ]
+            )
+            rows.clear()
+
+    used = 3
+    for item in placed.fields:
+        name = _box(item.field)
+        place = bit_place(placed.layout, placed.bits, item.high, item.low)
+        width = max(len(name), len(place)) + 2
+        if used + width + 1 > WIDTH:
+            flush()
+            used = 3
+        rows.append((name.center(width), place.center(width)))
+        used += width + 1
+    flush()
+    return lines
+
+
+def _box(item: Field) -> str:
+    """What stands in the box of a field; of a constant its value, and its name where that says more."""
+    if not isinstance(item.kind, Constant):
+        return item.name
+    constant = field.short(item.kind.value)
+    return constant if item.padding_of or item.name.startswith("zero") else f"{item.name} = {constant}"
+
+
+def alternative_lines(device: Device) -> list[str]:
+    """What the manual leaves open, each question with its answers."""
+    lines: list[str] = []
+    for item in device.alternatives:
+        lines.append(wrapped(BY_NAME.sentence(question(item)), WIDTH, "      ", f"  {item.name}: "))
+        lines += (wrapped(BY_NAME.sentence(answer(one)), WIDTH, "      ", "    ") for one in item.answers)
+        example = f"--choose {item.name}={item.answers[0].name}"
+        lines.append(wrapped(f"decode takes the answer as: {example}", WIDTH, "      ", "    "))
+    return ["", "For you to decide, since the manual leaves it open", *lines] if lines else []
+
+
+# -- registers
+
+
+def register_lines(device: Device, variant: Variant | None) -> list[str]:
+    """A register a paragraph; for an order code with its fields."""
+    if not device.registers:
+        return []
+    style = at(variant.parameters) if variant is not None else BY_NAME
+    lines = ["", "Registers"]
+    for item in device.registers:
+        head = style.sentence(say_register.head(device, item, item.name))
+        lines += [wrapped(head, WIDTH, "    ", "  ")]
+        fields = item.layout.fields
+        facts = [*say_register.facts(device, item), *(field.rules(device, fields[0]) if len(fields) == 1 else ())]
+        lines += [wrapped(style.paragraph(facts), WIDTH, "    ")] if facts else []
+        if variant is not None and len(fields) > 1:
+            placed = item.layout.place(variant.parameters)
+            lines += pairs(
+                ((bits(part.high, part.low), _field(device, part.field, style)) for part in placed.fields), 4
+            )
+        lines += pairs(((hexadecimal(choice.value), _choice(choice)) for choice in item.values), 4)
+    return lines
+
+
+def _choice(choice: Value) -> str:
+    """A value of a register that is one choice, with the first sentence of its meaning."""
+    meaning = choice.meaning.partition(". ")[0]
+    return f"{choice.name}: {meaning}" if meaning else choice.name
+
+
+def _field(device: Device, item: Field, style: Style) -> str:
+    rules = field.rules(device, item)
+    text = style.paragraph([field.choices(item.values), *rules] if item.values else rules)
+    return f"{item.name}: {text}" if text else item.name

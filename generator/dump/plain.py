@@ -1,0 +1,395 @@
+"""The model as plain data: what ``show --json`` prints and what the XML description carries.
+
+Every dataclass of the model becomes a map with the same members, so that nothing can be forgotten; the few places where
+the outside has another word or shape are in the tables and functions below. Every member is always there: a number that
+the manual does not give or that the kind of thing does not have is null, such a text is empty. Numbers are integers. A
+position or a limit of a family that depends on the order code is its expression as text, such as
+``48 - singleturn_bits``; with an order code, everything is resolved.
+
+The shape is described by ``spec/show.schema.json``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from types import MappingProxyType
+from typing import Any, Protocol
+
+from ..model import (
+    Biss,
+    Choice,
+    Constant,
+    CrcExample,
+    CrcValue,
+    Decimal,
+    Device,
+    Example,
+    Field,
+    Flag,
+    FrameExample,
+    Interface,
+    Join,
+    Kind,
+    Layout,
+    MeasureExample,
+    Number,
+    Parity,
+    ProcedureExample,
+    Register,
+    RegisterExample,
+    Source,
+    Sources,
+    Step,
+    Text,
+    Unused,
+    Variant,
+    assert_never,
+)
+from ..model.expressions import Expression
+from ..reference.order_codes import Match
+from ..reference.parameters import parameters_of
+from .shape import filled
+
+VERSION = 1
+
+Item = dict[str, Any]
+
+#: Members that say how code computes something, not what the encoder does; the kind of a field has a function below.
+_LEFT_OUT = {"Field": {"kind", "pieces", "widest"}, "Layout": {"fold", "widest"}, "Crc": {"form"}}
+#: Members that the outside calls by another word.
+_RENAMED = {
+    "Layout": {
+        "sender": "from",
+        "in_bytes": "carried_as",
+        "selector": "told_by",
+        "selects": "told_by_values",
+        "gaps": "other_bits",
+        "joins": "join",
+    },
+    "FrameExample": {"sender": "from"},
+}
+#: What has no source because it is one, or stands outside the manual.
+_UNSOURCED = {"Manufacturer", "Manual", "Edition", "Revision", "Document"}
+_NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
+
+
+def device_dump(device: Device) -> Item:
+    """A family as plain data."""
+    return _Dump(device, None).whole(device.variants, _NO_PARAMETERS, None)
+
+
+def variant_dump(device: Device, match: Match) -> Item:
+    """One order code as plain data, everything resolved; what belongs to another interface is left out."""
+    variant = match.variant
+    label = {
+        "code": variant.code,
+        "unlisted": list(match.unlisted),
+        "tail": match.tail,
+        "special": match.special,
+        "written_as_in": match.written_as_in,
+    }
+    return _Dump(for_interface(device, variant.interface), variant).whole((variant,), variant.parameters, label)
+
+
+@dataclass(frozen=True)
+class _Dump:
+    """The walk over a device; with a variant, expressions become numbers."""
+
+    device: Device
+    variant: Variant | None
+
+    def whole(self, variants: Iterable[Variant], parameters: Mapping[str, int], label: Item | None) -> Item:
+        return self._identity(label) | self._order_codes(variants, parameters) | self._talk() | self._surroundings()
+
+    def _identity(self, label: Item | None) -> Item:
+        device = self.device
+        return {
+            "version": VERSION,
+            "family": device.name,
+            "title": device.title,
+            "movement": device.movement,
+            "order_code": self.variant.code if self.variant is not None else None,
+            "interface": self.variant.interface if self.variant is not None else None,
+            "label": label,
+            "manufacturer": self.plain(device.manufacturer, ()),
+            "manual": self.plain(device.manual, ()),
+            "documents": self.plain(device.documents, ()),
+        }
+
+    def _order_codes(self, variants: Iterable[Variant], parameters: Mapping[str, int]) -> Item:
+        source = self.device.order_code.source
+        return {
+            "parameters": dict(parameters),
+            "parameter_definitions": self.plain(self.device.parameters, source),
+            "alternatives": self.plain(self.device.alternatives, ()),
+            "order_code_grammar": self.plain(self.device.order_code, ()),
+            "order_codes": [self.plain(item, source) | _cited(source) for item in variants],
+        }
+
+    def _talk(self) -> Item:
+        """What goes over the wire, and what it means."""
+        device = self.device
+        return {
+            "interfaces": {item.name: self._interface(item) for item in device.interfaces},
+            "layouts": [
+                self._layout(layout, item.name, item.source) for item in device.interfaces for layout in item.layouts
+            ],
+            "field_groups": self.plain(device.field_groups, ()),
+            "registers": [self._register(item) for item in device.registers],
+            "crcs": [self.plain(item, ()) | {"poly_with_top_bit": item.poly_with_top_bit} for item in device.crcs],
+            "alarms": self.plain(device.alarms, ()),
+            "procedures": [
+                self.plain(item, ()) | {"steps": [self._step(step, item.source) for step in item.steps]}
+                for item in device.procedures
+            ],
+            "timings": self._timings(),
+        }
+
+    def _surroundings(self) -> Item:
+        """The measurement, the hardware, and what the manual tells besides."""
+        device = self.device
+        return {
+            "measurement": self.plain(device.measurement, ()),
+            "inputs": self.plain(device.inputs, ()),
+            "connectors": self.plain(device.connectors, ()),
+            "leds": self.plain(device.leds, ()),
+            "characteristics": self.plain(device.characteristics, ()),
+            "tables": [
+                self.plain(item, ()) | {"rows": [{"cells": list(row)} for row in item.rows]} for item in device.tables
+            ],
+            "examples": [self._example(item) for item in device.examples],
+            "errata": self.plain(device.errata, ()),
+            "lost_figures": self.plain(device.lost_figures, ()),
+            "supply": self.plain(device.supply, ()),
+        }
+
+    def plain(self, value: Any, inherited: Sources) -> Any:
+        """Any part of the model as plain data; what has no source of its own has that of what it is part of."""
+        if isinstance(value, Expression):
+            return self._number(value)
+        if isinstance(value, bytes):
+            return value.hex(" ").upper()
+        if isinstance(value, Mapping):
+            return {key: self.plain(item, inherited) for key, item in value.items()}
+        if isinstance(value, tuple):
+            return [self.plain(item, inherited) for item in value]
+        if not is_dataclass(value) or isinstance(value, type):
+            return value
+        kind = type(value).__name__
+        own: Sources = getattr(value, "source", ()) or inherited
+        renamed = _RENAMED.get(kind, {})
+        left_out = _LEFT_OUT.get(kind, set())
+        made = {
+            renamed.get(item.name, item.name): self.plain(getattr(value, item.name), own)
+            for item in fields(value)
+            if item.name not in left_out | {"source"}
+        }
+        return made if kind in _UNSOURCED else made | _cited(own)
+
+    def _number(self, expression: Expression) -> int | str:
+        if self.variant is not None:
+            return expression.value(self.variant.parameters)
+        return expression.constant if expression.is_constant else expression.render()
+
+    def _interface(self, interface: Interface) -> Item:
+        made: Item = self.plain(interface, interface.source)
+        for name, word in (("alignment", "end"), ("output_code", "code")):
+            said = made.pop(name, None)
+            if said is not None:
+                made |= {name: said[word], f"{name}_source": said["source"]}
+        made |= {"kind": interface.name, "title": interface.title}
+        return filled(made | {"layouts": [layout.name for layout in interface.layouts]}, "interface")
+
+    def _layout(self, layout: Layout, interface: str, inherited: Sources) -> Item:
+        own = layout.source or inherited
+        made: Item = self.plain(replace(layout, fields=()), own)
+        made |= {"carried_as": layout.carried_as, "interface": interface}
+        made["alternatives"] = [item.name for item in self.device.alternatives_of(layout)]
+        made["join"] = [self._join(item, layout) | _cited(own) for item in layout.joins]
+        made["fields"] = self._fields(layout, own)
+        return made
+
+    def _fields(self, layout: Layout, inherited: Sources) -> list[Item]:
+        if self.variant is None:
+            return [self._field(item, item.low + item.width - Expression(1), inherited) for item in layout.fields]
+        placed = layout.place(self.variant.parameters)
+        return [self._field(item.field, Expression(item.high), inherited) for item in placed.fields]
+
+    def _field(self, field: Field, high: Expression, inherited: Sources) -> Item:
+        made: Item = self.plain(field, inherited)
+        word, of_kind = self._kind(field.kind, field.source or inherited)
+        place = {"name": made.pop("name"), "kind": word, "high": self._number(high)}
+        made["equals"] = None if isinstance(field.equals, str) else made["equals"]
+        made["equals_text"] = field.equals if isinstance(field.equals, str) else ""
+        return filled(place | made | of_kind, "field")
+
+    def _kind(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
+        """The word for a kind, and the members that are its own."""
+        match kind:
+            case Number(signed, zero_means, power_of_two):
+                return "number", {"signed": signed, "zero_means": zero_means, "power_of_two": power_of_two}
+            case Flag():
+                return "flag", {
+                    "when_active": kind.when_active,
+                    "when_inactive": kind.when_inactive,
+                    "makes_position": kind.makes_position.value if kind.makes_position is not None else "",
+                    "sums_up": list(kind.sums_up),
+                    "active": "low" if kind.active_low else "high",
+                }
+            case Choice(values):
+                return "choice", {"values": self.plain(values, inherited)}
+            case Constant(value, padding_of):
+                return "constant", {"constant": value, "padding_of": padding_of}
+            case Unused(value, verdict):
+                return "unused", {"unused": value, "makes_position": verdict.value}
+            case CrcValue(crc):
+                return "crc", {"crc": crc}
+            case Parity(of, odd):
+                return "parity", {"parity_of": of, "parity": "odd" if odd else "even"}
+            case Decimal(runs):
+                return "digits", {"digits": self.plain(runs, inherited)}
+            case Text():
+                return "text", {}
+            case _:
+                assert_never(kind)
+
+    def _join(self, join: Join, layout: Layout) -> Item:
+        width = Expression(0)
+        for name in join.fields:
+            width += layout.field(name).width
+        return {"name": join.name, "fields": list(join.fields), "width": self._number(width)}
+
+    def _register(self, register: Register) -> Item:
+        made: Item = self.plain(replace(register, layout=replace(register.layout, fields=(), joins=())), ())
+        del made["layout"], made["opened_by_field"], made["opened_by_value"]
+        data = register.default_bytes()
+        made["last_address"] = register.last_address
+        made["default_bytes"] = data.hex(" ").upper() if data is not None else ""
+        made["opened_by"] = _opened_by(register) if register.opened_by else None
+        made["other_bits"] = register.layout.gaps
+        made["join"] = [self._join(item, register.layout) | _cited(register.source) for item in register.layout.joins]
+        made["fields"] = self._fields(register.layout, register.source)
+        return made
+
+    def _step(self, step: Step, inherited: Sources) -> Item:
+        return filled(self.plain(step, inherited) | {"do": step.do}, "step")
+
+    def _example(self, example: Example) -> Item:
+        # Whoever sends what is no frame: the outside has always had the encoder there.
+        return filled({"from": "encoder"} | self.plain(example, ()) | {"kind": example.kind}, "example")
+
+    def _timings(self) -> list[Item]:
+        device = [self.plain(item, ()) | {"interface": ""} for item in self.device.timings]
+        return device + [
+            self.plain(item, part.source) | {"interface": part.name}
+            for part in self.device.interfaces
+            for item in part.timings
+        ]
+
+
+def _opened_by(register: Register) -> Item:
+    return {"register": register.opened_by, "field": register.opened_by_field, "value": register.opened_by_value}
+
+
+def _cited(sources: Sources) -> Item:
+    """``source`` is the first; ``sources`` lists all where there are several."""
+    listed = [_source(item) for item in sources]
+    if len(listed) < 2:
+        return {"source": listed[0] if listed else None}
+    return {"source": listed[0], "sources": listed}
+
+
+def _source(source: Source) -> Item:
+    return {"document": source.document, "section": source.section, "page": source.page}
+
+
+def for_interface(device: Device, kind: str) -> Device:
+    """The device with only one of its interfaces, and without what belongs to the others."""
+    part = _with_used(_with_own(device, kind))
+    kept = {
+        "interfaces": _names(part.interfaces),
+        "registers": _names(part.registers),
+        "procedures": _names(part.procedures),
+        "crcs": _names(part.crcs),
+        "field_groups": _names(part.field_groups),
+        "alarms": _names(part.alarms),
+        "connectors": _names(part.connectors),
+        "parameters": _names(parameters_of(device, kind)),
+        "alternatives": _names(part.alternatives),
+    }
+    layouts = {layout.name for item in part.interfaces for layout in item.layouts}
+    examples = tuple(item for item in device.examples if _holds_for(item, kind, device, kept | {"layouts": layouts}))
+    here = _is_here(kept | {"examples": _names(examples)})
+    errata = tuple(item for item in device.errata if not item.affects or any(map(here, item.affects)))
+    return replace(part, examples=examples, errata=errata)
+
+
+def _with_own(device: Device, kind: str) -> Device:
+    """The device with only those parts that belong to an interface by what they say themselves."""
+    return replace(
+        device,
+        interfaces=tuple(item for item in device.interfaces if item.name == kind),
+        registers=tuple(item for item in device.registers if item.interface == kind),
+        procedures=tuple(item for item in device.procedures if item.interface == kind),
+        connectors=tuple(item for item in device.connectors if not item.interfaces or kind in item.interfaces),
+    )
+
+
+def _with_used(device: Device) -> Device:
+    """The device with only the CRCs, groups, alarms and alternatives that its frames and registers use."""
+    sent = [field for item in device.interfaces for layout in item.layouts for field in layout.fields]
+    crcs = {field.kind.crc for field in sent if isinstance(field.kind, CrcValue)}
+    crcs |= {part.crc for item in device.interfaces if isinstance(item, Biss) for part in item.control_data}
+    groups, registers = {"", *(field.group for field in sent)}, {"", *_names(device.registers)}
+    layouts = [layout for item in device.interfaces for layout in item.layouts]
+    layouts += [item.layout for item in device.registers]
+    decisions = {item.name for layout in layouts for item in device.alternatives_of(layout)}
+    return replace(
+        device,
+        crcs=tuple(item for item in device.crcs if item.name in crcs),
+        field_groups=tuple(item for item in device.field_groups if item.name in groups),
+        alarms=tuple(item for item in device.alarms if item.group in groups and item.register in registers),
+        alternatives=tuple(item for item in device.alternatives if item.name in decisions),
+    )
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+def _names(items: Iterable[_Named]) -> set[str]:
+    return {item.name for item in items}
+
+
+def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
+    """Whether a path of an erratum leads to something that this interface has.
+
+    Paths that belong to no interface always do.
+    """
+
+    def found(path: str) -> bool:
+        parts = path.split(".")
+        return len(parts) == 1 or parts[1] in kept.get(parts[0], {parts[1]})
+
+    return found
+
+
+def _holds_for(example: Example, interface: str, device: Device, kept: Mapping[str, set[str]]) -> bool:
+    """Whether an example is about something that the interface has, and its order code one with this interface."""
+    match example:
+        case FrameExample():
+            found = example.layout in {"", *kept["layouts"]}
+        case RegisterExample():
+            found = example.register in kept["registers"]
+        case ProcedureExample():
+            found = example.procedure in kept["procedures"]
+        case CrcExample():
+            return example.crc in kept["crcs"]
+        case MeasureExample():
+            found = True
+        case _:
+            assert_never(example)
+    codes = (variant for variant in device.variants if variant.code == example.order_code)
+    return found and all(variant.interface == interface for variant in codes)

@@ -1,0 +1,109 @@
+"""The shape of the plain data, by ``spec/show.schema.json``: which members an object has, and how each is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import Any
+
+from ..spec.schema import load_schema
+
+Shape = Mapping[str, Any]
+
+
+def show_schema() -> Shape:
+    """The JSON Schema of what ``show --json`` prints."""
+    return load_schema("show")
+
+
+class Kind(Enum):
+    """How a member is written; LIST is an attribute too, KEYED are objects by one of their members."""
+
+    ATTRIBUTE = auto()
+    LIST = auto()
+    TEXT = auto()
+    TEXTS = auto()
+    OBJECT = auto()
+    OBJECTS = auto()
+    KEYED = auto()
+    MAP = auto()
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member of an object: how it is written, and the shape of what it holds."""
+
+    name: str
+    kind: Kind
+    shape: Shape
+    type_name: str = ""
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """JSON types of the value."""
+        return types_of(self.shape)
+
+    @property
+    def empty(self) -> Any:
+        """What stands where an object has nothing to say."""
+        if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
+            return []
+        if self.kind in (Kind.KEYED, Kind.MAP):
+            return {}
+        if self.kind is Kind.OBJECT or "null" in self.types:
+            return None
+        return self.shape.get("default", "")
+
+
+def filled(item: Mapping[str, Any], type_name: str) -> dict[str, Any]:
+    """An object with every member of its type, in the order of the schema; what it does not have is empty."""
+    shape = show_schema()["$defs"][type_name]
+    made = {member.name: item.get(member.name, member.empty) for member in members(shape)}
+    return made | {name: item[name] for name in ("source", "sources") if name in item}
+
+
+def members(shape: Shape) -> Iterator[Member]:
+    """The members of an object but for its sources, in the order of the schema."""
+    for name, inner in shape["properties"].items():
+        if name not in ("source", "sources"):
+            yield _member(name, inner)
+
+
+def resolved(shape: Shape) -> tuple[Shape, str]:
+    """The shape with a reference followed, and the name of what it refers to.
+
+    The null of an optional object is dropped.
+    """
+    reference = shape.get("$ref") or next((item["$ref"] for item in shape.get("anyOf", ()) if "$ref" in item), "")
+    name = reference.rpartition("/")[2]
+    return (show_schema()["$defs"][name], name) if name else (shape, "")
+
+
+def _member(name: str, shape: Shape) -> Member:
+    found, type_name = resolved(shape)
+    if type_name == "text":
+        return Member(name, Kind.TEXT, found)
+    if found.get("type") == "array":
+        items, item_type = resolved(found["items"])
+        kind = Kind.TEXTS if item_type == "text" else Kind.OBJECTS if "properties" in items else Kind.LIST
+        return Member(name, kind, items, item_type)
+    if "properties" in found:
+        return Member(name, Kind.OBJECT, found, type_name)
+    if "additionalProperties" in found:
+        if "x-key" in found:
+            items, item_type = resolved(found["additionalProperties"])
+            return Member(name, Kind.KEYED, {**items, "x-key": found["x-key"]}, item_type)
+        return Member(name, Kind.MAP, found["additionalProperties"])
+    return Member(name, Kind.ATTRIBUTE, found, type_name)
+
+
+def types_of(shape: Shape) -> tuple[str, ...]:
+    """JSON types of a value of this shape."""
+    found = shape.get("type", "integer" if isinstance(shape.get("const"), int) else "string")
+    return tuple(found) if isinstance(found, list) else (found,)
+
+
+def is_hexadecimal(shape: Shape) -> bool:
+    """Whether a number of this shape is written in hexadecimal."""
+    return shape.get("x-form") == "hexadecimal"

@@ -1,0 +1,154 @@
+"""The XML Schema of the device description, made from the JSON Schema of the same data.
+
+``python -m codewheel.dump.xsd`` prints it; with a path it writes it there. It is kept as
+``generator/spec/device-description.xsd``.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from .shape import Kind, Member, Shape, is_hexadecimal, members, show_schema
+from .xml import NAMESPACE, XSD_NAME
+
+_XS = "http://www.w3.org/2001/XMLSchema"
+_ABOUT = """Full description of an absolute encoder, version 1, by the project codewheel. \
+It is no format of iC-Haus or of any maker.
+The root is device_description. Elements and attributes have the names of what codewheel show --json prints.
+Numbers are decimal, but addresses, IDs, banks, polynomials and bytes, which are hexadecimal as in 0x11. \
+Bit 0 is the least significant.
+Where a position or a limit depends on the order code it is a sum of numbers, parameters, \
+powers of two and products of these,
+such as 48 - singleturn_bits; each order_code gives the value of every parameter.
+What is left out has the default of this schema, or else is not said by the manual or does not apply. \
+A source element cites the manual; what has none has those of the element around it.
+This file is made from show.schema.json by: python -m codewheel.dump.xsd generator/spec/device-description.xsd"""
+_EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
+
+
+def schema_text() -> str:
+    """The schema as ``spec/device-description.xsd`` holds it."""
+    return (resources.files("codewheel.spec") / XSD_NAME).read_text(encoding="utf-8")
+
+
+def make() -> str:
+    """The schema, made anew."""
+    namespaces: Any = {"xs": _XS, None: NAMESPACE}
+    root = etree.Element(f"{{{_XS}}}schema", nsmap=namespaces)
+    root.set("targetNamespace", NAMESPACE)
+    root.set("elementFormDefault", "qualified")
+    root.set("version", "1")
+    _document(root, _ABOUT)
+    _add(root, "element", name="device_description", type="device_description")
+    _add_word_types(root)
+    _add_type(root, "device_description", show_schema(), show_schema()["description"])
+    for name, shape in show_schema()["$defs"].items():
+        if "properties" in shape:
+            _add_type(root, name, shape, shape["description"])
+    text: str = etree.tostring(root, pretty_print=True, encoding="unicode")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + text
+
+
+def _add(parent: Any, tag: str, **attributes: str) -> Any:
+    return etree.SubElement(parent, f"{{{_XS}}}{tag}", attributes)
+
+
+def _document(parent: Any, text: str) -> None:
+    _add(_add(parent, "annotation"), "documentation").text = text
+
+
+def _add_word_types(root: Any) -> None:
+    expression = _add(root, "simpleType", name="expression")
+    _document(expression, show_schema()["$defs"]["expression"]["description"])
+    _add(_add(expression, "restriction", base="xs:string"), "pattern", value=_EXPRESSION)
+    hexadecimal = _add(root, "simpleType", name="hexadecimal")
+    _document(
+        hexadecimal,
+        "A whole number in hexadecimal, such as 0x11; a parameter that is written so has the attribute hexadecimal.",
+    )
+    _add(_add(hexadecimal, "restriction", base="xs:token"), "pattern", value="0x[0-9A-F]{2,}")
+    _add(_add(root, "simpleType", name="number"), "union", memberTypes="xs:integer hexadecimal")
+    for name, base in (("words", "xs:token"), ("numbers", "number")):
+        _add(_add(root, "simpleType", name=name), "list", itemType=base)
+
+
+def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
+    made = _add(root, "complexType", name=name)
+    _document(made, description)
+    inside = _add(made, "sequence")
+    if "source" in shape["properties"]:
+        _add(inside, "element", name="source", type="source", minOccurs="0", maxOccurs="unbounded")
+    for member in members(shape):
+        description = shape["properties"][member.name]["description"]
+        if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
+            _add_attribute(made, member, description)
+        else:
+            _add_element(inside, member, description)
+    if not len(inside):
+        made.remove(inside)
+
+
+def _add_element(inside: Any, member: Member, description: str) -> None:
+    element = _add(inside, "element", name=member.name, minOccurs="0")
+    _document(element, description)
+    if member.kind in (Kind.TEXT, Kind.OBJECT):
+        element.set("type", "xs:string" if member.kind is Kind.TEXT else member.type_name)
+        return
+    items = _add(_add(element, "complexType"), "sequence")
+    if member.kind is Kind.MAP:
+        entry = _add(items, "element", name="entry", maxOccurs="unbounded")
+        extended = _add(_add(_add(entry, "complexType"), "simpleContent"), "extension", base=_entry_type(member))
+        _add(extended, "attribute", name="name", type="xs:string", use="required")
+        if len(member.types) > 1:
+            kind = _add(extended, "attribute", name="type", use="required")
+            _enumerate(kind, member.types)
+    else:
+        kind_of_item = ("text", "xs:string") if member.kind is Kind.TEXTS else (member.type_name, member.type_name)
+        _add(items, "element", name=kind_of_item[0], type=kind_of_item[1], maxOccurs="unbounded")
+
+
+def _entry_type(member: Member) -> str:
+    if len(member.types) > 1:
+        return "xs:string"
+    return {"integer": "number", "array": "words"}.get(member.types[0], "xs:string")
+
+
+def _enumerate(parent: Any, values: Any) -> None:
+    restriction = _add(_add(parent, "simpleType"), "restriction", base="xs:string")
+    for value in values:
+        _add(restriction, "enumeration", value=value)
+
+
+def _add_attribute(made: Any, member: Member, description: str) -> None:
+    attribute = _add(made, "attribute", name=member.name)
+    values = [value for value in member.shape.get("enum", ()) if value]
+    types = [name for name in member.types if name != "null"]
+    always = "null" not in member.types and (
+        types[0] in ("integer", "boolean") or len(values) == len(member.shape.get("enum", ())) > 0
+    )
+    if "default" in member.shape:
+        attribute.set("default", str(member.shape["default"]).lower())
+    elif member.kind is Kind.ATTRIBUTE and (always or member.name == "name"):
+        attribute.set("use", "required")
+    if member.kind is Kind.LIST:
+        attribute.set("type", "numbers" if types == ["integer"] else "words")
+    elif not values:
+        single = "hexadecimal" if is_hexadecimal(member.shape) else f"xs:{types[0]}"
+        attribute.set("type", "expression" if len(types) > 1 else single)
+    if "const" in member.shape:
+        attribute.set("fixed", str(member.shape["const"]))
+    _document(attribute, description)
+    if values:
+        _enumerate(attribute, values)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        Path(sys.argv[1]).write_text(make(), encoding="utf-8")
+    else:
+        sys.stdout.write(make())

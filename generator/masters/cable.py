@@ -1,0 +1,86 @@
+"""The clock by length of cable: by the table of the encoder's manual, or for BiSS by a public one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..model import Biss, Device, Ssi, assert_never
+from ..say.words import hertz
+
+#: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: the clock on MA with RS-422.
+_BISS = (
+    (10, 10_000_000),
+    (25, 5_000_000),
+    (60, 2_000_000),
+    (100, 1_000_000),
+    (200, 500_000),
+    (500, 200_000),
+    (1000, 100_000),
+)
+_MANUAL, _PUBLIC = "the encoder's manual", "AN15 of iC-Haus, revision A3, for RS-422"
+
+
+@dataclass(frozen=True, slots=True)
+class CableRow:
+    """A row of a table. With ``is_below``, the cable is shorter than ``metres`` and the clock below ``hz``.
+
+    Without, both may be reached.
+    """
+
+    metres: int
+    hz: int
+    is_below: bool
+
+    @property
+    def cable(self) -> str:
+        return f"{'shorter than' if self.is_below else 'up to'} {self.metres} m"
+
+    @property
+    def text(self) -> str:
+        return f"{self.cable}: {'below ' * self.is_below}{hertz(self.hz)}"
+
+    @property
+    def highest_hz(self) -> int:
+        return self.hz - 1 if self.is_below else self.hz
+
+    def has(self, metres: int) -> bool:
+        return metres < self.metres or (metres == self.metres and not self.is_below)
+
+
+@dataclass(frozen=True, slots=True)
+class CableTable:
+    """The rows, where they are from in words, and the names of the errata that are about them."""
+
+    rows: tuple[CableRow, ...]
+    origin: str
+    errata: tuple[str, ...]
+
+    def row_of(self, metres: int) -> CableRow | None:
+        """The row with the fastest clock for so long a cable; None where the table has none so long."""
+        return max((row for row in self.rows if row.has(metres)), key=lambda row: row.hz, default=None)
+
+    def about(self, clock_hz: int) -> str:
+        """Which cables may be run at a clock, as a sentence; empty without a table."""
+        if not self.rows:
+            return ""
+        allowing = (row for row in self.rows if clock_hz <= row.highest_hz)
+        longest = max(allowing, key=lambda row: row.metres, default=None)
+        if longest is None:
+            fastest = max(self.rows, key=lambda row: row.hz)
+            needed = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
+            why = f"one {fastest.cable} needs a clock {needed}, a longer one less"
+            return f"By the table of {self.origin}, no cable allows this clock: {why}."
+        return f"For a cable {longest.cable}, by the table of {self.origin}."
+
+
+def cable_table(device: Device, interface: Ssi | Biss) -> CableTable:
+    """The table for an interface, without rows where there is none."""
+    match interface:
+        case Ssi():
+            path = f"interfaces.{interface.name}.cable_lengths"
+            rows = tuple(CableRow(item.shorter_than_m, item.below_hz, True) for item in interface.cable_lengths)
+            return CableTable(rows, _MANUAL, tuple(item.name for item in device.errata if path in item.affects))
+        case Biss():
+            return CableTable(tuple(CableRow(metres, clock, False) for metres, clock in _BISS), _PUBLIC, ())
+        case _:
+            assert_never(interface)

@@ -1,0 +1,311 @@
+"""What a BiSS or SSI master must know of one order code: a record of plain words and numbers, alike for every master.
+
+The rules of the masters, ``specs/masters``, refer to its items by name. An item that the manual does not give is None:
+a rule that needs it says so, and invents nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..model import (
+    Biss,
+    Constant,
+    Crc,
+    CrcValue,
+    Device,
+    Field,
+    Flag,
+    Interface,
+    Layout,
+    Measurement,
+    PlacedField,
+    PlacedLayout,
+    Ssi,
+    Unused,
+    Variant,
+)
+from ..reference.parameters import needed_parameters
+from ..say.place import addresses
+from ..say.words import hertz, timeout_words
+from ..spec.master_items import NUMBERS
+from .cable import CableRow, CableTable, cable_table
+
+
+class NoRecord(ValueError):
+    """Nothing can be said to a master about this order code; the message says why, in one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A run of bits of the frame. ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status`` or ``crc``;
+    ``active`` of a status bit is ``low``, ``high``, or empty where it never changes."""
+
+    name: str
+    role: str
+    bits: int
+    active: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What masters ask of one order code; ``parts`` stand in sending order, ``notes`` are whole sentences.
+
+    ``cable_m`` is the length of cable that the highest clock is chosen for, ``cable_row`` the row of the table that
+    says it; None without one.
+    """
+
+    code: str
+    family: str
+    words: Mapping[str, str]
+    numbers: Mapping[str, int | None]
+    parts: tuple[Part, ...]
+    timeout: str
+    cables: CableTable
+    notes: tuple[str, ...]
+    cable_m: int | None = None
+    cable_row: CableRow | None = None
+
+    @property
+    def known(self) -> Mapping[str, int]:
+        return {name: value for name, value in self.numbers.items() if value is not None}
+
+
+def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m: int | None = None) -> Record:
+    """The record of one order code.
+
+    Args:
+        device: The family.
+        variant: The order code, with the parameters that registers hold.
+        as_delivered: Whether those are the defaults of the registers.
+        cable_m: Length of the cable in metres that the highest clock is chosen for; without it, the interface's.
+
+    Raises:
+        NoRecord: It has no BiSS or SSI interface, or its frame is not of the common form:
+            padding, position, padding, status, CRC; or no clock is known for so long a cable.
+    """
+    interface = device.interface(variant.interface)
+    if not isinstance(interface, (Biss, Ssi)):
+        only = f"only {Ssi.title} and {Biss.title} have masters to set up"
+        raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
+    measurement = device.measurement_of(variant.interface)
+    if measurement is None:
+        raise NoRecord(f"the spec of {device.name} does not say what its position is")
+    placed = _frame(interface, measurement, variant)
+    parts = tuple(_parts(placed, measurement, variant))
+    crc = _crc(device, placed)
+    actives = {part.active or "low" for part in parts if part.role == "status"}
+    words = {
+        "interface": variant.interface,
+        "movement": device.movement,
+        "coding": _coding(placed, measurement),
+        "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
+    }
+    widths = _widths(parts)
+    numbers = widths | _crc_numbers(crc) | _times(interface) | _supply(device, variant)
+    numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
+    cables = cable_table(device, interface)
+    timeout = timeout_words(interface.timeout) if isinstance(interface, Biss) and interface.timeout is not None else ""
+    notes = (*_clock_notes(numbers, cables, cable_m), *_notes(device, interface, placed, parts, as_delivered))
+    ordered = {name: numbers[name] for name in NUMBERS}
+    found = Record(variant.code, device.name, words, ordered, parts, timeout, cables, notes)
+    return found if cable_m is None else _with_cable(found, cable_m)
+
+
+def _with_cable(found: Record, metres: int) -> Record:
+    """The record with the highest clock for a cable of this length."""
+    row = found.cables.row_of(metres)
+    if row is None:
+        longest = max((item.metres for item in found.cables.rows), default=0)
+        wrong = "neither the manual nor a public table says what clock a cable allows"
+        if longest:
+            wrong = f"the table of {found.cables.origin} ends at {longest} m"
+        raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
+    slowest, fastest = found.numbers["clock_min_hz"], found.numbers["clock_max_hz"]
+    highest = min(row.highest_hz, fastest if fastest is not None else row.highest_hz)
+    if slowest is not None and highest < slowest:
+        wrong = f"the table of {found.cables.origin} has {row.text}; the encoder takes {hertz(slowest)} at least"
+        raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
+    limited = row if highest == row.highest_hz else None
+    return replace(found, numbers={**found.numbers, "clock_max_hz": highest}, cable_m=metres, cable_row=limited)
+
+
+def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
+    """The frame that carries the position; of several BiSS channels the first."""
+    layouts = sorted(interface.layouts, key=lambda item: item.channel or 0)
+    for layout in layouts:
+        placed = layout.place(variant.parameters)
+        if not layout.in_bytes and placed.place_of(measurement.of)[1]:
+            return placed
+    raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
+
+
+def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+    """The fields in sending order, checked to be padding, position, padding, status bits, CRC."""
+    layout = placed.layout
+    of_position = layout.names_in(measurement.of)
+    order = ["before", "position", "after", "status", "crc"]
+    stage, top = 0, placed.bits
+    for item in placed.fields:
+        if item.high + 1 != top:
+            raise NoRecord(f"the bits of '{layout.name}' above '{item.name}' have no meaning in the spec")
+        top = item.low
+        kind = _stage(item, of_position, order[stage])
+        if kind not in order[stage:]:
+            raise NoRecord(
+                f"'{item.name}' stands where no master expects it; "
+                "the common frame is padding, position, padding, status bits, CRC"
+            )
+        stage = order.index(kind)
+        if kind == "position":
+            yield from _position(item, item.name == of_position[-1], len(of_position) > 1, measurement, variant)
+        else:
+            yield Part(
+                item.name, {"before": "padding", "after": "padding"}.get(kind, kind), item.width, _active(item.field)
+            )
+    if top:
+        raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
+
+
+def _stage(item: PlacedField, of_position: Sequence[str], stage: str) -> str:
+    """The stretch of the common frame that a field belongs to; ``stage`` is where its predecessor stood."""
+    if item.name in of_position:
+        return "position"
+    if isinstance(item.field.kind, CrcValue):
+        return "crc"
+    if isinstance(item.field.kind, (Constant, Unused)) and item.field.kind.value == 0:
+        return "before" if stage == "before" else "after"
+    if item.width == 1 and isinstance(item.field.kind, (Flag, Constant, Unused)):
+        return "status"
+    raise NoRecord(f"'{item.name}' is no position, status bit or CRC; the rules of the masters speak of nothing else")
+
+
+def _position(
+    item: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
+) -> Iterator[Part]:
+    """Turns and the position within one: two fields, or one that holds both."""
+    if is_joined:
+        yield Part(item.name, "singleturn" if is_last else "multiturn", item.width)
+        return
+    turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
+    turn_bits = (turns - 1).bit_length()
+    if turn_bits:
+        yield Part(f"{item.name}_turns", "multiturn", turn_bits)
+    yield Part(item.name, "singleturn", item.width - turn_bits)
+
+
+def _active(field: Field) -> str:
+    if not isinstance(field.kind, Flag):
+        return ""
+    return "low" if field.kind.active_low else "high"
+
+
+def _crc(device: Device, placed: PlacedLayout) -> Crc | None:
+    crc = device.crc_of(placed.layout)
+    if crc is None:
+        return None
+    if crc.refin or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
+        raise NoRecord(f"the CRC '{crc.name}' is not sent most significant bit first, straight or inverted as a whole")
+    return crc
+
+
+def _coding(placed: PlacedLayout, measurement: Measurement) -> str:
+    layout: Layout = placed.layout
+    is_gray = bool(layout.gray_of) and (placed.gray or not layout.gray_when)
+    if is_gray and layout.gray_of != measurement.of:
+        raise NoRecord(f"only '{layout.gray_of}' is in Gray code, not the whole position")
+    return "gray" if is_gray else "binary"
+
+
+def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
+    bits = {
+        role: sum(part.bits for part in parts if part.role == role)
+        for role in ("multiturn", "singleturn", "padding", "status", "crc")
+    }
+    first = next(index for index, part in enumerate(parts) if part.role in ("multiturn", "singleturn"))
+    left = sum(part.bits for part in parts[:first])
+    position = bits["multiturn"] + bits["singleturn"]
+    data = position + bits["padding"]
+    return {
+        "multiturn_bits": bits["multiturn"],
+        "singleturn_bits": bits["singleturn"],
+        "position_bits": position,
+        "padding_left": left,
+        "padding_right": bits["padding"] - left,
+        "data_bits": data,
+        "status_bits": bits["status"],
+        "data_and_status_bits": data + bits["status"],
+        "crc_bits": bits["crc"],
+        "frame_bits": data + bits["status"] + bits["crc"],
+    }
+
+
+def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
+    """The three spellings; x^6 + x + 1 is 0x43, 0x03 and 0x21."""
+    whole, poly, start, turned = (crc.poly_with_top_bit, crc.poly, crc.init, crc.xorout) if crc else (0, 0, 0, 0)
+    return {
+        "crc_polynomial": whole,
+        "crc_polynomial_without_top_bit": poly,
+        "crc_polynomial_without_last_1": whole >> 1,
+        "crc_start": start,
+        "crc_inverted": int(turned != 0),
+    }
+
+
+def _times(interface: Biss | Ssi) -> dict[str, int | None]:
+    """Clock and times. A time-out of so many clock periods is longest at the slowest clock."""
+    timeout = interface.timeout if isinstance(interface, Biss) else None
+    longest = None
+    if timeout is not None and timeout.at_most_ns is not None:
+        longest = -(-timeout.at_most_ns // 1000)
+    elif timeout is not None and timeout.half_clock_periods is not None:
+        longest = -(-timeout.half_clock_periods * 500_000 // interface.clock.min_hz)
+    pause = next((item.at_least_us for item in interface.timings if item.name == "pause"), None)
+    return {
+        "clock_min_hz": interface.clock.min_hz,
+        "clock_max_hz": interface.clock.max_hz,
+        "timeout_us": longest,
+        "busy_us": next((item.at_most_us for item in interface.timings if item.name == "busy"), None),
+        "pause_us": pause,
+    }
+
+
+def _supply(device: Device, variant: Variant) -> dict[str, int | None]:
+    found = device.supply_of(variant)
+    lowest, highest = (found.min_mv, found.max_mv) if found is not None else (None, None)
+    return {"supply_min_mv": lowest, "supply_max_mv": highest}
+
+
+def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
+    found = {"counts_per_turn": measurement.steps_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
+    known = {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
+    if known["turns"] is not None:
+        # Registers may say fewer bits than the revolutions that other registers, left as delivered, would need.
+        known["turns"] = min(known["turns"], 1 << multiturn_bits)
+    return known
+
+
+def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
+    if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
+        yield (
+            "The clocks shown are the fastest that encoder and master take, whatever the cable; "
+            "codewheel master --cable METRES chooses them for one."
+        )
+
+
+def _notes(
+    device: Device, interface: Interface, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
+) -> Iterator[str]:
+    for what, names in (("widths", set(placed.layout.bits.parameters)), ("code", {placed.layout.gray_when} - {""})):
+        needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
+        registers = (device.register(item.register) for item in device.run_time_parameters if item.name in needed)
+        deciding = ", ".join(
+            dict.fromkeys(f"{item.printed_name or item.name} ({addresses(item)})" for item in registers)
+        )
+        if deciding:
+            given = "as delivered; other contents need other settings" if as_delivered else "as given"
+            yield f"Registers decide on the {what}: {deciding}. What is said here is for these registers {given}."
+    fixed = [part.name for part in parts if part.role == "status" and not part.active]
+    if fixed:
+        yield f"{' and '.join(fixed)}: always 1, a bit that a master takes for a status bit that says nothing."

@@ -1,0 +1,350 @@
+"""Masters: descriptions of what a BiSS or SSI master has to be told, and what one of them is told about one order code.
+
+A description is a file of ``specs/masters``; it holds everything about a master, this module nothing.
+See ``spec/master.schema.json``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ..build.load import packaged_masters
+from ..model import INTERFACES, Document
+from ..model.expressions import Expression, ExpressionError
+from ..say.words import hertz
+from ..spec.check import check_document
+from ..spec.master_items import NUMBERS
+from ..spec.problems import Report, listed
+from ..spec.read import read_specs
+from .record import Part, Record
+
+Raw = Mapping[str, Any]
+
+_UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
+
+
+@dataclass(frozen=True, slots=True)
+class Master:
+    """A master as its file describes it; ``limits``, ``settings`` and ``notes`` are checked data of the schema."""
+
+    name: str
+    title: str
+    takes: tuple[str, ...]
+    documents: tuple[Document, ...]
+    standing: str
+    limits: tuple[Raw, ...]
+    settings: tuple[Raw, ...]
+    notes: tuple[Raw, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One thing to set. ``value`` is None where it is unknown, and ``text`` says why.
+
+    ``bound`` is ``at_least``, ``at_most``, ``below`` or empty.
+    """
+
+    name: str
+    at: str
+    value: int | bool | str | None
+    text: str
+    bound: str
+    standing: str
+    source: str
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why a master cannot take an order code; ``source`` is empty where that follows from what it takes at all."""
+
+    reason: str
+    standing: str
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What one master is told about one order code; nothing is set where there are refusals.
+    ``speaks`` is false where the master is not described for the interface at all."""
+
+    master: Master
+    refusals: tuple[Refusal, ...]
+    settings: tuple[Setting, ...]
+    notes: tuple[str, ...]
+    speaks: bool = True
+
+
+class _Unknown(Exception):
+    """A value needs an item that the manual does not give."""
+
+
+def _not_in_manual(number: str) -> _Unknown:
+    return _Unknown(f"not in the manual of the encoder: {NUMBERS[number]}")
+
+
+class _Refused(Exception):
+    """The master cannot be set to what the encoder needs."""
+
+
+def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report]:
+    """The masters that ship with the tool and those at ``paths``, by title; one of the same name replaces ours.
+
+    Returns:
+        The masters, to be used only when the report is empty, and the report.
+    """
+    report = Report()
+    found: dict[str, Master] = {}
+    for group in ([packaged_masters()], paths):
+        own: set[str] = set()
+        for document in read_specs(group, report):
+            data = check_document(document, report)
+            if data is not None and "master" not in data:
+                report.add(
+                    "not-allowed",
+                    document,
+                    (),
+                    "this is no description of a master, which names it with the key 'master'",
+                )
+            elif data is not None:
+                if data["master"] in own:
+                    report.add(
+                        "duplicate-name", document, ("master",), f"there is another description of '{data['master']}'"
+                    )
+                own.add(data["master"])
+                found[data["master"]] = _master(data)
+    return tuple(sorted(found.values(), key=lambda item: item.title.lower())), report
+
+
+@cache
+def shipped_masters() -> tuple[Master, ...]:
+    masters, report = load_masters()
+    if report:
+        raise ValueError(report.problems[0].format())
+    return masters
+
+
+def _master(data: Raw) -> Master:
+    documents = tuple(Document(key, item["title"], item.get("url", "")) for key, item in data["documents"].items())
+    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "notes"))
+    return Master(
+        data["master"], data["title"], tuple(data["takes"]), documents, data.get("standing", "documented"), *rules
+    )
+
+
+def sheet(master: Master, record: Record) -> Sheet:
+    """What the master is told about the order code of ``record``, or why it cannot take it."""
+    interface = record.words["interface"]
+    if interface not in master.takes:
+        only = listed(INTERFACES[name].title for name in master.takes)
+        reason = f"Only {only} is described for this master; {record.code} sends {INTERFACES[interface].title}."
+        return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), speaks=False)
+    refusals = [
+        Refusal(
+            f"{item['reason']} Here: {_actual(item['item'], record)}.",
+            item.get("standing", master.standing),
+            item["source"],
+        )
+        for item in master.limits
+        if _applies(item, record) and not _keeps(item, record)
+    ]
+    settings: list[Setting] = []
+    for item in master.settings:
+        if not _applies(item, record):
+            continue
+        try:
+            settings.append(_setting(item, master, record))
+        except _Refused as reason:
+            refusals.append(Refusal(f"{reason}.", item.get("standing", master.standing), item["source"]))
+    notes = tuple(_filled(item["text"], record) for item in master.notes if _applies(item, record))
+    return Sheet(master, tuple(refusals), () if refusals else tuple(settings), () if refusals else notes)
+
+
+def _applies(rule: Raw, record: Record) -> bool:
+    return all(_holds(item, record) for item in rule.get("when", ()))
+
+
+def _holds(condition: Raw, record: Record) -> bool:
+    """Whether a condition is known to hold."""
+    known = condition["item"] in record.words or record.numbers[condition["item"]] is not None
+    return known and _keeps(condition, record)
+
+
+def _keeps(limit: Raw, record: Record) -> bool:
+    """Whether an item is known to be within its limits, or not known at all."""
+    name = limit["item"]
+    if name in record.words:
+        return record.words[name] in limit["is"]
+    number = record.numbers[name]
+    if number is None:
+        return True
+    is_within = limit.get("at_least", number) <= number <= limit.get("at_most", number)
+    return is_within and number in limit.get("one_of", (number,)) and number not in limit.get("none_of", ())
+
+
+def _actual(name: str, record: Record) -> str:
+    if name in record.words:
+        return f"{name.replace('_', ' ')} {record.words[name]}"
+    number = record.numbers[name]
+    shown = f"0x{number:02X}" if name.startswith("crc_polynomial") and number is not None else f"{number}"
+    return f"{name.replace('_', ' ')} {shown}"
+
+
+def _setting(item: Raw, master: Master, record: Record) -> Setting:
+    try:
+        value, text, bound = _value(item, record)
+    except _Unknown as reason:
+        value, text, bound = None, f"unknown: {reason}", ""
+    name, at = _filled(item["name"], record), _filled(item.get("at", ""), record)
+    note = " ".join(filter(None, [item.get("note", ""), _cable_note(item, value, record)]))
+    return Setting(name, at, value, text, bound, item.get("standing", master.standing), item["source"], note)
+
+
+def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:
+    """Which cables the clock of a setting is for; nothing where it was chosen for one."""
+    if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & item.keys():
+        return ""
+    chosen = _best_listed(item, record)["hz"] if "clocks" in item else _best_of_any(item["any_clock"], record)
+    return record.cables.about(chosen)
+
+
+def _value(item: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
+    """The value, as text, and how it is bound."""
+    if "unknown" in item:
+        raise _Unknown(item["unknown"])
+    if "value" in item:
+        number = _number(item["value"], item["name"], record)
+        if item.get("as") == "boolean":
+            return bool(number), "TRUE" if number else "FALSE", ""
+        return number, f"0x{number:02X}" if item.get("as") == "hex" else str(number), item.get("bound", "")
+    if "choice" in item:
+        chosen = _chosen(item, record)
+        return chosen, str(chosen), ""
+    if "clocks" in item:
+        return _listed_clock(item, record)
+    if "any_clock" in item:
+        return _any_clock(item["any_clock"], record)
+    text = _text(item["text"], record) if "text" in item else "".join(_string(item["string"], item["name"], record))
+    return text, text, ""
+
+
+def _number(value: int | str, name: str, record: Record) -> int:
+    expression = Expression.parse(value)
+    for used in expression.parameters:
+        if record.numbers[used] is None:
+            raise _not_in_manual(used)
+    try:
+        number = expression.value(record.known)
+    except ExpressionError:
+        number = -1
+    if number < 0:
+        raise _Refused(f"{name} would be {expression.render()}, which is no number that can be set")
+    return number
+
+
+def _chosen(item: Raw, record: Record) -> int | str:
+    name = item["choice"]["of"]
+    actual = record.words.get(name, record.numbers.get(name))
+    if actual is None:
+        raise _not_in_manual(name)
+    for case in item["choice"]["cases"]:
+        if case["is"] == actual:
+            chosen: int | str = case["set"]
+            return chosen
+    raise _Refused(f"{item['name']} has no value for {_actual(name, record)}")
+
+
+def _bounds(record: Record) -> tuple[int, int]:
+    slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
+    if fastest is None:
+        raise _not_in_manual("clock_max_hz")
+    return slowest or 0, fastest
+
+
+def _listed_clock(item: Raw, record: Record) -> tuple[int | str, str, str]:
+    best = _best_listed(item, record)
+    shown, value = hertz(best["hz"]), best["set"]
+    return value, shown if str(value) == shown else f"{value} ({shown})", ""
+
+
+def _best_listed(item: Raw, record: Record) -> Raw:
+    """The fastest of the master's clocks that the encoder takes."""
+    slowest, fastest = _bounds(record)
+    fitting = [clock for clock in item["clocks"] if slowest <= clock["hz"] <= fastest]
+    if not fitting:
+        with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
+        taken = f"between {hertz(slowest)} and {_fastest(record)}, which the encoder takes{with_cable}"
+        raise _Refused(f"{item['name']}: none of its clocks lies {taken}")
+    found: Raw = max(fitting, key=lambda clock: clock["hz"])
+    return found
+
+
+def _fastest(record: Record) -> str:
+    """The highest clock in words; a table of cable lengths gives one that is not reached."""
+    row = record.cable_row
+    return hertz(row.hz if row is not None else record.known["clock_max_hz"])
+
+
+def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
+    best, bound, unit = _best_of_any(clock, record), "at_most", clock["unit"]
+    row = record.cable_row
+    if row is not None and row.is_below and best == row.highest_hz:
+        best, bound = row.hz, "below"
+    if unit not in _UNITS:
+        return best, hertz(best), bound
+    number = f"{best / _UNITS[unit]:g}" if best % _UNITS[unit] else str(best // _UNITS[unit])
+    shown = f"{number} Hz ({hertz(best)})" if unit == "Hz" else f"{number} {unit}"
+    return (int(number) if number.isdigit() else number), shown, bound
+
+
+def _best_of_any(clock: Raw, record: Record) -> int:
+    """The fastest clock that both take, of a master that can be set to any."""
+    slowest, fastest = _bounds(record)
+    best = min(fastest, int(clock.get("at_most_hz", fastest)))
+    if best < max(slowest, clock.get("at_least_hz", 0)):
+        most, least = clock.get("at_most_hz"), clock.get("at_least_hz")
+        own = f"clocks of at least {hertz(least or 0)}"
+        if most is not None and most < slowest:
+            own = f"clocks of at most {hertz(most)}"
+        raise _Refused(f"It gives {own}; the encoder takes {hertz(slowest)} to {_fastest(record)}")
+    return best
+
+
+def _text(text: str, record: Record) -> str:
+    """The text with every item in braces; it needs all of them."""
+    for name in NUMBERS:
+        if f"{{{name}}}" in text and record.numbers[name] is None:
+            raise _not_in_manual(name)
+    return _filled(text, record)
+
+
+def _filled(text: str, record: Record) -> str:
+    known = {**record.words, **record.numbers} if "{" in text else {}
+    for name, item in known.items():
+        text = text.replace(f"{{{name}}}", "unknown" if item is None else str(item))
+    return text
+
+
+def _string(rule: Raw, name: str, record: Record) -> Iterator[str]:
+    """The fields of the frame, each by the text for its kind."""
+    texts: dict[str, str] = {}
+    for item in rule["fields"]:
+        if _applies(item, record):
+            texts.setdefault(item["of"], item["text"])
+    yield _text(rule.get("start", ""), record)
+    parts = _with_whole_position(record) if "position" in texts else record.parts
+    for part in parts if rule["first"] == "sent_first" else reversed(parts):
+        kind = f"status_active_{part.active or 'low'}" if part.role == "status" else part.role
+        if kind not in texts:
+            raise _Refused(f"{name} has no way to write '{part.name}'")
+        yield _text(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
+
+
+def _with_whole_position(record: Record) -> tuple[Part, ...]:
+    """The parts of the frame with multiturn and singleturn as one."""
+    whole = Part("position", "position", record.numbers["position_bits"] or 0)
+    return tuple(whole if part.role == "singleturn" else part for part in record.parts if part.role != "multiturn")

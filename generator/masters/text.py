@@ -1,0 +1,246 @@
+"""``codewheel master``: the record of an order code and what masters are told about it, as text and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from ..model import INTERFACES, Biss
+from ..reference.order_codes import Match
+from ..say.lines import WIDTH, pairs, wrapped
+from ..say.words import counted, hertz, microseconds, volts
+from .record import Record
+from .sheet import Master, Refusal, Setting, Sheet
+
+VERSION = 1
+
+_MARKS = {"documented": "", "inferred": " *", "tried": " +"}
+NOT_SAID = "the manual does not say"
+
+
+def facts(record: Record) -> Iterator[tuple[str, str]]:
+    """The record in words, one fact a row."""
+    number = record.numbers
+    yield "Interface", INTERFACES[record.words["interface"]].title
+    turns = number["multiturn_bits"]
+    yield (
+        "Position bits",
+        f"{number['position_bits']}"
+        + (f": {turns} multiturn, {number['singleturn_bits']} singleturn" if turns else ""),
+    )
+    yield (
+        "Padding",
+        f"{counted(number['padding_left'] or 0, 'zero bit')} before the position, {number['padding_right']} after it",
+    )
+    yield "Status bits", _status(record)
+    yield "Data bits", _data(record)
+    yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + "; most significant bit first"
+    yield "Code", {"binary": "binary", "gray": "Gray"}[record.words["coding"]]
+    yield "CRC", _crc(record)
+    slowest, fastest = number["clock_min_hz"], number["clock_max_hz"]
+    row = record.cable_row
+    highest = f"at most {hertz(fastest)}" if fastest is not None else ""
+    if row is not None and row.is_below:
+        highest = f"below {hertz(row.hz)}"
+    limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
+    yield "Clock", ", ".join(filter(None, limits)) or NOT_SAID
+    if record.cables.rows:
+        yield "Clock by cable", _cables(record)
+    if INTERFACES[record.words["interface"]] is Biss:
+        yield "Time-out", record.timeout or NOT_SAID
+        # The protocol description, p. 18, has no longer one.
+        busy = f"{NOT_SAID}; BiSS C allows 40 µs"
+        if number["busy_us"] is not None:
+            busy = _time(number["busy_us"], "at most")
+        yield "Busy time", busy
+    else:
+        yield "Pause", _time(number["pause_us"], "at least")
+    yield "Supply", _supply(record)
+
+
+def _cables(record: Record) -> str:
+    """The table, the cable that was asked for, and the errata."""
+    table = record.cables
+    chosen = f"the clocks shown are for a cable of {record.cable_m} m; " if record.cable_m is not None else ""
+    errata = f"; errata {', '.join(table.errata)}" if table.errata else ""
+    return f"{chosen}{'; '.join(row.text for row in table.rows)} (table of {table.origin}{errata})"
+
+
+def _supply(record: Record) -> str:
+    lowest, highest = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
+    return f"{volts(lowest)} to {volts(highest)}" if lowest is not None and highest is not None else NOT_SAID
+
+
+def _time(value: int | None, bound: str) -> str:
+    return f"{bound} {microseconds(value)}" if value is not None else NOT_SAID
+
+
+def _status(record: Record) -> str:
+    words = {"low": "active low", "high": "active high", "": "always 1"}
+    shown = [f"{part.name} ({words[part.active]})" for part in record.parts if part.role == "status"]
+    return ", ".join(shown) if shown else "none"
+
+
+def _data(record: Record) -> str:
+    number = record.numbers
+    more = [f"{number['data_and_status_bits']} with the status bits"] if number["status_bits"] else []
+    more += [f"{number['frame_bits']} with the CRC"] if number["crc_bits"] else []
+    return ", ".join([f"{number['data_bits']}", *more])
+
+
+def _crc(record: Record) -> str:
+    number = record.known
+    if not number["crc_bits"]:
+        return "none"
+    whole = number["crc_polynomial"]
+    spellings = f"0x{whole:02X} ({whole}) with its top bit, 0x{number['crc_polynomial_without_top_bit']:02X} without it"
+    spellings += f", 0x{number['crc_polynomial_without_last_1']:02X} without its last 1"
+    return (
+        f"{number['crc_bits']} bits, polynomial {spellings}; start {number['crc_start']}; "
+        f"sent {'inverted' if number['crc_inverted'] else 'straight'}"
+    )
+
+
+def legend(masters: Sequence[Master], sheets: Sequence[Sheet]) -> str:
+    """What the marks mean, and that nothing else has been tried."""
+    used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
+    used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
+    inferred = " * marks what follows from those documents though none says it." if "inferred" in used else ""
+    tried = "Nothing has been tried on hardware."
+    if "tried" in used:
+        tried = "+ marks what has been tried on hardware, nothing else has."
+    return f"By the documents of the masters, named with each.{inferred} {tried}"
+
+
+def bound(setting: Setting) -> str:
+    """``at least `` or ``at most ``, or nothing."""
+    return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
+
+
+def mark(rule: Setting | Refusal) -> str:
+    """What the legend explains, parted by a space from a value that somebody copies."""
+    return _MARKS[rule.standing]
+
+
+def _shown(setting: Setting) -> str:
+    return f"{bound(setting)}{setting.text}{mark(setting)}"
+
+
+def sheet_text(match: Match, title: str, record: Record, sheets: Sequence[Sheet]) -> str:
+    """The record, and for each master its settings or why there are none, at most 80 columns wide."""
+    lines = [wrapped(f"{match.variant.code}: {title}", WIDTH, "  ", "")]
+    if match.written_as_in:
+        lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
+    if match.unlisted:
+        lines.append(wrapped(f"not listed in the manual, taken as any other: {', '.join(match.unlisted)}", WIDTH, "  "))
+    if match.special:
+        lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
+    lines += pairs(facts(record), 2)
+    lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
+    lines += ["", wrapped(legend([item.master for item in sheets], sheets), WIDTH)]
+    taking = [item for item in sheets if not item.refusals]
+    for item in taking:
+        lines += ["", *_taken(item, with_documents=len(sheets) == 1)]
+    refusing = [item for item in sheets if item.refusals and item.speaks]
+    if refusing:
+        lines += ["", wrapped(f"By their documents these cannot take {record.code}:", WIDTH)]
+    for item in refusing:
+        lines.append(wrapped(f"{item.master.title} ({item.master.name})", WIDTH, "    ", "  "))
+        lines += [
+            wrapped(f"{reason.reason}{mark(reason)} [{reason.source}]", WIDTH, "      ", "    ")
+            for reason in item.refusals
+        ]
+    silent = [item.master.title for item in sheets if not item.speaks]
+    if silent:
+        lines += [
+            "",
+            wrapped(
+                f"Not described for {INTERFACES[record.words['interface']].title}: {'; '.join(silent)}.",
+                WIDTH,
+                "  ",
+                "",
+            ),
+        ]
+    if taking and len(sheets) > 1:
+        lines += ["", f"--master NAME shows one of them with its documents, such as {taking[0].master.name}."]
+    return "\n".join(lines)
+
+
+def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
+    lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "  ", "")]
+    names = min(max((len(item.name) for item in sheet.settings), default=0), 40)
+    values = min(max((len(_shown(item)) for item in sheet.settings), default=0), 18)
+    for item in sheet.settings:
+        row = f"  {item.name.ljust(names)}  {_shown(item).ljust(values)}  {item.at}".rstrip()
+        if len(row) <= WIDTH:
+            lines.append(row)
+        else:
+            place = f", {item.at}" if item.at else ""
+            lines += [wrapped(f"{item.name}{place}", WIDTH, "      ", "  "), wrapped(_shown(item), WIDTH, "      ")]
+        if item.note:
+            lines.append(wrapped(item.note, WIDTH, "      "))
+    lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
+    for document in sheet.master.documents if with_documents else ():
+        where = f"{document.title}, {document.url}" if document.url else document.title
+        lines.append(wrapped(where, WIDTH, "      ", f"  {document.key}: "))
+    return lines
+
+
+def masters_text(masters: Sequence[Master]) -> str:
+    """The masters that are described, one a line."""
+    return "\n".join(
+        pairs(
+            (
+                (item.name, f"{item.title}: {', '.join(INTERFACES[name].title for name in item.takes)}")
+                for item in masters
+            ),
+            0,
+        )
+    )
+
+
+def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
+    return {
+        "version": VERSION,
+        "masters": [{"name": item.name, "title": item.title, "takes": list(item.takes)} for item in masters],
+    }
+
+
+def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
+    """The same as plain data; the shape is described by ``spec/master_settings.schema.json``."""
+    return {
+        "version": VERSION,
+        "order_code": record.code,
+        "family": record.family,
+        "label": {
+            "code": match.variant.code,
+            "unlisted": list(match.unlisted),
+            "tail": match.tail,
+            "special": match.special,
+            "written_as_in": match.written_as_in,
+        },
+        "record": {
+            **record.words,
+            **record.numbers,
+            "frame": [asdict(part) for part in record.parts],
+            "timeout": record.timeout,
+            "cable_m": record.cable_m,
+            "cable_lengths": [asdict(row) for row in record.cables.rows],
+            "cable_lengths_from": record.cables.origin if record.cables.rows else "",
+            "cable_errata": list(record.cables.errata),
+            "notes": list(record.notes),
+        },
+        "masters": [
+            {
+                "name": item.master.name,
+                "title": item.master.title,
+                "takes_it": not item.refusals,
+                "refusals": [asdict(reason) for reason in item.refusals],
+                "settings": [asdict(setting) for setting in item.settings],
+                "notes": list(item.notes),
+                "documents": [asdict(document) for document in item.master.documents],
+            }
+            for item in sheets
+        ],
+    }

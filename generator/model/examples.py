@@ -1,0 +1,92 @@
+"""Worked examples of the manual; each is a test of every output."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from .facts import Sources
+
+#: What an example gives for a field, a join or a run of digits.
+Values = Mapping[str, int | str | bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """A byte written to a register."""
+
+    address: int
+    value: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Example:
+    name: str
+    erratum: str
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameExample(_Example):
+    """A frame, in ``bits`` or in ``bytes``, and what it holds, or the fault for which it is ``refused``.
+
+    ``alternatives`` are the answers that it takes, each by the name of its alternative.
+    """
+
+    kind: ClassVar = "frame"
+    order_code: str
+    layout: str
+    sender: str
+    bytes: bytes
+    bits: str
+    values: Values
+    refused: str
+    alternatives: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RegisterExample(_Example):
+    """The bytes of a register and what they hold."""
+
+    kind: ClassVar = "register"
+    order_code: str
+    register: str
+    bytes: bytes
+    values: Values
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrcExample(_Example):
+    """Bytes and the CRC over them."""
+
+    kind: ClassVar = "crc"
+    crc: str
+    bytes: bytes
+    check: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProcedureExample(_Example):
+    """The writes that a procedure makes for these arguments."""
+
+    kind: ClassVar = "procedure"
+    order_code: str
+    procedure: str
+    arguments: Mapping[str, int]
+    writes: tuple[Write, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasureExample(_Example):
+    """A position in counts and the length that it stands for."""
+
+    kind: ClassVar = "measure"
+    order_code: str
+    counts: int
+    micrometres: int
+
+
+#: ``kind`` is the word of the spec language; only what prints it asks for it.
+Example = FrameExample | RegisterExample | CrcExample | ProcedureExample | MeasureExample

@@ -1,0 +1,208 @@
+"""Whole numbers that depend on parameters: ``24``, ``2^position_bits - 1``, ``spare_bits * offset``.
+
+The spec language allows a sum of terms; a term is a number, or a product of parameters and of powers of two of
+parameters.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+_TERM = re.compile(
+    r"\s*(?:(?P<power>2\s*\^)\s*)?(?:(?P<hex>0x[0-9A-Fa-f]+)|(?P<number>[0-9]+)|(?P<name>[a-z][a-z0-9_]*))\s*"
+)
+_OPERATOR = re.compile(r"[-+*]")
+
+#: No width, position or limit of any encoder comes near; it keeps a hostile spec from asking for a huge number.
+LARGEST_EXPONENT = 128
+
+
+class ExpressionError(ValueError):
+    """The text is no expression, or it has no value; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """A parameter, or two to the power of it when ``power`` is set."""
+
+    parameter: str
+    power: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """``sign`` times the product of the factors; there is at least one."""
+
+    sign: int
+    factors: tuple[Factor, ...]
+
+    @property
+    def is_power(self) -> bool:
+        """Whether a power of two is among the factors."""
+        return any(factor.power for factor in self.factors)
+
+    @property
+    def is_product(self) -> bool:
+        return len(self.factors) > 1
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """A constant plus terms, in the order in which they were written."""
+
+    constant: int = 0
+    terms: tuple[Term, ...] = ()
+
+    @classmethod
+    def parse(cls, text: int | str) -> Expression:
+        """The expression that the spec writes as ``text``.
+
+        Raises:
+            ExpressionError: The text is no sum of numbers, parameters and powers of two.
+        """
+        if isinstance(text, int):
+            return cls(text)
+        result, factors, position, sign = cls(), cls(1), 0, 1
+        if text.startswith("-"):
+            sign, position = -1, 1
+        while True:
+            match = _TERM.match(text, position)
+            if match is None:
+                raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
+            factors = _times(factors, _atom(match))
+            position = match.end()
+            operator = _OPERATOR.match(text, position)
+            if position < len(text) and operator is None:
+                raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
+            if operator is None or operator[0] != "*":
+                result = result + factors if sign > 0 else result - factors
+                factors = cls(1)
+            if operator is None:
+                return result
+            sign = {"+": 1, "-": -1, "*": sign}[operator[0]]
+            position += 1
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters, each once, in order."""
+        return tuple(dict.fromkeys(factor.parameter for term in self.terms for factor in term.factors))
+
+    @property
+    def is_constant(self) -> bool:
+        return not self.terms
+
+    def value(self, parameters: Mapping[str, int]) -> int:
+        """The number for these parameters.
+
+        Raises:
+            ExpressionError: A parameter is not among them, or an exponent is out of reach.
+        """
+        total = self.constant
+        for term in self.terms:
+            number = term.sign
+            for factor in term.factors:
+                number *= _value(factor, parameters)
+            total += number
+        return total
+
+    def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
+        """The same with parameters that follow from others replaced by what they equal.
+
+        Powers and products keep theirs, since two to a sum is no sum, and so does a parameter that follows from a
+        product: its name reads better.
+        """
+        result = Expression(self.constant)
+        for term in self.terms:
+            inner = definitions.get(term.factors[0].parameter)
+            if inner is None or term.is_product or term.is_power or any(item.is_product for item in inner.terms):
+                result += Expression(0, (term,))
+            else:
+                inner = inner.substitute(definitions)
+                result = result + inner if term.sign > 0 else result - inner
+        return result
+
+    def __add__(self, other: Expression) -> Expression:
+        return _simplified(self.constant + other.constant, self.terms + other.terms)
+
+    def __sub__(self, other: Expression) -> Expression:
+        negated = tuple(Term(-term.sign, term.factors) for term in other.terms)
+        return _simplified(self.constant - other.constant, self.terms + negated)
+
+    def render(self, prefix: str = "", power: str = "2^{}", suffix: str = "") -> str:
+        """The expression as text, terms first: ``variant.singleturn_bits + 8``.
+
+        Args:
+            prefix: Put before each parameter, such as ``variant.``.
+            power: How two to the power of a parameter is written; ``{}`` is the parameter.
+            suffix: Put after each number, such as ``U`` in C.
+        """
+        text = ""
+        for term in self.terms:
+            atom = " * ".join(
+                power.format(prefix + item.parameter) if item.power else prefix + item.parameter
+                for item in term.factors
+            )
+            if text:
+                text += (" + " if term.sign > 0 else " - ") + atom
+            else:
+                text = ("" if term.sign > 0 else "-") + atom
+        if not text:
+            return f"{self.constant}{suffix}"
+        if text.startswith("-") and self.constant > 0:
+            return f"{self.constant}{suffix} - {text[1:]}"
+        if self.constant > 0:
+            return f"{text} + {self.constant}{suffix}"
+        return f"{text} - {-self.constant}{suffix}" if self.constant < 0 else text
+
+
+def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
+    """The sum with opposite terms cancelled and positive terms first."""
+    kept: list[Term] = []
+    for term in terms:
+        opposite = Term(-term.sign, term.factors)
+        if opposite in kept:
+            kept.remove(opposite)
+        else:
+            kept.append(term)
+    return Expression(constant, tuple(sorted(kept, key=lambda term: -term.sign)))
+
+
+def _atom(match: re.Match[str]) -> Expression:
+    """A number, a parameter, or two to the power of either.
+
+    Raises:
+        ExpressionError: The power is out of reach.
+    """
+    power = match["power"] is not None
+    if match["name"] is not None:
+        return Expression(0, (Term(1, (Factor(match["name"], power),)),))
+    number = int(match["hex"], 16) if match["hex"] else int(match["number"])
+    if power and number > LARGEST_EXPONENT:
+        raise ExpressionError(f"2^{number} is more than any field can hold")
+    return Expression(2**number if power else number)
+
+
+def _times(one: Expression, other: Expression) -> Expression:
+    """The product of two atoms or products of atoms.
+
+    Raises:
+        ExpressionError: A number stands in a product.
+    """
+    if one == Expression(1):
+        return other
+    if one.is_constant or other.is_constant:
+        raise ExpressionError("a product is made of parameters and powers of two of parameters, not of numbers")
+    return Expression(0, (Term(1, (*one.terms[0].factors, *other.terms[0].factors)),))
+
+
+def _value(factor: Factor, parameters: Mapping[str, int]) -> int:
+    if factor.parameter not in parameters:
+        raise ExpressionError(f"there is no parameter '{factor.parameter}'")
+    number = parameters[factor.parameter]
+    if not factor.power:
+        return number
+    if not 0 <= number <= LARGEST_EXPONENT:
+        raise ExpressionError(f"2^{factor.parameter} is out of reach with {factor.parameter} = {number}")
+    return 1 << number

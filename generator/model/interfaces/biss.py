@@ -1,0 +1,115 @@
+"""BiSS C-mode: single cycle data, and registers that are reached one bit per frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import ClassVar
+
+from ..facts import Sources
+from ..kinds import Value
+from .common import Clock, Common, Signals
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    topology: str
+    multiple_slaves: bool
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedTimeout:
+    """The time-out that the manual works out for one clock."""
+
+    clock_hz: int
+    timeout_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Timeout:
+    """The time-out after a frame; ``rule`` is ``follows_clock`` or ``fixed``."""
+
+    rule: str
+    half_clock_periods: int | None
+    at_most_ns: int | None
+    typical_ns: int | None
+    printed: tuple[PrintedTimeout, ...]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """The encoder profile that the manual names."""
+
+    text: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptionFile:
+    """The file by which a master knows the encoder."""
+
+    text: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class BankSelect:
+    """The register that selects the bank of the banked addresses."""
+
+    register: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class ControlField:
+    """A field of the control frame, of which the manual gives no whole layout."""
+
+    name: str
+    printed_name: str
+    bits: int
+    values: tuple[Value, ...]
+    crc: str
+    meaning: str
+    source: Sources
+    names: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Biss(Common):
+    name: ClassVar = "biss"
+    title: ClassVar = "BiSS C-mode"
+    short: ClassVar = "BiSS"
+    has_channels: ClassVar = True
+    #: The banks share the first half (protocol description, p. 14).
+    highest_address: ClassVar = 0x7F
+    highest_in_bank: ClassVar = 0x3F
+    flags: ClassVar = MappingProxyType({"error": "not_usable", "warning": "usable_with_warning"})
+
+    clock: Clock
+    signals: str
+    profile: str
+    description_file: str
+    bank_select: str
+    network: Network | None
+    timeout: Timeout | None
+    control_data: tuple[ControlField, ...]
+    control_data_note: str
+
+    def facts(self) -> Iterator[Clock | Signals | Profile | DescriptionFile | BankSelect | Network | Timeout]:
+        """What has to be set or built, in order of importance."""
+        yield self.clock
+        if self.signals:
+            yield Signals(self.signals, self.source)
+        if self.profile:
+            yield Profile(self.profile, self.source)
+        if self.description_file:
+            yield DescriptionFile(self.description_file, self.source)
+        if self.bank_select:
+            yield BankSelect(self.bank_select, self.source)
+        if self.network is not None:
+            yield self.network
+        if self.timeout is not None:
+            yield self.timeout

@@ -1,0 +1,55 @@
+"""What every interface has, and the facts that several share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import ClassVar
+
+from ..facts import Sources, Timing
+from ..layout import Layout
+from ..measurement import Measurement
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Common:
+    """An interface of a device; order codes, registers and procedures refer to it by ``name``."""
+
+    #: The key of the spec language, and of all outputs.
+    name: ClassVar[str]
+    #: The title for a person, and how sentences call it.
+    title: ClassVar[str]
+    short: ClassVar[str]
+    #: How a frame is carried whose layout does not say it.
+    carried_as: ClassVar[str] = "bits"
+    #: Whether layouts can be sent on several data channels.
+    has_channels: ClassVar[bool] = False
+    #: Where the addresses of registers end, and those in a bank if the interface has banks.
+    highest_address: ClassVar[int | None] = None
+    highest_in_bank: ClassVar[int | None] = None
+    #: Flags that the interface itself defines: what each makes of the position while it is active.
+    flags: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
+    layouts: tuple[Layout, ...]
+    timings: tuple[Timing, ...]
+    note: str
+    source: Sources
+    measurement: Measurement | None
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """The range of the master's clock, both ends included."""
+
+    min_hz: int
+    max_hz: int
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Signals:
+    """The electrical standard."""
+
+    text: str
+    source: Sources

@@ -1,0 +1,62 @@
+"""RS-485 with requests and replies of the kind of Tamagawa's T-format."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..facts import Sources
+from .common import Common
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """Settings of the serial port."""
+
+    baud: int
+    data_bits: int
+    parity: str
+    stop_bits: int
+    flow_control: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class DataId:
+    """What a request asks for; ``control`` is its first byte, and that of the reply."""
+
+    name: str
+    id: int
+    control: int
+    purpose: str
+    meaning: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryAccess:
+    """What a reply says of an access to the memory, by its busy flag."""
+
+    access: str
+    busy: int
+    address: str
+    data: str
+    meaning: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rs485(Common):
+    name: ClassVar = "rs485"
+    title: ClassVar = "RS-485"
+    short: ClassVar = "RS-485"
+    carried_as: ClassVar = "bytes"
+
+    port: Port
+    data_ids: tuple[DataId, ...]
+    memory_access: tuple[MemoryAccess, ...]
+
+    def facts(self) -> Iterator[Port]:
+        """What has to be set."""
+        yield self.port

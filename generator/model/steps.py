@@ -1,0 +1,113 @@
+"""Procedures: what a master does, step by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from .facts import Sources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Step:
+    meaning: str = ""
+    source: Sources = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WriteStep(_Step):
+    """Write ``value`` into the whole register; None stands for the argument ``value_name``."""
+
+    do: ClassVar = "write"
+    register: str
+    value_name: str
+    value: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ModifyStep(_Step):
+    """Write ``value`` into one field and leave the others as read; None stands for the argument ``value_name``."""
+
+    do: ClassVar = "write"
+    register: str
+    field: str
+    value_name: str
+    value: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ReadStep(_Step):
+    """Read the register, for the sake of one field if ``field`` names it."""
+
+    do: ClassVar = "read"
+    register: str
+    field: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PollStep(_Step):
+    """Read the register until ``field`` is ``value``."""
+
+    do: ClassVar = "poll"
+    register: str
+    field: str
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
+class WaitStep(_Step):
+    """Let ``microseconds`` go by."""
+
+    do: ClassVar = "wait"
+    microseconds: int
+
+
+@dataclass(frozen=True, slots=True)
+class SendStep(_Step):
+    """Send the bytes ``request``, which ask for ``data_id``, so many ``times``, ``microseconds`` apart.
+
+    ``in_succession`` says that nothing else may be sent between them.
+    """
+
+    do: ClassVar = "send"
+    data_id: str
+    request: bytes
+    times: int = 1
+    microseconds: int = 0
+    in_succession: bool = False
+
+
+RegisterStep = WriteStep | ModifyStep | ReadStep | PollStep
+#: ``do`` is the word of the spec language; only what reads or prints it asks for it.
+Step = RegisterStep | WaitStep | SendStep
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """A value that the caller of a procedure gives, written to the register ``of``.
+
+    ``meant_as`` names the register's meaning, if it has several.
+    """
+
+    name: str
+    of: str
+    meaning: str
+    meant_as: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Procedure:
+    name: str
+    title: str
+    interface: str
+    arguments: tuple[Argument, ...]
+    precondition: str
+    steps: tuple[Step, ...]
+    result: str
+    note: str
+    source: Sources
+
+    @property
+    def registers(self) -> frozenset[str]:
+        """The registers that its steps read or write."""
+        return frozenset(step.register for step in self.steps if isinstance(step, RegisterStep))

@@ -1,0 +1,427 @@
+"""How a layout is decoded and encoded: where each field is read, what has to hold, and what each bit is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from ..model import Alternative, Crc, Device, Digits, Fault, Field, FoldStep, Form, Join, Layout, Piece
+from ..model.expressions import Expression
+from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
+
+
+@dataclass(frozen=True, slots=True)
+class Bits:
+    """``width`` bits from bit ``low`` of the word up; ``pieces`` tell the same for bytes, lowest bits first.
+
+    ``on_top`` says that nothing lies above them, so that a shift alone takes them out. ``widest`` is the width of the
+    order code with the most bits.
+    """
+
+    low: Expression
+    width: Expression
+    widest: int
+    on_top: bool
+    pieces: tuple[Piece, ...]
+
+    @property
+    def are_fixed(self) -> bool:
+        """Whether they lie at the same place for every order code."""
+        return self.low.is_constant and self.width.is_constant
+
+
+# -- what has to hold of a frame
+
+
+@dataclass(frozen=True, slots=True)
+class AlwaysIs:
+    """The field is a constant."""
+
+    field: Field
+    bits: Bits
+    value: int
+    fault = Fault.CONSTANT
+
+
+@dataclass(frozen=True, slots=True)
+class ZerosAbove:
+    """The field fills its container up to ``width`` bits; ``padding`` is the constant that lies above it there.
+
+    ``bits`` are those of the whole container as far as the field can reach, ``beyond`` the bytes that it never reaches.
+    """
+
+    field: Field
+    padding: Field
+    bits: Bits
+    beyond: tuple[Piece, ...]
+    fault = Fault.CONSTANT
+
+    @property
+    def may_reach(self) -> bool:
+        """Whether the bytes that the field reaches have bits above it."""
+        return not self.bits.width.is_constant or self.field.container - 8 * len(self.beyond) > self.field.widest
+
+
+@dataclass(frozen=True, slots=True)
+class ParityIs:
+    """The bit is the parity of the field ``of``: 1 for an odd number of ones, or with ``odd`` for an even one.
+
+    ``known`` is the bit that has to stand in this frame, where ``of`` has one value only.
+    """
+
+    field: Field
+    bits: Bits
+    of: Field
+    of_bits: Bits
+    odd: bool
+    known: int | None
+    fault = Fault.CONSTANT
+
+
+@dataclass(frozen=True, slots=True)
+class IsOneOf:
+    """The field is one of these values: of its named ones, or as a selector one of those that tell this frame."""
+
+    field: Field
+    bits: Bits
+    values: tuple[int, ...]
+    fault = Fault.RANGE
+
+
+@dataclass(frozen=True, slots=True)
+class AtMost:
+    """The field, which is read in decimal digits, has no more than ``runs`` can show."""
+
+    field: Field
+    bits: Bits
+    limit: int
+    runs: tuple[Digits, ...]
+    fault = Fault.RANGE
+
+
+Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost
+
+
+@dataclass(frozen=True, slots=True)
+class FrameCrc:
+    """The CRC at the end of a frame, over everything before it.
+
+    ``covered`` is how many bits that is. ``divides`` says that the word as a whole, its final XOR taken out, is divided
+    by the polynomial where it is sound; ``steps`` then fold it without a table, if there are any.
+    """
+
+    crc: Crc
+    field: Field
+    bits: Bits
+    covered: Expression
+    divides: bool
+    steps: tuple[FoldStep, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Gray:
+    """These bits are sent in Gray code while the parameter ``when`` is not 0."""
+
+    low: Expression
+    width: Expression
+    when: str
+
+
+# -- what a frame is made of
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A field that a decoded frame shows. ``shared`` says that a join or a parity bit looks at its bits as well."""
+
+    field: Field
+    bits: Bits
+    shared: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """A join: its fields as one number, most significant first; ``bits`` where they stand side by side in the word."""
+
+    join: Join
+    fields: tuple[Field, ...]
+    width: Expression
+    widest: int
+    bits: Bits | None
+
+    @property
+    def from_low(self) -> Iterator[tuple[Field, Expression]]:
+        """Its fields, the lowest first, and where each begins in the number."""
+        low = Expression(0)
+        for item in reversed(self.fields):
+            yield item, low
+            low += item.width
+
+    @property
+    def depends(self) -> bool:
+        """Whether any of them begins elsewhere with another order code."""
+        return not all(low.is_constant for _, low in self.from_low)
+
+
+@dataclass(frozen=True, slots=True)
+class Reserved:
+    """Unused bits, which a decoder reports and does not refuse.
+
+    A decoded frame has one number for all of them, ``unused``: there the bits from ``place`` up are 1 where the field
+    is not ``value``.
+    """
+
+    field: Field
+    bits: Bits
+    value: int
+    place: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """The same number in every such frame."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """The value of a field, in the bits that its kind makes of it."""
+
+    field: Field
+
+
+@dataclass(frozen=True, slots=True)
+class ParityOf:
+    """The parity bit of a field."""
+
+    of: Field
+    odd: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Turned:
+    """Unused bits: ``value`` with those turned round that are 1 in the frame's ``unused`` from ``place`` up."""
+
+    value: int
+    place: int
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One field of a frame that is encoded, all but the CRC."""
+
+    field: Field
+    bits: Bits
+    value: Fixed | Given | ParityOf | Turned
+
+    @property
+    def depends(self) -> bool:
+        """Whether its place, or where it has a sign its width, differs with the order code."""
+        return not self.field.low.is_constant or (self.field.number.signed and not self.field.width.is_constant)
+
+
+@dataclass(frozen=True)
+class Codec:
+    """The plan of a layout.
+
+    ``by_word`` says that it is taken as one number: its bits are one, or fields move with the order code, or Gray code
+    has to be taken out first. Otherwise the bytes are taken one by one. ``alternatives`` are the decisions that the
+    caller has to hand over.
+    """
+
+    layout: Layout
+    by_word: bool
+    length: int
+    selector: Field | None
+    crc: FrameCrc | None
+    gray: Gray | None
+    parts: tuple[Part, ...]
+    wholes: tuple[Whole, ...]
+    alternatives: tuple[Alternative, ...]
+    reserved: tuple[Reserved, ...]
+    checks: tuple[Check, ...]
+    terms: tuple[Term, ...]
+
+    @property
+    def in_bytes(self) -> bool:
+        return self.layout.in_bytes
+
+    @cached_property
+    def depends(self) -> bool:
+        """Whether the place or width of anything differs with the order code."""
+        chosen = {name for item in self.alternatives for name in item.answers[0].sets}
+        places = (place for item in self.layout.fields for place in (item.low, item.width))
+        return self.gray is not None or any(
+            not chosen.issuperset(item.parameters) for item in (self.layout.bits, *places)
+        )
+
+    @property
+    def from_low(self) -> range:
+        """Its bytes, the lowest of the number first."""
+        return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
+
+    def faults(self) -> tuple[Fault, ...]:
+        """The faults that a decoder of this layout can find, each once."""
+        found = {Fault.LENGTH, *(item.fault for item in self.checks), *([Fault.CRC] if self.crc is not None else [])}
+        return tuple(item for item in Fault if item in found)
+
+    def bits_of(self, name: str) -> Bits:
+        return bits_of(self.layout, self.layout.field(name))
+
+
+def codec_of(device: Device, layout: Layout) -> Codec:
+    """The plan of a layout: of a frame, or of the bytes of a register."""
+    placed = all(item.pieces or item.padding_of for item in layout.fields)
+    by_word = not (layout.in_bytes and placed) or bool(layout.gray_of)
+    selector = fixed_selector(layout)
+    looked_at = {name for join in layout.joins for name in join.fields}
+    looked_at |= {item.kind.of for item in layout.fields if isinstance(item.kind, Parity)}
+    parts = (
+        Part(item, bits_of(layout, item), item.name in looked_at)
+        for item in layout.fields
+        if item.carries_data and item is not selector
+    )
+    return Codec(
+        layout=layout,
+        by_word=by_word,
+        length=layout.widest // 8,
+        selector=selector,
+        crc=_crc(device, layout),
+        gray=_gray(layout),
+        parts=tuple(parts),
+        wholes=tuple(_wholes(layout, by_word)),
+        alternatives=device.alternatives_of(layout),
+        reserved=tuple(Reserved(item, bits_of(layout, item), _unused(item), place) for item, place in layout.unused),
+        checks=(*_constants(layout, by_word), *_ranges(layout)),
+        terms=tuple(_terms(layout)),
+    )
+
+
+def fixed_selector(layout: Layout) -> Field | None:
+    """The selector of a frame that is told by one value of it."""
+    return layout.field(layout.selector) if len(layout.selects) == 1 else None
+
+
+def only_value(layout: Layout, item: Field) -> int | None:
+    """The value that a field always has, if it is a constant or the selector of a frame that is told by one value."""
+    if isinstance(item.kind, Constant):
+        return item.kind.value
+    return layout.selects[0] if item is fixed_selector(layout) else None
+
+
+def bits_of(layout: Layout, item: Field) -> Bits:
+    """Where a field is read; of a padded one in bytes, all bytes that it can reach."""
+    reached = tuple(piece for piece in item.pieces if not item.container or piece.left < item.widest)
+    return _bits(layout, item.low, item.width, item.widest, reached)
+
+
+def _bits(layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()) -> Bits:
+    on_top = not layout.in_bytes and layout.bits - low - width == Expression(0)
+    return Bits(low, width, widest, on_top, pieces)
+
+
+def _crc(device: Device, layout: Layout) -> FrameCrc | None:
+    item = layout.crc_field
+    if item is None or not isinstance(item.kind, CrcValue):
+        return None
+    crc = device.crc(item.kind.crc)
+    divides = not layout.in_bytes and crc.init == 0 and not crc.refout
+    divides = divides and (crc.form is Form.FOLD or 8 <= crc.width <= 32)
+    bits = bits_of(layout, item)
+    return FrameCrc(crc, item, bits, layout.bits - Expression(crc.width), divides, layout.fold)
+
+
+def _gray(layout: Layout) -> Gray | None:
+    if not layout.gray_of:
+        return None
+    fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
+    return Gray(fields[-1].low, sum((item.width for item in fields), Expression(0)), layout.gray_when)
+
+
+def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
+    for join in layout.joins:
+        fields = tuple(layout.field(name) for name in join.fields)
+        width = sum((item.width for item in fields), Expression(0))
+        widest = min(sum(item.widest for item in fields) or 1, 64)
+        side_by_side = all(upper.low == lower.low + lower.width for upper, lower in pairwise(fields))
+        bits = _bits(layout, fields[-1].low, width, widest) if by_word and side_by_side else None
+        yield Whole(join, fields, width, widest, bits)
+
+
+def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
+    """Constants and parity bits, in the order of the fields, which is that of their faults."""
+    for item in layout.fields:
+        bits = bits_of(layout, item)
+        match item.kind:
+            case Constant(padding_of=name) if name and not by_word:
+                padded = layout.field(name)
+                bits = bits_of(layout, padded)
+                beyond = tuple(piece for piece in padded.pieces if piece not in bits.pieces)
+                yield ZerosAbove(padded, item, bits, beyond)
+            case Constant(value=number):
+                yield AlwaysIs(item, bits, number)
+            case Parity(of=name, odd=odd):
+                of = layout.field(name)
+                value = only_value(layout, of)
+                known = parity(value, odd) if value is not None else None
+                yield ParityIs(item, bits, of, bits_of(layout, of), odd, known)
+
+
+def _ranges(layout: Layout) -> Iterator[Check]:
+    for item in layout.fields:
+        bits = bits_of(layout, item)
+        values = allowed_values(layout, item)
+        if values:
+            yield IsOneOf(item, bits, values)
+        if item.runs:
+            first = item.runs[0]
+            yield AtMost(item, bits, first.divisor * first.modulus - 1, item.runs)
+
+
+def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
+    """The values that a selector or a choice may have, each once; empty where the field can have no other one."""
+    named = (value.value for value in item.values)
+    values = dict.fromkeys(layout.selects if item.name == layout.selector else named)
+    is_full = item.width.is_constant and set(range(1 << min(item.widest, 16))) <= values.keys()
+    return () if is_full else tuple(values)
+
+
+def parity(number: int, odd: bool) -> int:
+    return (number.bit_count() & 1) ^ odd
+
+
+def _unused(item: Field) -> int:
+    return item.kind.value if isinstance(item.kind, Unused) else 0
+
+
+def _terms(layout: Layout) -> Iterator[Term]:
+    places = {item.name: place for item, place in layout.unused}
+    for item in layout.fields:
+        known = only_value(layout, item)
+        match item.kind:
+            case CrcValue():
+                continue
+            case Parity(of=name, odd=odd):
+                of = layout.field(name)
+                bit = only_value(layout, of)
+                value: Fixed | Given | ParityOf | Turned = ParityOf(of, odd) if bit is None else Fixed(parity(bit, odd))
+            case Unused(number):
+                value = Turned(number, places[item.name])
+            case _:
+                value = Given(item) if known is None else Fixed(known)
+        yield Term(item, bits_of(layout, item), value)
+
+
+def characters(item: Field) -> tuple[tuple[int, int], ...]:
+    """The characters of a text in reading order: index, and the byte that holds it; empty if they do not fill bytes."""
+    if not isinstance(item.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in item.pieces):
+        return ()
+    return tuple((item.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(item.pieces))
+
+
+def is_plain_flag(part: Part) -> bool:
+    """Whether a part is a flag that nothing but its own member looks at."""
+    return isinstance(part.field.kind, Flag) and not part.shared

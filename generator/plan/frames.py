@@ -1,0 +1,46 @@
+"""How the frames that one side sends are told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ..model import Field, Layout
+from .codec import Bits, bits_of
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """A frame, and the values of the selector that tell it."""
+
+    layout: Layout
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Dispatch:
+    """The frames of one sender, told by ``selector``; ``fallback`` is the frame of all others, if there is one.
+
+    The selector lies at the same place in each of them. ``needs`` is how many bytes have to be there to read it.
+    """
+
+    sender: str
+    selector: Field
+    bits: Bits
+    needs: int
+    branches: tuple[Branch, ...]
+    fallback: Layout | None
+
+
+def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
+    """How the frames of an interface are told apart, for each side that sends more than one kind."""
+    for sender in dict.fromkeys(item.sender for item in layouts):
+        sent = [item for item in layouts if item.sender == sender]
+        if not sent[0].selector:
+            continue
+        fallback = next((item for item in sent if not item.selector), None)
+        told = sent[: sent.index(fallback)] if fallback is not None else sent
+        selector = sent[0].field(sent[0].selector)
+        needs = max((piece.byte + 1 for piece in selector.pieces), default=1)
+        branches = tuple(Branch(item, item.selects) for item in told)
+        yield Dispatch(sender, selector, bits_of(sent[0], selector), needs, branches, fallback)

@@ -1,0 +1,47 @@
+"""Parameters that registers hold at run time: how they are taken out of the bytes, and which values cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..model import Device, Field, Parameter, Register
+from .codec import Bits, bits_of
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A parameter in a register. ``low`` and ``high`` are None where no value of the field is beyond them."""
+
+    parameter: Parameter
+    field: Field
+    bits: Bits
+    low: int | None
+    high: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class HeldBy:
+    """A register, and the parameters that it holds."""
+
+    register: Register
+    parameters: tuple[Held, ...]
+
+
+def held_parameters(device: Device) -> Iterator[HeldBy]:
+    """The registers that hold parameters, each once."""
+    by_register: dict[str, list[Parameter]] = {}
+    for item in device.run_time_parameters:
+        by_register.setdefault(item.register, []).append(item)
+    for name, parameters in by_register.items():
+        register = device.register(name)
+        yield HeldBy(register, tuple(_held(register, item) for item in parameters))
+
+
+def _held(register: Register, parameter: Parameter) -> Held:
+    field = register.layout.field(parameter.field)
+    zero_means = field.number.zero_means
+    least, most = (1 if zero_means else 0), max((1 << field.widest) - 1, zero_means)
+    low = parameter.min if parameter.min is not None and parameter.min > least else None
+    high = parameter.max if parameter.max is not None and parameter.max < most else None
+    return Held(parameter, field, bits_of(register.layout, field), low, high)

@@ -1,0 +1,35 @@
+"""By which registers an encoder is known, and what is compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..model import Device, Field, Register
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A register, and those of its fields whose value the manual states."""
+
+    register: Register
+    fields: tuple[Field, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """What the registers of one interface tell; ``alone`` says that no other interface can tell anything."""
+
+    interface: str
+    compared: tuple[Compared, ...]
+    alone: bool
+
+
+def identities(device: Device) -> Iterator[Identity]:
+    """What each interface can tell of the encoder, in the order of the registers."""
+    by_interface: dict[str, dict[str, list[Field]]] = {}
+    for register, field in device.identity:
+        by_interface.setdefault(register.interface, {}).setdefault(register.name, []).append(field)
+    for interface, registers in by_interface.items():
+        compared = (Compared(device.register(name), tuple(fields)) for name, fields in registers.items())
+        yield Identity(interface, tuple(compared), len(by_interface) == 1)

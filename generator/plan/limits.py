@@ -1,0 +1,76 @@
+"""Between which values a register may be written, and which of the two bounds say more than the width does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..model import Device, Register, RegisterMeaning
+from ..model.expressions import Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The limits of a register, or of one of its meanings.
+
+    ``member`` is the field or join that they bound, empty where they bound the register as a whole. ``low`` and
+    ``high`` are None where the manual gives none; ``binds_low`` and ``binds_high`` say that a value that fits can lie
+    beyond.
+    All that fits are ``width`` bits, with a sign or without; ``zero_means`` is what 0 stands for, if it is more than
+    these can hold.
+    """
+
+    member: str
+    signed: bool
+    width: Expression
+    low: Expression | None
+    high: Expression | None
+    binds_low: bool
+    binds_high: bool
+    zero_means: int
+
+    @property
+    def binding(self) -> tuple[tuple[str, Expression], ...]:
+        """``min`` and ``max``, those of them that a value that fits can be beyond."""
+        sides = (("min", self.low, self.binds_low), ("max", self.high, self.binds_high))
+        return tuple((side, limit) for side, limit, binds in sides if limit is not None and binds)
+
+
+def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> Limits:
+    """The limits of a register, or while it has one of its meanings."""
+    low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
+    layout, member = register.layout, limited_member(register)
+    join = next((item for item in layout.joins if item.name == member), None)
+    fields = [layout.field(name) for name in (join.fields if join is not None else (member,) if member else ())]
+    signed = join is None and any(item.number.signed for item in fields)
+    width = sum((item.width for item in fields), Expression(0)) if fields else layout.bits
+    ranges = [
+        (item.parameters, *_fitting(width, signed, item.parameters))
+        for item in device.variants
+        if item.interface == register.interface
+    ]
+    # A limit may bind with what a register holds at run time that does not as delivered.
+    held = {item.name for item in device.run_time_parameters}
+    binds_low = low is not None and (
+        not held.isdisjoint(low.parameters) or any(low.value(parameters) > least for parameters, least, _ in ranges)
+    )
+    binds_high = high is not None and (
+        not held.isdisjoint(high.parameters) or any(high.value(parameters) < most for parameters, _, most in ranges)
+    )
+    zero_means = fields[0].number.zero_means if join is None and fields else 0
+    beyond = all(zero_means > most for _, _, most in ranges)
+    return Limits(member, signed, width, low, high, binds_low, binds_high, zero_means if beyond else 0)
+
+
+def limited_member(register: Register) -> str:
+    """The field or join that the limits bound: the one named, or the only field; empty for the register as a whole."""
+    layout = register.layout
+    if register.limits_of in {*(item.name for item in layout.joins), *(item.name for item in layout.fields)}:
+        return register.limits_of
+    return layout.fields[0].name if len(layout.fields) == 1 else ""
+
+
+def _fitting(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
+    """The lowest and the highest number of so many bits."""
+    bits = width.value(parameters)
+    return (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)

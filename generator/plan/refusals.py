@@ -1,0 +1,157 @@
+"""What an encoder refuses: each value that does not fit its field, and members that contradict each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..model import Digits, Field, Layout
+from ..model.expressions import Expression
+from ..model.kinds import Choice, Decimal, Number
+from ..model.never import assert_never
+from .codec import Codec, Whole, allowed_values
+from .limits import Limits
+
+
+@dataclass(frozen=True, slots=True)
+class NotOneOf:
+    """The value is none of these."""
+
+    field: Field
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class NotSigned:
+    """The number does not fit in two's complement."""
+
+    field: Field
+
+
+@dataclass(frozen=True, slots=True)
+class NotZeroFor:
+    """The number is 0, or does not fit and is not the one that 0 stands for."""
+
+    field: Field
+    stands_for: int
+
+
+@dataclass(frozen=True, slots=True)
+class NoPowerOfTwo:
+    """The number is no power of two; that it fits is another matter."""
+
+    field: Field
+
+
+@dataclass(frozen=True, slots=True)
+class TooWide:
+    """The number has more bits than the field."""
+
+    field: Field
+    width: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class DigitTooHigh:
+    """A run of digits has more digits than it has place for."""
+
+    field: Field
+    run: Digits
+
+
+@dataclass(frozen=True, slots=True)
+class DigitsDisagree:
+    """The runs of digits do not make the number, for languages that keep both."""
+
+    field: Field
+    runs: tuple[Digits, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WholeDisagrees:
+    """The fields of a join do not make its number, for languages that keep both."""
+
+    whole: Whole
+
+
+@dataclass(frozen=True, slots=True)
+class OutsideLimits:
+    """The member is beyond a limit of its register, one of the ``bounds``: those of its limits that bind."""
+
+    member: str
+    bounds: tuple[tuple[str, Expression], ...]
+
+
+Refusal = (
+    NotOneOf
+    | NotSigned
+    | NotZeroFor
+    | NoPowerOfTwo
+    | TooWide
+    | DigitTooHigh
+    | DigitsDisagree
+    | WholeDisagrees
+    | OutsideLimits
+)
+
+
+def refusals(codec: Codec) -> Iterator[Refusal]:
+    """What an encoder of this layout refuses, in order; limits of a register come on top."""
+    for part in codec.parts:
+        yield from _of_field(codec.layout, part.field)
+    yield from (WholeDisagrees(item) for item in codec.wholes)
+
+
+def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
+    """What the limits of a register refuse, if they bound a member.
+
+    Where 0 is refused already, a least value of 1 says no more.
+    """
+    if not limits.member:
+        return None
+    bounds = limits.binding
+    number = next((part.field.number for part in codec.parts if part.field.name == limits.member), Number())
+    if number.zero_means or number.power_of_two:
+        bounds = tuple(item for item in bounds if item != ("min", Expression(1)))
+    return OutsideLimits(limits.member, bounds) if bounds else None
+
+
+def depends(refusal: Refusal) -> bool:
+    """Whether it differs with the order code."""
+    match refusal:
+        case NotSigned(field) | NotZeroFor(field):
+            return not field.width.is_constant
+        case TooWide(width=width):
+            return not width.is_constant
+        case WholeDisagrees(whole):
+            return whole.depends
+        case OutsideLimits(bounds=bounds):
+            return not all(limit.is_constant for _, limit in bounds)
+        case NotOneOf() | NoPowerOfTwo() | DigitTooHigh() | DigitsDisagree():
+            return False
+        case _:
+            assert_never(refusal)
+
+
+def _of_field(layout: Layout, item: Field) -> Iterator[Refusal]:
+    values = allowed_values(layout, item)
+    match item.kind:
+        case _ if values:
+            yield NotOneOf(item, values)
+        case Number() as number:
+            yield _of_number(item, number)
+            if number.power_of_two:
+                yield NoPowerOfTwo(item)
+        case Choice():
+            yield TooWide(item, item.width)
+        case Decimal(runs=runs):
+            yield from (DigitTooHigh(item, run) for run in runs)
+            yield DigitsDisagree(item, runs)
+        case _:
+            return
+
+
+def _of_number(item: Field, number: Number) -> Refusal:
+    if number.signed:
+        return NotSigned(item)
+    return NotZeroFor(item, number.zero_means) if number.zero_means else TooWide(item, item.width)

@@ -1,0 +1,107 @@
+"""Facts on order codes: which there are, and what each has of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Interface, Measurement, Parameter
+from ..model.expressions import Expression
+from ..reference.order_codes import spelled
+from ..spec.problems import Path
+from .fact import Fact, Facts, Key, Sort
+from .reading import Reading, bits, short
+
+
+def add_codes(reading: Reading, facts: Facts) -> None:
+    """Order codes, what registers hold of them, and what the position counts."""
+    facts.add(_codes(reading))
+    facts.add(_spellings(reading))
+    facts.add(_supplies(reading))
+    for item in reading.device.run_time_parameters:
+        facts.add(_held(reading, item))
+    for interface in reading.device.interfaces:
+        measurement = reading.device.measurement_of(interface.name)
+        if measurement is not None:
+            facts.add(_measured(reading, interface, measurement))
+    movement = reading.device.movement
+    facts.add(iter((Fact(Sort.MEASUREMENT, ("movement",), movement, "movement", ("movement",)),)))
+    facts.follows(Sort.LIMIT, len(reading.definitions))
+
+
+def _codes(reading: Reading) -> Iterator[Fact]:
+    for item in reading.device.variants:
+        place: Path = ("order_code", "parts")
+        key: Key = ("code", item.code)
+        yield Fact(Sort.ORDER_CODE, key, item.interface, f"interface of the order code {item.code}", place)
+    for part in reading.device.order_code.parts:
+        if part.open:
+            only = ", ".join(sorted(value for values in part.open_only_with.values() for value in values))
+            value = part.open + (f" with {only}" if only else "")
+            listed = ", ".join(sorted(item.text for item in part.values))
+            place = (*place_of_part(part.name), "open")
+            yield Fact(Sort.ORDER_CODE, ("open", listed), value, f"other values than {listed}", place)
+
+
+def _supplies(reading: Reading) -> Iterator[Fact]:
+    """The supply of each order code."""
+    needs = ((item.code, reading.device.supply_of(item)) for item in reading.device.variants)
+    supplies = {(code, ""): f"{need.min_mv} to {need.max_mv} mV" for code, need in needs if need is not None}
+    if supplies:
+        yield Fact(Sort.SUPPLY, ("supply",), supplies, "supply", reading.first(("supply",), ("order_code", "parts")))
+
+
+def place_of_part(name: str) -> Path:
+    """Where a part of the order code stands."""
+    return ("order_code", "parts", name)
+
+
+def _spellings(reading: Reading) -> Iterator[Fact]:
+    """Labels that are written in another way, and what follows on them."""
+    code = reading.device.order_code
+    for index, spelling in enumerate(code.also_written):
+        place: Path = ("order_code", "also_written", index)
+        labels: set[str] = set()
+        for variant in reading.device.variants:
+            label = spelling.pattern
+            for part in code.parts:
+                texts = [text for text, value in spelled(part, spelling).items() if value == variant.parts[part.name]]
+                label = label.replace(f"{{{part.name}}}", texts[0] if texts else "\0")
+            if "\0" not in label:
+                labels.add(label)
+                yield Fact(Sort.ORDER_CODE, ("label", label, spelling.then), variant.code, f"label {label}", place)
+
+
+def _held(reading: Reading, item: Parameter) -> Iterator[Fact]:
+    where = reading.held_in(item)
+    place: Path = ("parameters", item.name)
+    register = reading.register(item.register)
+    under = reading.key_of(register) if register is not None else ()
+    for name, bound in (("min", item.min), ("max", item.max)):
+        if bound is not None:
+            what = f"{name}imum held in {where}"
+            yield Fact(Sort.LIMIT, ("held", where, name), short(bound), what, (*place, name), under)
+
+
+def _measured(reading: Reading, interface: Interface, measurement: Measurement) -> Iterator[Fact]:
+    own: Path = ("interfaces", interface.name, "measurement")
+    place = own if interface.measurement is not None else ("measurement",)
+    key: Key = ("measurement", interface.name)
+    yield Fact(Sort.MEASUREMENT, key, "told", f"measurement over {interface.short}", place)
+    parts: dict[str, Expression | None] = {
+        name: getattr(measurement, name) for name in ("steps_per_turn", "turns", "step_um", "steps", "highest")
+    }
+    cases = reading.cases(interface.name)
+    for name, part in parts.items():
+        if part is not None:
+            value = {case: short(part.value(parameters)) for case, parameters in cases.items()}
+            what = f"'{name}' over {interface.short}"
+            yield Fact(Sort.MEASUREMENT, (*key, name), value, what, (*place, name), key)
+    for layout in interface.layouts:
+        places = {}
+        for case, parameters in cases.items():
+            low, width = layout.place(parameters).place_of(measurement.of)
+            if width:
+                places[case] = bits(low + width - 1, low)
+        if places:
+            told = (*key, "of", layout.sender, *layout.selects)
+            yield Fact(Sort.MEASUREMENT, told, places, f"what is measured in '{layout.name}'", (*place, "of"), key)

@@ -1,0 +1,262 @@
+"""Two readings, fact by fact: what both have alike, what one has otherwise, what only the first has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from ..spec.problems import Path
+from .fact import Aspect, Bit, Case, Fact, Facts, Placed, Sort, Value, Word
+from .printed import same_name
+from .reading import bits
+from .words import continues, run
+
+#: The value of what a reading does not have.
+NOTHING = "nothing"
+
+
+class Read(IntEnum):
+    """How often a fact was read, the best first: of a place with several facts the worst counts."""
+
+    TWICE = 0
+    EXPLAINED = 1
+    ONCE = 2
+    OTHERWISE = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """A fact of which the readings have different values; ``place`` is in the spec, ``second`` in the second reading.
+
+    A place is empty where a reading has nothing of the kind; ``near`` is then where it would stand.
+    """
+
+    sort: Sort
+    what: str
+    used: str
+    other: str
+    place: Path
+    second: Path
+    near: Path
+    codes: int = 0
+
+
+@dataclass(slots=True)
+class Comparison:
+    """The outcome: each place of the spec by class and how often it was read, and the disagreements."""
+
+    read: dict[tuple[Sort, Path], Read] = field(default_factory=dict)
+    disagreements: list[Disagreement] = field(default_factory=list)
+
+    def note(self, sort: Sort, place: Path, read: Read) -> None:
+        """Counts a fact of the spec."""
+        key = sort, place
+        self.read[key] = max(read, self.read.get(key, Read.TWICE))
+
+
+def compare(spec: Facts, second: Facts) -> Comparison:
+    """What comes out when the facts of a spec are held against those of its second reading."""
+    made = Comparison()
+    for key, fact in spec.facts.items():
+        other = second.facts.get(key)
+        if other is None:
+            made.note(fact.sort, fact.place, Read.ONCE)
+        else:
+            _compare_values(made, fact, other)
+    for key, fact in second.facts.items():
+        if key not in spec.facts and not fact.mild and _has_holder(fact, spec):
+            near = _near(fact, spec, second)
+            _differ(made, Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near))
+    for key, word in spec.words.items():
+        if _same_order(spec.facts.get((*key, "order")), second.facts.get((*key, "order"))):
+            _compare_words(made, word, second.words.get(key))
+    return made
+
+
+def _same_order(own: Fact | None, other: Fact | None) -> bool:
+    """Whether two frames can be compared bit by bit; if their bytes come in different orders, that alone is told."""
+    return own is None or other is None or own.value == other.value
+
+
+def _has_holder(fact: Fact, spec: Facts) -> bool:
+    """Whether the spec has what the fact is about; if not, that alone is told."""
+    return not fact.under or fact.under in spec.facts
+
+
+def _near(fact: Fact, spec: Facts, second: Facts) -> Path:
+    """Where the spec would state it: with what it is about, at the only thing of its kind that the second reading has
+    not, which it may be, or where such things stand."""
+    if fact.under:
+        return spec.facts[fact.under].place
+    alike = (item for key, item in spec.facts.items() if item.sort is fact.sort and key[:2] == fact.key[:2])
+    alone = [item for item in alike if not item.under and item.key not in second.facts]
+    return alone[0].place if len(alone) == 1 else _container(fact.place)
+
+
+def _container(place: Path) -> Path:
+    """The nearest list or map around a place that any spec has under the same keys."""
+    if place[0] in ("interfaces", "manual"):
+        return place[:3] if len(place) > 2 and isinstance(place[2], str) else place[:2]
+    return place[:1]
+
+
+def _shown(value: Value) -> str:
+    return value if isinstance(value, str) else next(iter(value.values()), NOTHING)
+
+
+def _differ(made: Comparison, found: Disagreement) -> None:
+    if found.place:
+        made.note(found.sort, found.place, Read.OTHERWISE)
+    if found not in made.disagreements:
+        made.disagreements.append(found)
+
+
+def _alias(sort: Sort, one: str, other: str) -> bool:
+    return sort is Sort.PRINTED and same_name(one, other)
+
+
+def _everywhere(value: Value) -> Value:
+    """A value that is the same in each case as that value."""
+    found = {value} if isinstance(value, str) else set(value.values())
+    return found.pop() if len(found) == 1 else value
+
+
+def _compare_values(made: Comparison, fact: Fact, other: Fact) -> None:
+    own, theirs = _everywhere(fact.value), _everywhere(other.value)
+    if isinstance(own, str) or isinstance(theirs, str):
+        if own == theirs or _alias(fact.sort, _shown(own), _shown(theirs)):
+            made.note(fact.sort, fact.place, Read.TWICE)
+        else:
+            values = _shown(own), _shown(theirs)
+            _differ(made, Disagreement(fact.sort, fact.what, *values, fact.place, other.place, ()))
+        return
+    common = [case for case in own if case in theirs]
+    missing = [case for case in own if case not in theirs and not (case[1] and own[case] == own.get((case[0], "")))]
+    wrong = [case for case in common if own[case] != theirs[case]]
+    if wrong:
+        said = Disagreement(
+            fact.sort,
+            fact.what + _with(wrong),
+            own[wrong[0]],
+            theirs[wrong[0]],
+            fact.place,
+            other.place,
+            (),
+            len(wrong),
+        )
+        _differ(made, said)
+    made.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
+
+
+def _with(cases: list[Case]) -> str:
+    """For which order codes, and in which state of the registers."""
+    code, state = cases[0]
+    held = f" while {state}" if state else ""
+    codes = len({code for code, _ in cases})
+    more = f" and {codes - 1} more" if codes > 1 else ""
+    return f", with {code}{more}{held}"
+
+
+#: What is one disagreement whatever the case: places, class, and its number among those of these.
+_Kind = tuple[Path, Path, Sort, int]
+
+
+def _compare_words(made: Comparison, word: Word, other: Word | None) -> None:
+    """A frame or register in every case; each thing that differs is told for the first case that shows it."""
+    told: dict[_Kind, tuple[Disagreement, list[Case]]] = {}
+    seen: dict[tuple[int, int], list[_Kind]] = {}
+    others = other.cases if other is not None else {}
+    whole = other.everywhere if other is not None and word.everywhere is not None else None
+    for case, placed in word.cases.items():
+        theirs = whole or others.get(case)
+        if theirs is None:
+            if not case[1] or placed is not word.cases.get((case[0], "")):
+                _note_all(made, placed)
+            continue
+        same = id(placed), id(theirs)
+        if same not in seen:
+            seen[same] = []
+            for found in _in_case(made, word, placed, theirs):
+                count = sum(kind[:3] == (found.place, found.second, found.sort) for kind in seen[same])
+                kind = found.place, found.second, found.sort, count
+                told.setdefault(kind, (found, []))
+                seen[same].append(kind)
+        for kind in seen[same]:
+            told[kind][1].append(case)
+    every = len(word.cases)
+    for found, cases in told.values():
+        what = found.what + (_with(cases) if len(set(cases)) < every else "")
+        _differ(made, Disagreement(found.sort, what, found.used, found.other, found.place, found.second, found.near))
+
+
+def _note_all(made: Comparison, placed: Placed) -> None:
+    for bit in placed.bits:
+        made.note(Sort.POSITION, bit.place, Read.ONCE)
+    for aspects in placed.fields.values():
+        for aspect in aspects.values():
+            made.note(aspect.sort, aspect.place, Read.ONCE)
+
+
+def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterator[Disagreement]:
+    """What differs in one case. Of words of different lengths only that is told, with the other facts."""
+    if len(own.bits) != len(other.bits):
+        return
+    for high, low in _runs(own.bits, other.bits):
+        mine, theirs = own.bits[low : high + 1][::-1], other.bits[low : high + 1][::-1]
+        what = f"{bits(high, low)} of {word.what}"
+        yield Disagreement(Sort.POSITION, what, run(mine), run(theirs), mine[0].place, theirs[0].place, ())
+    for one, two in zip(own.bits, other.bits, strict=True):
+        if _alike(one, two):
+            made.note(Sort.POSITION, one.place, Read.TWICE)
+    for (low, width), aspects in own.fields.items():
+        yield from _compare_aspects(made, word, (low, width), aspects, other.fields.get((low, width), {}))
+
+
+def _alike(one: Bit, other: Bit) -> bool:
+    return (one.part, one.weight, one.fixed) == (other.part, other.weight, other.fixed)
+
+
+def _runs(own: tuple[Bit, ...], other: tuple[Bit, ...]) -> Iterator[tuple[int, int]]:
+    """The bits that differ, those together that differ in the same way."""
+    high: int | None = None
+    for index in range(len(own) - 1, -1, -1):
+        if _alike(own[index], other[index]):
+            if high is not None:
+                yield high, index + 1
+            high = None
+        elif high is None:
+            high = index
+        elif not all(
+            continues(side[index + 1], side[index]) and side[index + 1].place == side[index].place
+            for side in (own, other)
+        ):
+            yield high, index + 1
+            high = index
+    if high is not None:
+        yield high, 0
+
+
+def _compare_aspects(
+    made: Comparison,
+    word: Word,
+    span: tuple[int, int],
+    own: Mapping[str, Aspect],
+    other: Mapping[str, Aspect],
+) -> Iterator[Disagreement]:
+    low, width = span
+    where = f" of {bits(low + width - 1, low)} of {word.what}"
+    for about, aspect in own.items():
+        theirs = other.get(about)
+        if theirs is None:
+            made.note(aspect.sort, aspect.place, Read.ONCE)
+        elif aspect.value == theirs.value or _alias(aspect.sort, aspect.value, theirs.value):
+            made.note(aspect.sort, aspect.place, Read.TWICE)
+        else:
+            what = aspect.what + ("" if aspect.alone else where)
+            yield Disagreement(aspect.sort, what, aspect.value, theirs.value, aspect.place, theirs.place, ())
+    near = next((aspect.place for aspect in own.values()), word.place)
+    for about, aspect in other.items():
+        if about not in own and not aspect.mild:
+            what = aspect.what + ("" if aspect.alone else where)
+            yield Disagreement(aspect.sort, what, NOTHING, aspect.value, (), aspect.place, near)

@@ -1,0 +1,66 @@
+"""How often each fact of the specs was read: by class, and what was read once where that is not enough."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..model import TimesRead
+from ..spec.document import Document
+from ..spec.problems import Path
+from .compare import Comparison, Read
+from .fact import Sort
+from .second import Readings
+
+NOT_READ = TimesRead(0, 0, 0, 0)
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """How often the facts of one family were read; ``once`` are those that were read once, in the order of the file."""
+
+    family: str
+    spec: Document
+    counts: Mapping[Sort, TimesRead]
+    once: Sequence[tuple[Sort, Path]]
+
+    @property
+    def total(self) -> TimesRead:
+        """The counts of all classes."""
+        return added(self.counts.values())
+
+    @property
+    def lacking(self) -> list[tuple[Sort, Path]]:
+        """The facts that have to be read twice and were read once."""
+        return [item for item in self.once if item[0].is_needed]
+
+
+def coverage_of(readings: Iterable[Readings]) -> list[Coverage]:
+    """The coverage of each family whose readings could be compared."""
+    return [_of_family(item, item.outcome) for item in readings if item.outcome is not None]
+
+
+def added(counts: Iterable[TimesRead]) -> TimesRead:
+    """The sum of several counts."""
+    found = NOT_READ
+    for item in counts:
+        found = TimesRead(
+            found.twice + item.twice,
+            found.explained + item.explained,
+            found.once + item.once,
+            found.derived + item.derived,
+        )
+    return found
+
+
+def _of_family(readings: Readings, outcome: Comparison) -> Coverage:
+    spec = readings.family.document
+    counts = {sort: _count(sort, outcome, readings.derived.get(sort, 0)) for sort in Sort}
+    once = [item for item, read in outcome.read.items() if read is Read.ONCE]
+    once.sort(key=lambda item: (spec.position(item[1]), item[0].value))
+    return Coverage(readings.family.device.name, spec, counts, once)
+
+
+def _count(sort: Sort, outcome: Comparison, derived: int) -> TimesRead:
+    found = [read for (other, _), read in outcome.read.items() if other is sort]
+    return TimesRead(found.count(Read.TWICE), found.count(Read.EXPLAINED), found.count(Read.ONCE), derived)

@@ -1,0 +1,192 @@
+"""A reading: a device with the file that it was made of, and the cases in which its words are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..model import INTERFACES, Device, Field, Layout, Parameter, Register
+from ..model.expressions import Expression
+from ..reference.run_time import resolve_parameters
+from ..spec.document import Document
+from ..spec.problems import Path
+from .fact import Case, Key
+
+Parameters = Mapping[str, int]
+
+#: What the names of the fields begin with that the build puts where other bits are zero.
+_ZEROS = "zero"
+#: From here on numbers are shown in hexadecimal.
+_LONG = 10_000
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A device and its file."""
+
+    device: Device
+    document: Document
+
+    def cases(self, interface: str) -> Mapping[Case, Parameters]:
+        """The parameters of each order code over an interface: as delivered, at both ends of what registers hold, and
+        by each other answer of an alternative."""
+        if interface not in self._cases:
+            self._cases[interface] = dict(self._found(interface))
+        return self._cases[interface]
+
+    @cached_property
+    def _cases(self) -> dict[str, Mapping[Case, Parameters]]:
+        return {}
+
+    def _found(self, interface: str) -> Iterator[tuple[Case, Parameters]]:
+        changes = list(self._changes(interface))
+        definitions = self.definitions
+        for variant in self.device.variants:
+            if variant.interface != interface:
+                continue
+            yield (variant.code, ""), variant.parameters
+            given = {name: value for name, value in variant.parameters.items() if name not in definitions}
+            for state, changed in changes:
+                yield (variant.code, state), resolve_parameters({**given, **changed}, definitions)
+
+    def _changes(self, interface: str) -> Iterator[tuple[str, Parameters]]:
+        for item in self.device.run_time_parameters:
+            if item.interface in ("", interface):
+                bounds = (bound for bound in (item.min, item.max) if bound is not None)
+                yield from ((f"{self.held_in(item)} = {bound}", {item.name: bound}) for bound in bounds)
+        for number, alternative in enumerate(self.device.alternatives, 1):
+            for index, answer in enumerate(alternative.answers[1:], 2):
+                yield f"answer {index} of alternative {number}", answer.sets
+
+    @cached_property
+    def definitions(self) -> Mapping[str, Expression]:
+        """The parameters that follow from others."""
+        return {item.name: item.equals for item in self.device.parameters if item.equals is not None}
+
+    def sources_of(self, layout: Layout) -> tuple[str, ...]:
+        """The parameters that decide where the fields of a layout stand, what they hold and in which code."""
+        found = {layout.gray_when, *layout.bits.parameters} - {""}
+        for item in layout.fields:
+            found |= {*item.low.parameters, *item.width.parameters}
+            found |= set(item.equals.parameters) if isinstance(item.equals, Expression) else set()
+        return tuple(sorted(found))
+
+    def held_in(self, item: Parameter) -> str:
+        """The bits of a register that hold a parameter, in words without names."""
+        return self.bits_at(item.read_from)
+
+    def bits_at(self, path: str) -> str:
+        """The bits of a register that ``register.field`` names, in words without names."""
+        name, _, inner = path.partition(".")
+        register = self.register(name)
+        field = next((item for item in register.layout.fields if item.name == inner), None) if register else None
+        if register is None or field is None:
+            return path
+        return f"{at(register)} {self.bits_of(register, field)}"
+
+    def state(self, path: str, name: str) -> str:
+        """That the bits which ``register.field`` names have the value called ``name``, in words without names."""
+        register, _, inner = path.partition(".")
+        found = self.register(register)
+        fields = found.layout.fields if found is not None else ()
+        values = (value for item in fields if item.name == inner for value in item.values)
+        number = next((in_hex(value.value) for value in values if value.name == name), name)
+        return f"{self.bits_at(path)} is {number}"
+
+    def bits_of(self, register: Register, field: Field) -> str:
+        """``bits 7:4`` of a register, as they are for the first order code."""
+        parameters = self._first_of(register.interface)
+        low, width = field.low.value(parameters), field.width.value(parameters)
+        return bits(low + width - 1, low)
+
+    def _first_of(self, interface: str) -> Parameters:
+        """The parameters of the first order code over an interface, by name: readers list codes in different orders."""
+        codes = (item for item in self.device.variants if item.interface == interface)
+        found = min(codes, key=lambda item: item.code, default=None)
+        return found.parameters if found is not None else {}
+
+    def register(self, name: str) -> Register | None:
+        return next((item for item in self.device.registers if item.name == name), None)
+
+    def field_place(self, owner: Path, field: Field) -> Path:
+        """Where the spec has a field: in its group, in the layout, or as what another key of the layout says."""
+        if field.group:
+            owner = ("field_groups", field.group)
+        own: Path = (*owner, "fields", field.padding_of or field.name)
+        if field.name.startswith(_ZEROS) and not self.has(own):
+            return (*owner, "other_bits")
+        return self.first(own, owner)
+
+    def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
+        """A bit of each frame that a layout is, in words without names, as it is for the first order code."""
+        frame = f"bit {field.low.value(self._first_of(interface))} of the {layout.sender}'s frame"
+        yield from (f"{frame} with {in_hex(value)}" for value in layout.selects)
+        if not layout.selects:
+            yield frame
+
+    def has(self, path: Path) -> bool:
+        """Whether the file has something at a place."""
+        return self.document.has(path)
+
+    def name_place(self, owner: Path, language: str) -> Path:
+        """Where the spec has the printed name of something in a language."""
+        return self.first((*owner, "names", language), (*owner, "printed_name"), owner)
+
+    def first(self, *paths: Path) -> Path:
+        """The first of these places that the file has, else the last."""
+        return next((path for path in paths if self.has(path)), paths[-1])
+
+    def key_of(self, register: Register) -> Key:
+        """Interface, bank and address; of several registers at one address also whether it can be read."""
+        same = [
+            item
+            for item in self.device.registers
+            if (item.interface, item.bank, item.address) == (register.interface, register.bank, register.address)
+        ]
+        bank = -1 if register.bank is None else register.bank
+        told = () if len(same) < 2 else ("read" if register.readable else "write",)
+        return ("register", register.interface, bank, register.address, *told)
+
+
+def at(register: Register) -> str:
+    """``register 0x49``, with its bank."""
+    bank = f" of bank {register.bank}" if register.bank is not None else ""
+    return f"register 0x{register.address:02X}{bank}"
+
+
+def over(interface: str) -> str:
+    """What sentences call an interface."""
+    return INTERFACES[interface].short
+
+
+def in_hex(value: int) -> str:
+    """A number as specs have it where it stands for bits."""
+    return f"0x{value:02X}" if value > 9 else str(value)
+
+
+def short(value: int) -> str:
+    """A number that counts."""
+    return str(value) if value < _LONG else f"0x{value:X}"
+
+
+def bits(high: int, low: int) -> str:
+    """``bit 5`` or ``bits 7:4``."""
+    return f"bit {high}" if high == low else f"bits {high}:{low}"
+
+
+def as_delivered(register: Register) -> tuple[int | None, bool]:
+    """What the register is as delivered, and whether the spec says so outright, not by what is always there."""
+    if register.default is not None:
+        return register.default, True
+    found = 0
+    for item in register.layout.fields:
+        if not item.carries_data:
+            return None, False
+        number = int.from_bytes(item.equals.encode("ascii"), "big") if isinstance(item.equals, str) else item.equals
+        if isinstance(number, Expression):
+            number = number.constant if number.is_constant else None
+        if number is None or not item.low.is_constant:
+            return None, False
+        found |= number << item.low.constant
+    return found, False

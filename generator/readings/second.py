@@ -1,0 +1,129 @@
+"""Second readings: found beside their specs, read, checked and held against them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path as File
+
+from ..build.device import build_device
+from ..build.load import Family
+from ..spec.check import check_second
+from ..spec.document import Document
+from ..spec.problems import Path, Report, quoted
+from ..spec.read import read_document
+from ..spec.second import beside
+from .compare import Comparison, Disagreement, Read, compare
+from .fact import Sort
+from .facts import facts_of
+from .reading import Reading
+
+RULE = "readings-disagree"
+_MEND = "the manual decides; where it prints both, an erratum has them under 'readings'"
+
+
+@dataclass(frozen=True)
+class Readings:
+    """A family with its second reading, and what came out of the comparison; nothing where a file has faults."""
+
+    family: Family
+    second: Document
+    outcome: Comparison | None
+    derived: Mapping[Sort, int]
+
+
+def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
+    """The files of the families in whose facts nothing is wrong up to now, so that they can be compared."""
+    return frozenset(family.document.file for family in families if not report.faults(family.document))
+
+
+def compare_readings(families: Iterable[Family], sound: Collection[str], report: Report) -> list[Readings]:
+    """Compares each family that has a second reading with it, and reports what the two have differently.
+
+    A second reading is checked even where its spec is not ``sound``, but not compared.
+    """
+    found = []
+    for family in families:
+        place = beside(File(family.document.file))
+        if place.is_file():
+            document = read_document(place, report)
+            if document is not None:
+                found.append(_compared(family, document, family.document.file in sound, report))
+    return found
+
+
+def _compared(family: Family, document: Document, is_sound: bool, report: Report) -> Readings:
+    before = len(report)
+    data = check_second(document, report)
+    if data is None:
+        return Readings(family, document, None, {})
+    device = build_device(data, family.device.manufacturer, report.for_document(document))
+    if device is None or len(report) > before or not is_sound:
+        return Readings(family, document, None, {})
+    facts = facts_of(Reading(family.device, family.document))
+    outcome = compare(facts, facts_of(Reading(device, document)))
+    _report(Errata(family.document), outcome, family.document, document, report)
+    return Readings(family, document, outcome, facts.derived)
+
+
+def _report(errata: Errata, outcome: Comparison, spec: Document, second: Document, report: Report) -> None:
+    """Tells each disagreement that no erratum explains, at both places."""
+    for item in outcome.disagreements:
+        if errata.explain(item):
+            outcome.read[item.sort, item.place or ("second", *item.second)] = Read.EXPLAINED
+            continue
+        place = item.place or item.near
+        line, _ = second.position(item.second)
+        here = f"{item.what}: {item.used} here, {item.other} in {File(second.file).name}:{line}; {_MEND}"
+        report.add(RULE, spec, place, here)
+        line, _ = spec.position(place)
+        there = f"{item.what}: {item.other} here, {item.used} in {File(spec.file).name}:{line}; {_MEND}"
+        report.add(RULE, second, item.second, there)
+    errata.tell_unused(spec, report)
+
+
+class Errata:
+    """The errata of a spec that say what a second reader reads."""
+
+    def __init__(self, spec: Document) -> None:
+        self._said: list[tuple[Path, Sequence[str], str, str]] = []
+        self._used: set[Path] = set()
+        for number, item in enumerate(spec.data.get("errata", ())):
+            for index, reading in enumerate(item.get("readings", ())):
+                place: Path = ("errata", number, "readings", index)
+                self._said.append((place, item.get("affects", ()), reading["second"], reading["used"]))
+
+    def explain(self, item: Disagreement) -> bool:
+        """Whether an erratum that affects the place has just these two values."""
+        found = [
+            place
+            for place, affected, second, used in self._said
+            if (second, used) == (item.other, item.used)
+            and any(touches(path, item.place or item.near) for path in affected)
+        ]
+        self._used |= set(found)
+        return bool(found)
+
+    def tell_unused(self, spec: Document, report: Report) -> None:
+        """Reports what explains nothing."""
+        for place, _, second, used in self._said:
+            if place not in self._used:
+                values = f"{quoted(second)} in the second reading and {quoted(used)} here"
+                wrong = f"nothing that this erratum affects is {values}; leave it out, or correct it"
+                report.add("readings-unused", spec, place, wrong)
+
+
+#: Keys of lists and maps that a path of an erratum leaves out.
+_LEFT_OUT = frozenset("layouts fields values contacts timings parts steps arguments meanings data_ids".split())
+
+
+def touches(affected: str, place: Path) -> bool:
+    """Whether an erratum that affects a path touches a place: it is the same, or above it, or below it."""
+    wanted, steps = affected.split("."), list(place)
+    while wanted and steps:
+        step = steps.pop(0)
+        if step == wanted[0]:
+            wanted.pop(0)
+        elif not isinstance(step, int) and step not in _LEFT_OUT:
+            return False
+    return True

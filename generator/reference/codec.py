@@ -1,0 +1,464 @@
+"""Encoding and decoding by the model alone: what the command line shows, and what every generated codec is held
+against."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..model import (
+    Choice,
+    Constant,
+    Crc,
+    CrcValue,
+    Decimal,
+    Device,
+    Fault,
+    Flag,
+    Join,
+    Layout,
+    Number,
+    Parity,
+    PlacedField,
+    PlacedLayout,
+    Text,
+    Unused,
+    Value,
+    Variant,
+    assert_never,
+)
+from ..say.words import counted
+from .crc import compute_bits, compute_bytes
+
+Values = Mapping[str, "int | str | bool"]
+
+#: What a decoded frame calls the number of its unused bits.
+UNUSED = "unused"
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A fault of a frame, and the field that has it."""
+
+    fault: Fault
+    field: str
+    message: str
+
+
+class EncodeError(ValueError):
+    """A value is missing, unknown, or does not fit its field."""
+
+
+@dataclass(frozen=True, slots=True)
+class DecodedField:
+    """``raw`` is the number on the wire, ``value`` what it stands for: a number, a truth value, the name of a value, or
+    text."""
+
+    name: str
+    raw: int
+    value: int | str | bool
+    unit: str
+    meaning: str
+    high: int
+    low: int
+
+
+@dataclass(frozen=True, slots=True)
+class CrcResult:
+    name: str
+    received: int
+    computed: int
+
+    @property
+    def ok(self) -> bool:
+        return self.received == self.computed
+
+
+@dataclass(frozen=True, slots=True)
+class Decoded:
+    layout: PlacedLayout | None
+    number: int
+    fields: tuple[DecodedField, ...]
+    crc: CrcResult | None
+    problems: tuple[Problem, ...]
+
+    @property
+    def values(self) -> dict[str, int | str | bool]:
+        return {item.name: item.value for item in self.fields}
+
+
+def number_from_bytes(layout: Layout, data: bytes) -> int:
+    """The bytes of a frame or register as one number."""
+    return int.from_bytes(data, "little" if layout.byte_order == "low_byte_first" else "big")
+
+
+def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
+    """One number as the bytes of a frame or register."""
+    return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
+
+
+def number_of_text(text: str) -> int:
+    """The bits of a field of characters as one number."""
+    return int.from_bytes(text.encode("ascii", "replace"), "big")
+
+
+def select(
+    device: Device, variant: Variant, sender: str, data: bytes
+) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
+    """The layout of ``data`` among those of the variant's interface, told by the selecting field.
+
+    Or why there is none.
+    """
+    candidates = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
+    if not candidates:
+        return None, (Problem(Fault.RANGE, "", f"the {sender} sends no frame over this interface"),)
+    allowed: list[int] = []
+    for layout in candidates:
+        placed = layout.place(variant.parameters)
+        if not layout.selector:
+            return placed, ()
+        allowed.extend(layout.selects)
+        if _selected(placed, data) in layout.selects:
+            return placed, ()
+    layout = candidates[0]
+    found = _selected(layout.place(variant.parameters), data)
+    if found is None:
+        return None, (Problem(Fault.LENGTH, "", f"{counted(len(data), 'byte')}: too few to tell the frame by"),)
+    choices = ", ".join(f"{value:X}" for value in sorted(allowed))
+    return None, (Problem(Fault.RANGE, layout.selector, f"{layout.selector} is {found:X}; it can be {choices}"),)
+
+
+def _selected(placed: PlacedLayout, data: bytes) -> int | None:
+    """The selecting field, counted from the start of the frame, which may be too short or too long.
+
+    None where it is not in ``data``.
+    """
+    selector = placed.field(placed.layout.selector)
+    if selector is None:
+        return None
+    low_first = placed.layout.byte_order == "low_byte_first"
+    needed = selector.high // 8 + 1 if low_first else (placed.bits - selector.low + 7) // 8
+    if len(data) < needed:
+        return None
+    beyond = 0 if low_first else placed.bits - 8 * needed
+    return number_from_bytes(placed.layout, data[:needed]) >> (selector.low - beyond) & selector.mask
+
+
+def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
+    """A frame of whole bytes, its layout told by its selecting field."""
+    placed, problems = select(device, variant, sender, data)
+    return decode_placed(device, placed, data) if placed is not None else Decoded(None, 0, (), None, problems)
+
+
+def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
+    """A frame of whole bytes whose layout is known."""
+    number = number_from_bytes(placed.layout, data)
+    if 8 * len(data) != placed.bits:
+        return _other_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
+    return decode(device, placed, number)
+
+
+def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> Decoded:
+    """A frame of so many bits whose layout is known."""
+    if bits != placed.bits:
+        return _other_length(placed, number, f"{placed.bits} bits", bits)
+    return decode(device, placed, number)
+
+
+def _other_length(placed: PlacedLayout, number: int, needed: str, found: int) -> Decoded:
+    wrong = f"'{placed.name}' has {needed}; this has {found}"
+    return Decoded(placed, number, (), None, (Problem(Fault.LENGTH, "", wrong),))
+
+
+def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
+    """Every field of ``number``, the CRC, and all faults."""
+    if number >> placed.bits:
+        return _other_length(placed, number, f"{placed.bits} bits", number.bit_length())
+    problems: list[Problem] = []
+    fields = []
+    plain = from_gray(placed, number)
+    for item in placed.fields:
+        raw = number >> item.low & item.mask
+        fields += _decode_field(item, raw, plain >> item.low & item.mask, problems)
+        if isinstance(item.field.kind, Parity):
+            expected = parity_bit(placed, item.field.kind, number)
+            if raw != expected:
+                wrong = f"{item.name} is {raw}; for this {item.field.kind.of} it has to be {expected}"
+                problems.append(Problem(Fault.CONSTANT, item.name, wrong))
+        elif item.name == placed.layout.selector and raw not in placed.layout.selects:
+            problems.append(Problem(Fault.RANGE, item.name, f"{item.name} {raw:X} does not belong to this frame"))
+    crc = _decode_crc(device, placed, number, problems)
+    fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
+    if placed.layout.unused:
+        bits = unused_bits(placed, number)
+        fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that are not as the manual has them", -1, -1))
+    problems.sort(key=lambda item: list(Fault).index(item.fault))
+    return Decoded(placed, number, tuple(fields), crc, tuple(problems))
+
+
+def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: list[Problem]) -> CrcResult | None:
+    for item in placed.fields:
+        if isinstance(item.field.kind, CrcValue):
+            crc = device.crc(item.field.kind.crc)
+            result = CrcResult(crc.name, number >> item.low & item.mask, compute(crc, placed, number))
+            if not result.ok:
+                wrong = f"the CRC is {result.received:#04x}; over these bits it has to be {result.computed:#04x}"
+                problems.append(Problem(Fault.CRC, item.name, wrong))
+            return result
+    return None
+
+
+def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> DecodedField:
+    parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
+    meaning = f"{parts} as one number" if len(join.fields) > 1 else ""
+    return DecodedField(
+        join.name, join_value(placed, join, number), join_value(placed, join, plain), "", meaning, -1, -1
+    )
+
+
+def unused_bits(placed: PlacedLayout, number: int) -> int:
+    """The unused bits of a frame as one number: 0 where they are as the manual has them."""
+    found = 0
+    for field, place in placed.layout.unused:
+        item = placed.field(field.name)
+        if item is not None:
+            found |= (number >> item.low & item.mask ^ _documented(item)) << place
+    return found
+
+
+def _documented(item: PlacedField) -> int:
+    """What the manual has in an unused field, which may be narrower for this order code."""
+    return item.field.kind.value & item.mask if isinstance(item.field.kind, Unused) else 0
+
+
+def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
+    """The parity bit that belongs to the other bits of ``number``."""
+    of = placed.field(parity.of)
+    ones = (number >> of.low & of.mask).bit_count() if of is not None else 0
+    return (ones + parity.odd) & 1
+
+
+def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
+    """The fields of a join as one number, the first of them most significant."""
+    value = 0
+    for name in join.fields:
+        part = placed.field(name)
+        if part is not None:
+            value = value << part.width | number >> part.low & part.mask
+    return value
+
+
+def gray_to_binary(gray: int) -> int:
+    """The number that ``gray`` stands for in reflected binary code."""
+    binary = gray
+    while gray := gray >> 1:
+        binary ^= gray
+    return binary
+
+
+def binary_to_gray(binary: int) -> int:
+    """``binary`` in reflected binary code."""
+    return binary ^ binary >> 1
+
+
+def from_gray(placed: PlacedLayout, number: int) -> int:
+    """``number`` with the part that is sent in Gray code, if any, turned into binary."""
+    return _with_part(placed, number, gray_to_binary)
+
+
+def to_gray(placed: PlacedLayout, number: int) -> int:
+    """``number`` with the part that is sent in Gray code, if any, turned into it."""
+    return _with_part(placed, number, binary_to_gray)
+
+
+def _with_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) -> int:
+    if not placed.gray:
+        return number
+    low, width = placed.place_of(placed.layout.gray_of)
+    mask = (1 << width) - 1
+    return number & ~(mask << low) | change(number >> low & mask) << low
+
+
+def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
+    """The field as a user reads it; ``wire`` is what was sent, ``raw`` the same out of Gray code."""
+    field, name = item.field, item.name
+    value: int | str | bool = raw
+    meaning = field.meaning
+    match field.kind:
+        case Number() as number:
+            value = _number_of(number, raw, item.width)
+        case Flag() as flag:
+            value = bool(raw) != flag.active_low
+            meaning = (flag.when_active if value else flag.when_inactive) or meaning
+        case Choice(values):
+            named = next((entry for entry in values if entry.value == raw), None)
+            if named is not None:
+                value, meaning = named.name, named.meaning or meaning
+            else:
+                problems.append(Problem(Fault.RANGE, name, f"{name} has no value {raw:#x}"))
+        case Constant(constant):
+            if raw != constant:
+                problems.append(Problem(Fault.CONSTANT, name, f"{name} is {raw:#x}; it is always {constant:#x}"))
+        case Text():
+            value = raw.to_bytes(item.width // 8, "big").decode("ascii", "replace")
+        case Decimal() as decimal:
+            if raw >= decimal.limit:
+                wrong = f"{name} is {raw}, which has more than {decimal.digits} digits"
+                problems.append(Problem(Fault.RANGE, name, wrong))
+        case Unused():
+            pass  # whatever it is, the frame is sound
+        case CrcValue() | Parity():
+            pass  # compared with what they are made of when that is known
+        case _ as kind:
+            assert_never(kind)
+    runs = ((run, raw // run.divisor % run.modulus) for run in field.runs)
+    return [
+        DecodedField(name, wire, value, field.unit, meaning, item.high, item.low),
+        *(DecodedField(run.name, part, part, "", run.meaning, item.high, item.low) for run, part in runs),
+    ]
+
+
+def _number_of(number: Number, raw: int, width: int) -> int:
+    if number.signed and raw >> (width - 1):
+        return raw - (1 << width)
+    return raw or number.zero_means
+
+
+def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
+    """The CRC that belongs to the other bits of ``number``."""
+    if placed.layout.in_bytes:
+        data = number_to_bytes(placed.layout, number, placed.bits)
+        return compute_bytes(crc, data[: -(crc.width // 8)])
+    return compute_bits(crc, number >> crc.width, placed.bits - crc.width)
+
+
+def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
+    """The number whose fields have these values.
+
+    Constants, parity and CRC are filled in, a join may stand for its fields. Unused bits are as the manual has them
+    but for those that ``unused`` turns round.
+
+    Raises:
+        EncodeError: A value is missing, unknown, or does not fit.
+    """
+    given = dict(values)
+    for join in placed.layout.joins:
+        if join.name in given:
+            given |= _split(placed, join, _number(given.pop(join.name)), given)
+    number = 0
+    for item in placed.fields:
+        number |= _raw(placed, item, given) << item.low
+    if placed.layout.unused:
+        number |= _unused(placed, _number(given.pop(UNUSED, 0)))
+    left = [name for name in given if name not in _used(placed)]
+    if left:
+        raise EncodeError(f"there is no field '{left[0]}' in {placed.name}")
+    absent = next(
+        (field.name for field in placed.layout.fields if given.get(field.name) and placed.field(field.name) is None), ""
+    )
+    if absent:
+        raise EncodeError(f"{absent} {given[absent]} does not fit: this order code has no such field")
+    for item in placed.fields:
+        if isinstance(item.field.kind, Parity):
+            number |= parity_bit(placed, item.field.kind, number) << item.low
+    number = to_gray(placed, number)
+    for item in placed.fields:
+        if isinstance(item.field.kind, CrcValue):
+            number |= compute(device.crc(item.field.kind.crc), placed, number) << item.low
+    return number
+
+
+def _used(placed: PlacedLayout) -> set[str]:
+    names = {field.name for field in placed.layout.fields}
+    return names | {run.name for field in placed.layout.fields for run in field.runs}
+
+
+def _unused(placed: PlacedLayout, turned: int) -> int:
+    """The unused bits at their places: as the manual has them, but for those ``turned`` round."""
+    number = 0
+    for field, place in placed.layout.unused:
+        item = placed.field(field.name)
+        if item is not None:
+            number |= (turned >> place & item.mask ^ _documented(item)) << item.low
+            turned &= ~(item.mask << place)
+    if turned:
+        raise EncodeError(f"'{UNUSED}' has the bits {turned:#x}, which are none of the unused bits of {placed.name}")
+    return number
+
+
+def _number(value: int | str | bool) -> int:
+    if isinstance(value, str):
+        raise EncodeError(f"'{value}' is no number")
+    return int(value)
+
+
+def _split(placed: PlacedLayout, join: Join, value: int, given: Values) -> dict[str, int]:
+    parts: dict[str, int] = {}
+    rest = value
+    for name in reversed(join.fields):
+        item = placed.field(name)
+        width = item.width if item is not None else 0
+        parts[name] = rest & ((1 << width) - 1)
+        rest >>= width
+    if rest or value < 0:
+        raise EncodeError(f"{join.name} {value} does not fit")
+    if any(name in given and given[name] != parts[name] for name in parts):
+        raise EncodeError(f"{join.name} and its fields disagree")
+    return parts
+
+
+def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
+    """The bits of one field; those of CRC and parity follow from the others."""
+    name, kind = item.name, item.field.kind
+    if isinstance(kind, Constant):
+        return kind.value
+    if isinstance(kind, (Unused, CrcValue, Parity)):
+        return 0
+    if isinstance(kind, Decimal) and name not in given:
+        return sum(_parts(kind, given))
+    if name not in given:
+        if name == placed.layout.selector and len(placed.layout.selects) == 1:
+            return placed.layout.selects[0]
+        raise EncodeError(f"'{name}' is missing")
+    value = given[name]
+    match kind:
+        case Number():
+            raw = _bits_of(kind, item, _number(value))
+        case Flag():
+            raw = int(bool(value) != kind.active_low)
+        case Choice(values):
+            raw = _chosen(name, values, value) if isinstance(value, str) else _number(value)
+        case Text():
+            raw = number_of_text(value) if isinstance(value, str) else _number(value)
+        case Decimal():
+            raw = _number(value)
+        case _:
+            assert_never(kind)
+    if raw < 0 or raw > item.mask:
+        raise EncodeError(f"{name} {raw} does not fit into {item.width} bits")
+    return raw
+
+
+def _bits_of(number: Number, item: PlacedField, value: int) -> int:
+    raw = 0 if value == number.zero_means else value & item.mask
+    if _number_of(number, raw, item.width) != value:
+        raise EncodeError(f"{item.name} {value} does not fit into {item.width} bits")
+    if number.power_of_two and value.bit_count() != 1:
+        raise EncodeError(f"{item.name} {value} is no power of two")
+    return raw
+
+
+def _chosen(name: str, values: Sequence[Value], value: str) -> int:
+    named = next((item for item in values if item.name == value), None)
+    if named is None:
+        raise EncodeError(f"{name} has no value '{value}'")
+    return named.value
+
+
+def _parts(decimal: Decimal, given: Values) -> Iterator[int]:
+    """Its runs of digits, each at its place."""
+    for run in decimal.runs:
+        value = _number(given.get(run.name, 0))
+        if not 0 <= value < run.modulus:
+            raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
+        yield value * run.divisor

@@ -1,0 +1,193 @@
+"""What a frame or register says of the encoder: what it reports, what its position is worth, what is not as documented.
+
+A sound frame is not yet a usable position: an encoder with an error, or a busy one, sends frames with a right CRC too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..model import (
+    Alarm,
+    Device,
+    Field,
+    Flag,
+    Kind,
+    Layout,
+    PlacedField,
+    Register,
+    Unused,
+    Variant,
+    Verdict,
+    cite,
+)
+from ..say.report import alarm_of, meaning, remedy, source
+from .codec import Decoded, DecodedField, number_from_bytes, number_of_text
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """An active flag, or unused bits that are not as the manual has them.
+
+    ``makes_position`` is None where it comes with no position.
+    """
+
+    field: str
+    printed_name: str
+    meaning: str
+    remedy: str
+    makes_position: Verdict | None
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A value that is another one than the manual has; ``of_register`` says that it is a register's."""
+
+    field: str
+    found: int | str
+    documented: int | str
+    message: str
+    of_register: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What a frame or register says.
+
+    ``verdict`` is None where there is no position or no sound frame.
+    """
+
+    reports: tuple[Report, ...] = ()
+    verdict: Verdict | None = None
+    differences: tuple[Difference, ...] = ()
+
+
+def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
+    """What ``decoded`` says of the encoder; nothing where it has a fault, since then no bit of it can be relied on."""
+    if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
+        return Findings()
+    layout = decoded.layout.layout
+    values = {item.name: item for item in decoded.fields}
+    active = [item.field for item in decoded.layout.fields if _speaks(item, values[item.name].raw)]
+    register = "" if layout.sender == "encoder" else decoded.layout.name
+    alarms = {item.name: alarm_of(device, item, register) for item in active}
+    # A flag of a register may say anything, such as "ready"; only those that the manual lists as alarms are reported.
+    told = [
+        item
+        for item in active
+        if (alarms[item.name] is not None if register else _worth(item.kind) is not Verdict.USABLE)
+    ]
+    differences = tuple(_differences(variant, decoded, values, bool(register)))
+    verdict = _verdict(layout, active) if device.tells_position(variant.interface, layout) else None
+    return Findings(tuple(_report(item, alarms[item.name]) for item in told), verdict, differences)
+
+
+def _speaks(item: PlacedField, raw: int) -> bool:
+    """Whether a flag is active, or unused bits are not as the manual has them."""
+    match item.field.kind:
+        case Flag(active_low=low):
+            return bool(raw) != low
+        case Unused(value):
+            return raw != value & item.mask
+        case _:
+            return False
+
+
+def _worth(kind: Kind) -> Verdict | None:
+    return kind.makes_position if isinstance(kind, (Flag, Unused)) else None
+
+
+def _report(field: Field, alarm: Alarm | None) -> Report:
+    return Report(
+        field.name,
+        field.printed_name,
+        meaning(field, alarm),
+        remedy(alarm),
+        _worth(field.kind),
+        cite(source(field, alarm)),
+    )
+
+
+def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
+    """What the position of a sound frame is worth."""
+    names = {item.name for item in active}
+    # A flag that sums up others adds nothing where one of these is here to speak for itself.
+    silent = {item.name for item in active if isinstance(item.kind, Flag) and not names.isdisjoint(item.kind.sums_up)}
+    speaking = {_worth(item.kind) for item in active if item.name not in silent}
+    worst = next((verdict for verdict in Verdict if verdict in speaking), Verdict.USABLE)
+    tells = any(isinstance(item.kind, Flag) and _worth(item.kind) is not Verdict.USABLE for item in layout.fields)
+    return Verdict.NOT_TOLD if worst is Verdict.USABLE and not tells else worst
+
+
+def _differences(
+    variant: Variant, decoded: Decoded, values: Mapping[str, DecodedField], of_register: bool
+) -> Iterator[Difference]:
+    assert decoded.layout is not None
+    for item in decoded.layout.fields:
+        documented = item.field.documented(variant.parameters)
+        if documented is None:
+            continue
+        found = values[item.name].value if isinstance(documented, str) else values[item.name].raw
+        if found != documented:
+            name = item.field.printed_name or item.name
+            message = _message(name, variant, found, documented, of_register)
+            yield Difference(item.name, found, documented, message, of_register)
+
+
+def _message(name: str, variant: Variant, found: int | str, documented: int | str, of_register: bool) -> str:
+    has, wanted = _shown(found), _shown(documented)
+    if of_register:
+        return f"{name}: the register holds {has}, {variant.code} has {wanted}"
+    return f"{name} is {has}, the manual has {wanted}"
+
+
+def _shown(value: int | str) -> str:
+    return f'"{value}"' if isinstance(value, str) else f"{value:#04x}"
+
+
+def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
+    """The registers by which this order code is known, but for those of a bank: others have their addresses too."""
+    names = {register.name for register, _ in device.identity if register.bank is None}
+    return (item for item in device.registers if item.name in names and item.interface == variant.interface)
+
+
+def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
+    """The addresses of the registers by which this order code is known."""
+    registers = _fixed(device, variant)
+    return frozenset(address for item in registers for address in range(item.address, item.last_address + 1))
+
+
+def compare_held(device: Device, variant: Variant, held: Mapping[int, int]) -> tuple[Difference, ...]:
+    """Where registers hold other bytes than this order code has; of addresses not in ``held`` nothing is known."""
+    return tuple(item for register in _fixed(device, variant) for item in _compare_register(variant, register, held))
+
+
+def _compare_register(variant: Variant, register: Register, held: Mapping[int, int]) -> Iterator[Difference]:
+    placed = register.layout.place(variant.parameters)
+    addresses = range(register.address, register.last_address + 1)
+    number = number_from_bytes(register.layout, bytes(held.get(address, 0) for address in addresses))
+    given = number_from_bytes(register.layout, bytes(0xFF * (address in held) for address in addresses))
+    for item in placed.fields:
+        documented = item.field.documented(variant.parameters)
+        if documented is None:
+            continue
+        wanted = documented
+        if isinstance(wanted, str):
+            wanted = number_of_text(wanted)
+        known = given >> item.low & item.mask
+        found = number >> item.low & known
+        if found != wanted & known:
+            where = f"{register.name}.{item.name}" if len(placed.fields) > 1 else register.name
+            given_digits, wanted_digits = _digits(found, known, item), _digits(wanted, known, item)
+            wrong = f"{where}: what is given of it is {given_digits}, {variant.code} has {wanted_digits}"
+            if known == item.mask:
+                wrong = f"{where}: the register holds {found:#04x}, {variant.code} has {wanted:#04x}"
+            yield Difference(where, found, wanted, wrong, True)
+
+
+def _digits(value: int, known: int, item: PlacedField) -> str:
+    """The hex digits of a field, with dots for those of which nothing is known."""
+    shifts = range((item.width - 1) // 4 * 4, -1, -4)
+    return "".join(f"{value >> shift & 15:X}" if known >> shift & 15 else "." for shift in shifts) + "h"

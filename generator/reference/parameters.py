@@ -1,0 +1,105 @@
+"""Which parameters belong to which interface: an order code over SSI need not hear of the widths of a BiSS frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Device, Layout, Measurement, Parameter
+from ..model.expressions import Expression
+
+
+def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
+    """The parameters that say something about the interface ``kind``.
+
+    What only other interfaces use is left out, unless it follows from what is kept; what no interface uses is kept, for
+    it is there to be read.
+    """
+    used = {item.name: _used(device, item.name) for item in device.interfaces}
+    elsewhere = set[str]().union(*used.values()) - used[kind]
+    possible = [item for item in device.parameters if item.interface in ("", kind)]
+    kept = {
+        item.name
+        for item in possible
+        if item.name not in elsewhere and (item.equals is None or item.name in used[kind])
+    }
+    for _ in possible:
+        kept |= {item.name for item in possible if item.equals is not None and kept.issuperset(item.equals.parameters)}
+    return tuple(item for item in device.parameters if item.name in kept)
+
+
+def run_time_names(device: Device) -> frozenset[str]:
+    """The parameters that a register holds, and those that follow from them."""
+    found = {item.name for item in device.run_time_parameters}
+    for _ in device.parameters:
+        found |= {
+            item.name
+            for item in device.parameters
+            if item.equals is not None and not found.isdisjoint(item.equals.parameters)
+        }
+    return frozenset(found)
+
+
+def follows_registers(device: Device, layout: Layout) -> bool:
+    """Whether registers decide at run time where the fields of a layout stand, or in which code."""
+    return not run_time_names(device).isdisjoint(
+        {layout.gray_when, *(name for item in _of_layout(layout) for name in item.parameters)}
+    )
+
+
+def needed_parameters(device: Device, name: str) -> frozenset[str]:
+    """A parameter and all that it follows from."""
+    definition = next((item.equals for item in device.parameters if item.name == name), None)
+    inputs = definition.parameters if definition is not None else ()
+    return frozenset({name}.union(*(needed_parameters(device, other) for other in inputs)))
+
+
+def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
+    """The register fields, as ``register.field``, that decide how long a layout is."""
+    names = frozenset[str]().union(*(needed_parameters(device, name) for name in layout.bits.parameters))
+    return tuple(item.read_from for item in device.run_time_parameters if item.name in names)
+
+
+def _used(device: Device, kind: str) -> set[str]:
+    """The parameters that the frames, registers and measurement of an interface are made of, with all that those follow
+    from."""
+    expressions = list(_expressions(device, kind))
+    found = {name for item in expressions for name in item.parameters}
+    found |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
+    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+    left = list(found)
+    while left:
+        definition = definitions.get(left.pop())
+        new = set(definition.parameters) - found if definition is not None else set()
+        found |= new
+        left += new
+    return found
+
+
+def _expressions(device: Device, kind: str) -> Iterator[Expression]:
+    for layout in device.interface(kind).layouts:
+        yield from _of_layout(layout)
+    for register in device.registers:
+        if register.interface == kind:
+            yield from _of_layout(register.layout)
+            bounds = [
+                register.min,
+                register.max,
+                *(bound for item in register.meanings for bound in (item.min, item.max)),
+            ]
+            yield from (bound for bound in bounds if bound is not None)
+    measurement = device.measurement_of(kind)
+    if measurement is not None:
+        yield from _of_measurement(measurement)
+
+
+def _of_layout(layout: Layout) -> Iterator[Expression]:
+    yield layout.bits
+    for field in layout.fields:
+        yield from (field.low, field.width)
+        if isinstance(field.equals, Expression):
+            yield field.equals
+
+
+def _of_measurement(measurement: Measurement) -> Iterator[Expression]:
+    found = (measurement.steps_per_turn, measurement.turns, measurement.step_um, measurement.steps, measurement.highest)
+    yield from (item for item in found if item is not None)

@@ -1,0 +1,81 @@
+"""Procedures carried out on paper: the register writes that come out for one order code and given arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..model import Device, ModifyStep, Number, Procedure, Register, Variant, Write, WriteStep
+from ..model.expressions import Expression
+from . import codec
+from .limits import bounded, bounds
+from .run_time import after_write
+
+Limits = tuple["Expression | None", "Expression | None"]
+
+
+def register_writes(
+    device: Device, procedure: Procedure, variant: Variant, arguments: Mapping[str, int]
+) -> tuple[Write, ...]:
+    """Every byte that the procedure writes, in order.
+
+    What a step writes holds for the limits of the steps after it.
+
+    Raises:
+        EncodeError: An argument is missing or does not fit its register.
+    """
+    writes: list[Write] = []
+    # What a register holds before: its default, then what the procedure has written.
+    held: dict[str, int] = {}
+    for step in procedure.steps:
+        if isinstance(step, (WriteStep, ModifyStep)):
+            register = device.register(step.register)
+            argument = next((item for item in procedure.arguments if item.name == step.value_name), None)
+            limits = device.limits(register, argument.meant_as if argument is not None else "")
+            held[step.register] = _number(
+                register, step, variant, arguments, device, limits, held.get(step.register, register.default or 0)
+            )
+            variant = after_write(device, variant, register, held[step.register])
+            data = codec.number_to_bytes(register.layout, held[step.register], 8 * register.length)
+            writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
+    return tuple(writes)
+
+
+def _number(
+    register: Register,
+    step: WriteStep | ModifyStep,
+    variant: Variant,
+    arguments: Mapping[str, int],
+    device: Device,
+    limits: Limits,
+    before: int,
+) -> int:
+    """What the step writes into the register, which held ``before``."""
+    placed = register.layout.place(variant.parameters)
+    if step.value is None and step.value_name not in arguments:
+        raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
+    value = step.value if step.value is not None else arguments[step.value_name]
+    name = step.field if isinstance(step, ModifyStep) else bounded(register)
+    if step.value is None:
+        known = [choice.value for field in register.layout.fields if field.name == name for choice in field.values]
+        if known and value not in known:
+            raise codec.EncodeError(f"{value} is no value of '{name}'")
+        low, high = bounds(register, placed, limits, variant.parameters)
+        # Those of a meaning are of whatever the argument is written to.
+        has_meaning = limits != (register.min, register.max)
+        if (has_meaning or name == bounded(register)) and not low <= value <= high:
+            raise codec.EncodeError(f"{value} is outside {low} to {high}")
+    if isinstance(step, ModifyStep):
+        item = placed.field(step.field)
+        if item is None or value & ~item.mask:
+            raise codec.EncodeError(f"{value} does not fit '{step.field}'")
+        return before & ~(item.mask << item.low) | value << item.low
+    if step.value is not None:
+        return value
+    numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
+    numbers |= {join.name for join in register.layout.joins}
+    if name in numbers or register.limits_of == name:
+        return codec.encode(device, placed, {name: value})
+    # A register of several fields without limits on one of them is given as its whole number.
+    for problem in codec.decode(device, placed, value).problems:
+        raise codec.EncodeError(f"{value:#x} is no value of '{register.name}': {problem.message}")
+    return value

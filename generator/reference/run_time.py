@@ -1,0 +1,125 @@
+"""What an encoder's registers change at run time: parameters that a register holds, and values read from registers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from ..model import Device, Parameter, Register, Variant
+from ..model.expressions import Expression, ExpressionError
+from ..say.words import counted
+from . import codec
+
+
+class RegisterError(ValueError):
+    """A register is unknown, or its bytes or value cannot be."""
+
+
+def resolve_parameters(given: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
+    """``given`` with every parameter that follows from others."""
+    parameters = dict(given)
+    left = {name: item for name, item in definitions.items() if name not in parameters}
+    while left:
+        ready = [name for name, item in left.items() if all(other in parameters for other in item.parameters)]
+        if not ready:
+            break
+        for name in ready:
+            try:
+                parameters[name] = left.pop(name).value(parameters)
+            except ExpressionError:
+                parameters[name] = 0  # out of reach; a width this large is reported where it is used
+    return MappingProxyType(parameters)
+
+
+def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) -> Variant:
+    """The variant as it is when these registers hold these bytes.
+
+    Args:
+        device: The family.
+        variant: One of its order codes.
+        held: Bytes by address; other registers hold their defaults.
+
+    Raises:
+        RegisterError: No parameter is held at an address, or a value cannot be.
+    """
+    parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    used: set[int] = set()
+    for item in device.run_time_parameters:
+        register = device.register(item.register)
+        addresses = range(register.address, register.address + register.length)
+        if not used.union(addresses) & held.keys():
+            continue
+        used.update(addresses)
+        parameters[item.name] = _value(register, item, held)
+    unknown = sorted(held.keys() - used)
+    if unknown:
+        known = (
+            ", ".join(
+                sorted({f"0x{device.register(item.register).address:02X}" for item in device.run_time_parameters})
+            )
+            or "none"
+        )
+        raise RegisterError(f"register 0x{unknown[0]:02X} does not change how a frame is read; those that do: {known}")
+    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+    return replace(variant, parameters=resolve_parameters(parameters, definitions))
+
+
+def decided(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
+    """The variant with these answers, each by the name of its alternative.
+
+    Raises:
+        KeyError: There is no such alternative or answer.
+    """
+    parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    known = {item.name: {answer.name: answer.sets for answer in item.answers} for item in device.alternatives}
+    for name, answer in answers.items():
+        parameters |= known[name][answer]
+    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+    return replace(variant, parameters=resolve_parameters(parameters, definitions))
+
+
+def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
+    """The variant as it is once ``register`` holds ``number``."""
+    held = {item.name: item for item in device.run_time_parameters if item.register == register.name}
+    if not held:
+        return variant
+    parameters = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    for name, item in held.items():
+        field = register.layout.field(item.field)
+        parameters[name] = number >> field.low.constant & ((1 << field.widest) - 1) or field.number.zero_means
+    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+    return replace(variant, parameters=resolve_parameters(parameters, definitions))
+
+
+def _value(register: Register, parameter: Parameter, held: Mapping[int, int]) -> int:
+    """The parameter in a register whose bytes are those held, or its defaults."""
+    default = register.default_bytes() or bytes(register.length)
+    data = bytes(held.get(register.address + index, byte) for index, byte in enumerate(default))
+    field = register.layout.field(parameter.field)
+    value = (
+        codec.number_from_bytes(register.layout, data) >> field.low.constant & ((1 << field.widest) - 1)
+        or field.number.zero_means
+    )
+    low, high = parameter.min or 0, parameter.max if parameter.max is not None else value
+    if not low <= value <= high:
+        raise RegisterError(f"{parameter.name} is {value}; it can be {low} to {high}")
+    return value
+
+
+def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
+    """The value of a register from its bytes in ascending order of address.
+
+    Raises:
+        RegisterError: There is no such register over this interface, or it has another length.
+    """
+    registers = {item.name: item for item in device.registers if item.interface == variant.interface}
+    register = registers.get(name.lower())
+    if register is None:
+        known = ", ".join(registers) or "none"
+        raise RegisterError(f"{variant.code} has no register '{name}'; it has: {known}")
+    if len(data) != register.length:
+        raise RegisterError(f"'{register.name}' has {counted(register.length, 'byte')}; this has {len(data)}")
+    return codec.decode(
+        device, register.layout.place(variant.parameters), codec.number_from_bytes(register.layout, data)
+    )

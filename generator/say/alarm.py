@@ -1,0 +1,38 @@
+"""What is said of an error or a warning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Alarm, Device
+from .erratum import errata, erratum
+from .name import register_field, title
+from .text import Code, Ref, Said, listed, said, told
+from .words import volts
+
+
+def alarm(device: Device, item: Alarm) -> Iterator[Said]:
+    """All that running text says below its name, in order."""
+    yield from told(item.meaning, source=item.source)
+    yield from facts(device, item)
+    yield from map(erratum, errata(device, f"alarms.{item.name}"))
+
+
+def facts(device: Device, item: Alarm) -> Iterator[Said]:
+    """Where it shows, what raises it, and what clears it."""
+    if item.group:
+        group = next(one for one in device.field_groups if one.name == item.group)
+        yield said(Code(item.field), " in ", Ref("group", group.name, title(group)), label="Flag")
+    elif item.register:
+        yield said(register_field(device, f"{item.register}.{item.field}".rstrip(".")), label="Flag")
+    if not item.implemented and "not implemented" not in item.meaning.lower():
+        yield said("Not implemented in this encoder")
+    yield from told(item.detected, label="Detected")
+    if item.below_mv is not None:
+        yield said(f"Raised below {volts(item.below_mv)}")
+    if item.latch is not None:
+        yield said("Stays until it is reset" if item.latch else "Goes away with its cause")
+    yield from told(item.remedy, label="Remedy")
+    if item.cleared_by:
+        procedures = [Ref("procedure", name, name) for name in item.cleared_by]
+        yield said(*listed(procedures, " or "), label="Cleared by")

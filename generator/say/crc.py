@@ -1,0 +1,40 @@
+"""What is said of a CRC."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Crc, Device
+from .erratum import errata, erratum
+from .text import Said, said, told
+from .words import counted
+
+
+def crc(device: Device, item: Crc) -> Iterator[Said]:
+    """All that running text says, in order."""
+    yield head(item)
+    yield from told(item.note)
+    yield from map(erratum, errata(device, f"crcs.{item.name}"))
+
+
+def head(item: Crc) -> Said:
+    """Its parameters in one sentence."""
+    return said(f"CRC {item.name} of {counted(item.width, 'bit')}: {parameters(item)}", source=item.source)
+
+
+def parameters(item: Crc) -> str:
+    """Polynomial, start value, reflection, and how it is sent."""
+    start = f"start value {f'0x{item.init:X}' if item.init else 0}"
+    turned = {
+        (True, True): "input and output reflected",
+        (True, False): "input reflected",
+        (False, True): "output reflected",
+    }
+    return ", ".join(filter(None, (item.polynomial, start, turned.get((item.refin, item.refout), ""), sent(item))))
+
+
+def sent(item: Crc) -> str:
+    """What is done to the remainder at the end."""
+    if item.xorout == item.mask:
+        return "sent inverted"
+    return f"sent after an XOR with 0x{item.xorout:X}" if item.xorout else "sent as it is"

@@ -1,0 +1,41 @@
+"""The errata of a manual: which of them concern a part of the spec, and what they say."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from ..model import Device, Erratum
+from .text import Ref, Said, said
+from .words import sentence
+
+#: The evidence of an erratum is told beside code up to so many characters, and at any length where data is at stake.
+_SHORT = 100
+
+
+def errata(device: Device, *paths: str, without: Collection[str] = (), wording: bool = False) -> tuple[Erratum, ...]:
+    """The errata of these parts of the spec or of something inside them, but not of the parts ``without``.
+
+    Those of wording alone are for pages that show a manual as it is.
+    """
+
+    def inside(other: str, places: Collection[str]) -> bool:
+        return any(other == place or other.startswith(f"{place}.") for place in places)
+
+    return tuple(
+        item
+        for item in device.errata
+        if (wording or item.severity != "wording")
+        and any(inside(other, paths) and not inside(other, without) for other in item.affects)
+    )
+
+
+def reference(item: Erratum) -> Ref:
+    return Ref("erratum", item.name, item.name)
+
+
+def erratum(item: Erratum) -> Said:
+    """What is printed and what is used; and the evidence, where it is short or wrong bytes could be sent."""
+    why = f" Why: {sentence(item.why)}" if item.severity == "wrong_data" or len(item.why) <= _SHORT else ""
+    text = f"Printed: {sentence(item.printed)} Used: {sentence(item.used)}{why}"
+    standing = f"{item.status}, {item.severity.replace('_', ' ')}"
+    return said(text, label=f"Erratum {item.name} ({standing})", source=item.source)

@@ -1,0 +1,139 @@
+"""What is said of a field of a frame or register."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import (
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Device,
+    Digits,
+    Field,
+    Flag,
+    Number,
+    Parity,
+    Text,
+    Unused,
+    Value,
+    assert_never,
+)
+from ..model.expressions import Expression
+from .name import Named, own_names, printed, register_field
+from .place import hexadecimal
+from .register import reserved
+from .text import Code, Hex, Level, Part, Ref, Said, listed, parted, said, told
+from .words import WORTH
+
+
+def field(device: Device, item: Field) -> Iterator[Said]:
+    """All that running text says, in order."""
+    yield from meaning(item, item.meaning)
+    yield from rules(device, item)
+    yield from told(item.note)
+
+
+def meaning(item: Named, text: str) -> Iterator[Said]:
+    """What something means, after what the manual calls it."""
+    yield from told(text, label=printed(item)) if text else told(printed(item))
+
+
+def rules(device: Device, item: Field) -> Iterator[Said]:
+    """How its bits are to be understood, and what its use is subject to."""
+    yield from told(item.unit, label="Unit")
+    yield from _kind(device, item)
+    if item.container:
+        yield said(f"Right-aligned in {item.container} bits, zeros above it")
+    if not item.implemented and "not implemented" not in item.meaning.lower():
+        yield said("Not implemented in this encoder")
+    if item.reserved:
+        yield reserved(item.reserved)
+    if item.equals is not None:
+        known = _known(item.equals, item.widest)
+        yield said("Holds ", known, ", which identifies the encoder; decoding accepts any value")
+    if item.default is not None:
+        yield said(Expression(item.default), label="Default")
+    if item.explained_by:
+        yield said("For the reason, see ", *listed([register_field(device, path) for path in item.explained_by]))
+
+
+def _kind(device: Device, item: Field) -> Iterator[Said]:
+    match item.kind:
+        case Number() as kind:
+            yield from _number(kind)
+        case Flag() as kind:
+            yield from _flag(kind, item.implemented)
+        case Choice():
+            pass  # Each value is said on its own.
+        case Constant(value):
+            if "always" not in item.meaning.lower():
+                yield said(f"Always {short(value)}")
+        case Unused(value, verdict):
+            yield said(f"Unused, {short(value)} in the manual")
+            position = f", and {WORTH[verdict]}" if _comes_with_position(device, item) else ""
+            yield said(f"With other bits here the rest is decoded all the same{position}")
+        case CrcValue(crc):
+            yield said("CRC ", Ref("crc", crc, crc), " over everything before it")
+        case Parity(of, odd):
+            yield said("Odd" if odd else "Even", " parity of ", Code(of))
+        case Decimal(runs):
+            yield said("Decimal digits, most significant first: ", *parted(map(_run, runs)))
+        case Text():
+            yield said("ASCII text")
+        case _ as kind:
+            assert_never(kind)
+
+
+def _comes_with_position(device: Device, item: Field) -> bool:
+    """Whether a frame carries the position beside it."""
+    return any(item in layout.fields and device.tells_position(kind.name, layout) for kind, layout in device.layouts())
+
+
+def _number(kind: Number) -> Iterator[Said]:
+    if kind.signed:
+        yield said("Signed, in two's complement")
+    if kind.zero_means:
+        yield said("Bits of 0 stand for ", Expression(kind.zero_means))
+    if kind.power_of_two:
+        yield said("Takes powers of two only")
+
+
+def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
+    active, other = (0, 1) if kind.active_low else (1, 0)
+    if implemented or kind.when_active or kind.when_inactive:
+        yield said(Level.ACTIVE, f" at {active}", f": {kind.when_active}" if kind.when_active else "")
+        if kind.when_inactive:
+            yield said(Level.INACTIVE, f" at {other}: {kind.when_inactive}")
+    if kind.sums_up:
+        yield said("Sums up ", *listed(list(map(Code, kind.sums_up))))
+    if kind.makes_position and implemented:
+        yield said("While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}")
+
+
+def _run(run: Digits) -> tuple[Part, ...]:
+    return Code(run.name), f" {run.digits}", f" ({run.meaning})" if run.meaning else ""
+
+
+def _known(value: Expression | int | str, bits: int) -> Part:
+    if isinstance(value, str):
+        return Code(value)
+    return Hex(value if isinstance(value, Expression) else Expression(value), (bits + 3) // 4)
+
+
+def choices(values: tuple[Value, ...]) -> Said:
+    """The named values in a few words."""
+    return said(*parted((f"{short(item.value)} ", Code(item.name)) for item in values), label="Values")
+
+
+def value(item: Value, bits: int) -> Said:
+    """A named value of a field of so many bits."""
+    own = f" ({own_names(item)})" if own_names(item) else ""
+    about = f": {item.meaning}" if item.meaning else ""
+    return said(f"{hexadecimal(item.value, (bits + 3) // 4)} ", Code(item.name), own, about, source=item.source)
+
+
+def short(number: int) -> str:
+    """A number as it is, from ten on as manuals write it in hexadecimal."""
+    return f"{number}" if number < 10 else f"{number:X}h"

@@ -1,0 +1,33 @@
+"""What is said of a hardware input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Device, Input
+from .erratum import errata, erratum
+from .name import register_field
+from .text import Said, said, told
+from .words import microseconds
+
+
+def hardware_input(device: Device, item: Input) -> Iterator[Said]:
+    """All that running text says below its name, in order."""
+    yield from told(item.meaning, source=item.source)
+    yield from facts(device, item)
+    yield from told(item.note)
+    yield from map(erratum, errata(device, f"inputs.{item.name}"))
+
+
+def facts(device: Device, item: Input) -> Iterator[Said]:
+    """What its levels mean, what it acts on, and what its use is subject to."""
+    yield from told(item.low, label="Low level")
+    yield from told(item.high, label="High level")
+    if item.pulse_at_least_us is not None:
+        yield said(f"at least {microseconds(item.pulse_at_least_us)}", label="Pulse")
+    if item.inverts:
+        yield said("A high level inverts ", register_field(device, item.inverts))
+    if item.needs:
+        yield said("Acts only while ", register_field(device, item.needs), " enables it")
+    if item.when_unused:
+        yield said(f"Connect it to {item.when_unused} when it is not used")

@@ -1,0 +1,137 @@
+"""What is said of an interface beside its frames: clock, port, times, data IDs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import (
+    Alignment,
+    BankSelect,
+    Biss,
+    CableLength,
+    Clock,
+    ControlField,
+    DataId,
+    DescriptionFile,
+    Device,
+    Fact,
+    Interface,
+    MemoryAccess,
+    Network,
+    OutputCode,
+    Port,
+    Profile,
+    Rs485,
+    Signals,
+    Ssi,
+    Timeout,
+    assert_never,
+)
+from .field import value
+from .name import printed, words
+from .name import register as named
+from .text import Part, Said, parted, said, told
+from .timing import timing
+from .words import counted, hertz, nanoseconds, number, sentence, timeout_words
+
+_ALIGNMENT = {
+    "msb_left": "left: the most significant bit comes with the first clock, zeros follow the word",
+    "lsb_right": "right: zeros come before the word",
+}
+_CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
+
+
+def interface(device: Device, item: Interface) -> Iterator[Said]:
+    """All that running text says below its title but for the errata, in order."""
+    yield from told(item.note)
+    yield from facts(device, item)
+
+
+def facts(device: Device, item: Interface) -> Iterator[Said]:
+    """What has to be set or built, its times, and what goes over it."""
+    yield from settings(device, item)
+    yield from map(timing, item.timings)
+    match item:
+        case Ssi():
+            pass
+        case Biss():
+            yield from told(item.control_data_note, label="Control data")
+            yield from map(control_field, item.control_data)
+        case Rs485():
+            yield from map(data_id, item.data_ids)
+            yield from map(memory_access, item.memory_access)
+        case _:
+            assert_never(item)
+
+
+def settings(device: Device, item: Interface) -> Iterator[Said]:
+    """What has to be set or built."""
+    return (_fact(device, fact) for fact in item.facts())
+
+
+def _fact(device: Device, fact: Fact) -> Said:
+    label, part = _labelled(device, fact)
+    return said(part, label=label, source=fact.source)
+
+
+def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
+    match fact:
+        case Clock(lowest, highest):
+            return "Clock", f"{hertz(lowest)} to {hertz(highest)}"
+        case CableLength(metres, clock):
+            return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
+        case Signals(text):
+            return "Signals", text
+        case Alignment(end):
+            return "Alignment", _ALIGNMENT[end]
+        case OutputCode(code):
+            return "Code", _CODE[code]
+        case Profile(text):
+            return "Profile", text
+        case DescriptionFile(text):
+            return "Description file", text
+        case BankSelect(register):
+            return "Bank select", named(device, register)
+        case Network():
+            return "Network", _network(fact)
+        case Timeout():
+            return "Time-out", _timeout(fact)
+        case Port():
+            return "Port", _port(fact)
+        case _:
+            return assert_never(fact)
+
+
+def _timeout(timeout: Timeout) -> str:
+    """Its rule and bounds, and what the manual works out by the rule; without a rule those values are all there is."""
+    worked_out = timeout.printed if timeout.half_clock_periods is not None else ()
+    values = "; ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in worked_out)
+    return timeout_words(timeout) + (f" ({values})" if values else "")
+
+
+def _port(port: Port) -> str:
+    parity = f"{port.parity.replace('none', 'no')} parity"
+    flow = f"{port.flow_control.replace('none', 'no')} flow control"
+    stop = counted(port.stop_bits, "stop bit")
+    return f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop}, {flow}"
+
+
+def _network(network: Network) -> str:
+    slaves = "several slaves allowed" if network.multiple_slaves else "one slave only"
+    return f"{network.topology.replace('_', ' ')}, {slaves}"
+
+
+def data_id(item: DataId) -> Said:
+    about = f": {item.meaning}" if item.meaning else ""
+    return said(f"{item.control:02X}h, {item.purpose}{about}", label=f"Data ID {item.id:X}", source=item.source)
+
+
+def memory_access(item: MemoryAccess) -> Said:
+    text = f"{sentence(item.meaning)} Address: {item.address}; data: {item.data}"
+    return said(text, label=f"Memory {item.access}, busy {item.busy}", source=item.source)
+
+
+def control_field(item: ControlField) -> Said:
+    values: list[tuple[Part, ...]] = [value(one, item.bits).parts for one in item.values]
+    about = f"{counted(item.bits, 'bit')}: {item.meaning}" if item.meaning else counted(item.bits, "bit")
+    return said(*parted([(about,), *values], "; "), label=printed(item) or words(item.name), source=item.source)

@@ -1,0 +1,67 @@
+"""What is said of a frame: who sends it, what tells it from others, and which of its fields belong together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Device, Interface, Join, Layout, Rs485
+from .alternative import needs
+from .erratum import errata, erratum
+from .text import Code, Part, Said, listed, said, told
+from .words import counted
+
+
+def head(interface: Interface, layout: Layout, name: Part) -> Said:
+    """Which frame it is, by the ``name`` that the reader knows it by."""
+    channel = f", data channel {layout.channel}" if layout.channel is not None else ""
+    sent = f", sent by the {layout.sender} over {interface.title}{channel}: "
+    return said(name, sent, *size(layout), source=layout.source)
+
+
+def size(layout: Layout) -> tuple[Part, ...]:
+    """Its length, and in which order it is sent."""
+    if not layout.in_bytes:
+        return layout.bits, " bits, most significant first"
+    order = f", {layout.byte_order.replace('_', ' ')}" if layout.widest > 8 else ""
+    return (counted(layout.widest // 8, "byte") + order,)
+
+
+def layout(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:
+    """All that running text says below the head, in order."""
+    yield from told(item.printed_name, label="In the manual")
+    yield from facts(interface, item)
+    yield from needs(device, item)
+    yield from told(item.note)
+    yield from map(erratum, errata(device, f"interfaces.{interface.name}.{item.name}"))
+
+
+def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
+    """What tells it from others, its code, its gaps, and the numbers that several fields make."""
+    yield from carries(interface, layout)
+    if layout.gray_when:
+        when = Code(layout.gray_when)
+        yield said(Code(layout.gray_of), " is in Gray code while ", when, " is 1, and in binary while it is 0")
+    elif layout.gray_of:
+        yield said(Code(layout.gray_of), " is in Gray code")
+    if layout.gaps:
+        yield said(f"Bits without a field are {layout.gaps}")
+    yield from joins(layout)
+
+
+def carries(interface: Interface, layout: Layout) -> Iterator[Said]:
+    """The values that tell it from other frames."""
+    if layout.selects:
+        names = {item.id: item.name for item in interface.data_ids} if isinstance(interface, Rs485) else {}
+        values = [f"{value:X}" + (f" ({names[value]})" if value in names else "") for value in layout.selects]
+        yield said("Carries ", Code(layout.selector), " ", *listed(values, " or "))
+
+
+def joins(layout: Layout) -> Iterator[Said]:
+    """The numbers that several fields make."""
+    return (join(item) for item in layout.joins if item.fields != (item.name,))
+
+
+def join(item: Join) -> Said:
+    """Which fields make a number."""
+    parts = listed([Code(name) for name in item.fields])
+    return said(Code(item.name), " is made of ", *parts, ", most significant first")

@@ -1,0 +1,44 @@
+"""Text from a spec as lines: on one, or wrapped as a paragraph."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+#: Columns of a terminal.
+WIDTH = 80
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+")
+
+
+def one_line(text: object) -> str:
+    """A piece of one line of text: control characters, line ends and direction marks become spaces."""
+    return _CONTROL.sub(" ", str(text))
+
+
+def plain(text: object) -> str:
+    """One line of text."""
+    return one_line(text).strip()
+
+
+def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
+    """``text`` as a paragraph of at most ``width`` columns, every line after ``prefix`` (the first after ``first``)."""
+    lines: list[str] = []
+    line = prefix if first is None else first
+    begun = False
+    for word in filter(None, plain(text).split(" ")):
+        if begun and len(line) + 1 + len(word) > width:
+            lines.append(line)
+            line, begun = prefix, False
+        line, begun = f"{line} {word}" if begun else line + word, True
+    return "\n".join([*lines, line]) if begun else ""
+
+
+def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
+    """Two columns; the second is wrapped in its own place."""
+    listed = list(rows)
+    width = min(max((len(name) for name, _ in listed), default=0), 40)
+    start = " " * (indent + width + 2)
+    return [
+        wrapped(text, WIDTH, start, f"{' ' * indent}{name.ljust(width)}  ") if text else f"{' ' * indent}{name}"
+        for name, text in listed
+    ]

@@ -1,0 +1,89 @@
+"""Markdown in which text from a spec stays text, on GitHub and in site builders alike."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from ..model import Sources
+from .lines import one_line, plain
+from .text import Ref, Style
+
+_MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
+#: An underscore inside a word means nothing; at the edge of one it would start emphasis.
+_EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
+_WIDTH = 132
+_BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
+
+
+def text(value: object) -> str:
+    """One line of running text with nothing in it that Markdown or HTML would take for its own."""
+    return _escaped(plain(value))
+
+
+def _escaped(value: str) -> str:
+    return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKS))
+
+
+def code(value: object) -> str:
+    """A code span; also inside a table, where a vertical bar would end the cell."""
+    made = plain(value)
+    fence = "`" * (max((len(run) for run in re.findall("`+", made)), default=0) + 1)
+    pad = " " if made.startswith("`") or made.endswith("`") else ""
+    return f"{fence}{pad}{made}{pad}{fence}".replace("|", "\\|") if made else ""
+
+
+def paragraph(value: str) -> str:
+    """Markdown without code spans as a paragraph of lines, none of which begins a list, a heading or a rule."""
+    lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(
+        _BLOCK_START.sub(lambda found: f"{found[1]}\\{found[2]}" if found[1] else f"\\{found[3]}", line)
+        for line in lines
+    )
+
+
+def cited(sources: Sources) -> str:
+    """The sources as ``§6.4 p.35; it: §6.4 p.36``."""
+    return "; ".join(
+        text(str(replace(item, section=f"§{item.section}") if item.section[:1].isdigit() else item)) for item in sources
+    )
+
+
+def link(label: str, target: str) -> str:
+    """A link; ``label`` is Markdown already."""
+    return f"[{label}]({target})"
+
+
+def anchor(name: str) -> str:
+    """A place that links can lead to."""
+    return f'<a id="{name}"></a>'
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of cells that are Markdown already, without empty columns; nothing if all are empty."""
+    listed = [list(row) for row in rows]
+    kept = [index for index in range(len(head)) if any(row[index] for row in listed)]
+    if not kept:
+        return ""
+    lines = [[head[index] for index in kept], ["---"] * len(kept), *([row[index] for index in kept] for row in listed)]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def joined(parts: Iterable[str], between: str = "<br>") -> str:
+    return between.join(part for part in parts if part)
+
+
+def reference(ref: Ref) -> str:
+    """The name of something, as a link to where the page describes it."""
+    return link(code(ref.name), f"#{ref.anchor}")
+
+
+#: How a page writes statements.
+STYLE = Style(
+    text=lambda part: _escaped(one_line(part)),
+    code=code,
+    ref=reference,
+    cited=lambda sources: f"({cited(sources)})" if sources else "",
+)

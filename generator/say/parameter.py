@@ -1,0 +1,38 @@
+"""What is said of a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Device, Parameter
+from ..model.expressions import Expression
+from .name import register_field
+from .place import hexadecimal, register_at
+from .register import limits
+from .text import Ref, Said, said, told
+from .words import number
+
+
+def parameter(device: Device, item: Parameter) -> Iterator[Said]:
+    """All that running text says, in order."""
+    yield from told(item.meaning, source=item.source)
+    yield from told(item.unit, label="Unit")
+    yield from origin(device, item)
+
+
+def origin(device: Device, item: Parameter) -> Iterator[Said]:
+    """Where it comes from, if no order code sets it."""
+    if item.equals is not None:
+        yield said("Equals ", item.equals)
+    if item.alternative:
+        yield said("For you to decide: ", Ref("alternative", item.alternative, item.alternative))
+    if item.read_from:
+        span = limits(*(None if bound is None else Expression(bound) for bound in (item.min, item.max)))
+        between = (", ", *span) if span else ()
+        at = register_at(device.register(item.register))
+        yield said(f"Held at run time in {at} (", register_field(device, item.read_from), ")", *between)
+
+
+def value(item: Parameter, count: int) -> str:
+    """What it is for an order code: one that is a code, such as an ID, as manuals write it."""
+    return hexadecimal(count) if item.hexadecimal else number(count)

@@ -1,0 +1,76 @@
+"""Where things are: bits of a word, bytes of a frame, addresses of registers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ..model import Alternative, Device, Field, Layout, Register
+from ..model.expressions import Expression
+from .alternative import choices, names
+from .text import Part
+
+
+def hexadecimal(value: int, digits: int = 2) -> str:
+    """As manuals write it: ``3Fh``."""
+    return f"{value:0{digits}X}h"
+
+
+def addresses(register: Register) -> str:
+    """``49h``, or ``11h to 17h``."""
+    first = hexadecimal(register.address)
+    return f"{first} to {hexadecimal(register.last_address)}" if register.length > 1 else first
+
+
+def register_at(register: Register) -> str:
+    """``register 49h``, or ``registers 11h to 17h``."""
+    return f"register{'s' * (register.length > 1)} {addresses(register)}"
+
+
+def field_at(device: Device, path: str) -> str:
+    """A field of a register by its path, after the address: ``register 49h (configuration.code)``."""
+    return f"{register_at(device.register(path.partition('.')[0]))} ({path})"
+
+
+def bit_range(high: int, low: int) -> str:
+    """``5``, or ``5:3``."""
+    return f"{high}" if high == low else f"{high}:{low}"
+
+
+def bits(high: int, low: int) -> str:
+    """``bit 5``, or ``bits 5:3``."""
+    return f"bit{'s' * (high > low)} {bit_range(high, low)}"
+
+
+def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
+    """Where bits of a frame of ``length`` bits stand in its bytes: ``byte 1, bits 7:1`` or ``bytes 2 to 4``."""
+    last = length // 8 - 1
+    first_byte, last_byte = low // 8, high // 8
+    if layout.byte_order != "low_byte_first":
+        first_byte, last_byte = last - last_byte, last - first_byte
+    if low % 8 == 0 and high % 8 == 7:
+        return f"byte {first_byte}" if first_byte == last_byte else f"bytes {first_byte} to {last_byte}"
+    if first_byte == last_byte:
+        return f"byte {first_byte}, {bits(high % 8, low % 8)}"
+    return f"{bits(high, low)} of the frame as one number"
+
+
+def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
+    """Where a field stands, with the zeros that fill it up: by bytes in a frame of bytes, else by bits.
+
+    Where ``alternatives`` decide it, each place has the answer behind it.
+    """
+    size = Expression(field.container) if field.container else field.width
+    high = field.low + size - Expression(1)
+    needed = {*field.low.parameters, *high.parameters}
+    deciding = [item for item in alternatives if not needed.isdisjoint(item.answers[0].sets)]
+    if not needed.issubset(name for item in deciding for name in item.answers[0].sets):
+        yield from ("from bit ", field.low, " up")
+        return
+    for index, (answers, sets) in enumerate(choices(deciding)):
+        first, last = field.low.value(sets), high.value(sets)
+        yield " or " if index else ""
+        yield (
+            frame_bytes(layout, layout.widest, last, first) if layout.in_bytes and layout.sender else bits(last, first)
+        )
+        if answers:
+            yield from (" (", *names(answers), ")")

@@ -1,0 +1,125 @@
+"""What is said of a register: where it is, what it holds, and the rules for reading and writing it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import BankSelect, Device, Register, RegisterMeaning
+from ..model.expressions import Expression
+from .alternative import needs
+from .erratum import errata, erratum
+from .name import register as named
+from .name import register_field
+from .place import hexadecimal, register_at
+from .text import Code, Part, Said, listed, said, told
+
+_ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
+#: Who alone may use a register or a field.
+USERS = {"maker": "manufacturer"}
+_ABOVE_MAX = {
+    "default": "The encoder takes the default in place of a value above the limit",
+    "refused": "The encoder refuses a value above the limit",
+}
+
+
+def access(register: Register) -> str:
+    return _ACCESS[register.access]
+
+
+def head(device: Device, register: Register, name: Part) -> Said:
+    """Which register it is, by the ``name`` that the reader knows it by."""
+    over = device.interface(register.interface).title
+    return said(name, f", {register_at(register)}, {access(register)}, over {over}", source=register.source)
+
+
+def register(device: Device, item: Register) -> Iterator[Said]:
+    """All that running text says below the head, in order."""
+    yield from told(item.meaning)
+    yield from facts(device, item)
+    yield from told(item.note)
+    yield from map(erratum, errata(device, f"registers.{item.name}"))
+
+
+def facts(device: Device, register: Register) -> Iterator[Said]:
+    """What it holds, and the rules for reading and writing it."""
+    yield from _holds(register)
+    yield from needs(device, register.layout)
+    yield from _rules(device, register)
+    yield from (_meaning(device, item) for item in register.meanings)
+
+
+def _holds(register: Register) -> Iterator[Said]:
+    if register.length > 1:
+        lowest = "low" if register.byte_order == "low_byte_first" else "high"
+        yield said(f"{lowest} byte first, at {hexadecimal(register.address)}", label="Byte order")
+    data = register.default_bytes()
+    if data is not None:
+        yield said(Code(data.hex(" ").upper()), label="Default")
+    if not register.meanings and (register.min is not None or register.max is not None):
+        whose = () if register.limits_of == register.name else (" for ", Code(register.limits_of))
+        yield said(*limits(register.min, register.max), *whose, label="Limits")
+
+
+def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
+    """Between which values something lies; empty without limits."""
+    if low is not None and high is not None:
+        return low, " to ", high
+    if low is not None:
+        return "at least ", low
+    return ("at most ", high) if high is not None else ()
+
+
+def _rules(device: Device, register: Register) -> Iterator[Said]:
+    yield from _shared(device, register)
+    if register.bank is not None:
+        facts = device.interface(register.interface).facts()
+        select = next(fact.register for fact in facts if isinstance(fact, BankSelect))
+        yield said(f"Select bank {register.bank} with ", named(device, select), " first")
+    if register.reserved:
+        yield reserved(register.reserved)
+    if register.opened_by:
+        yield _opened_by(device, register)
+    if register.wait_at_least_ms is not None:
+        yield said(f"Wait at least {register.wait_at_least_ms} ms after a write, before the next command")
+    if register.clears_itself:
+        yield said("Goes back to its default by itself after a write")
+    if register.volatile:
+        yield said("Save the parameters after a write, or the encoder loses the value at power-off")
+    if register.above_max:
+        yield said(_ABOVE_MAX[register.above_max])
+    if register.write_clears:
+        yield said("A write sets ", *listed([named(device, name) for name in register.write_clears]), " to zero")
+
+
+def reserved(user: str) -> Said:
+    return said(f"Reserved for the {USERS[user]}")
+
+
+def _shared(device: Device, register: Register) -> Iterator[Said]:
+    """The other register at the same address, which the direction of the access tells from this one."""
+    for other in device.registers:
+        if other is not register and (other.address, other.bank) == (register.address, register.bank):
+            act = "write to" if other.access == "write_only" else "read of"
+            yield said(f"A {act} the same address reaches ", named(device, other.name), " instead")
+
+
+def _opened_by(device: Device, register: Register) -> Said:
+    """What another register has to hold before this one can be written."""
+    opener = device.register(register.opened_by)
+    path = ".".join(filter(None, (register.opened_by, register.opened_by_field)))
+    field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
+    value = next(item.value for item in field.values if item.name == register.opened_by_value)
+    written = f"{value}" if register.opened_by_field else hexadecimal(value, 2 * opener.length)
+    where = register_field(device, path)
+    return said("Write it only while ", where, f" holds {written} (", Code(register.opened_by_value), ")")
+
+
+def _meaning(device: Device, item: RegisterMeaning) -> Said:
+    """One of the things that a register can mean, and the bit elsewhere that says so."""
+    path, _, field = item.when.partition(".")
+    bit = device.register(path).layout.field(field)
+    value = next(one.value for one in bit.values if one.name == item.value)
+    while_ = ("While ", register_field(device, item.when), f" holds {value} (", Code(item.value), "), it holds ")
+    span = limits(item.min, item.max)
+    about = f": {item.meaning}" if item.meaning else ""
+    return said(*while_, Code(item.name), *((", ", *span) if span else ()), about, source=item.source)

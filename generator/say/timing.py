@@ -1,0 +1,19 @@
+"""What is said of a time."""
+
+from __future__ import annotations
+
+from ..model import Timing
+from .text import Said, said
+from .words import microseconds
+
+
+def timing(item: Timing) -> Said:
+    """How long it lasts, under the manual's symbol or our name for it."""
+    about = f": {item.meaning}" if item.meaning else ""
+    return said(bounds(item), about, label=item.symbol or item.name, source=item.source)
+
+
+def bounds(item: Timing) -> str:
+    """``at least 12 µs``."""
+    named = (("at least", item.at_least_us), ("typically", item.typical_us), ("at most", item.at_most_us))
+    return ", ".join(f"{word} {microseconds(count)}" for word, count in named if count is not None)

@@ -1,0 +1,84 @@
+"""Numbers with units, and other facts, in the words that every text output has for them."""
+
+from __future__ import annotations
+
+from ..model import Timeout, Verdict
+
+_RULE = {"follows_clock": "follows the clock", "fixed": "fixed"}
+#: What the position is worth.
+WORTH = {
+    Verdict.NOT_USABLE: "the position is not usable",
+    Verdict.USABLE_WITH_WARNING: "the position is usable, with a warning",
+    Verdict.USABLE: "the position is usable",
+    Verdict.NOT_TOLD: "nothing in this frame tells whether the position is usable",
+}
+_LANGUAGES = {
+    "de": "German",
+    "en": "English",
+    "es": "Spanish",
+    "fr": "French",
+    "it": "Italian",
+    "ja": "Japanese",
+    "zh": "Chinese",
+}
+
+
+def number(value: int) -> str:
+    """A number in groups of three digits."""
+    return f"{value:,}"
+
+
+def counted(count: int | str, thing: str) -> str:
+    """``1 bit``, ``8 bits``, ``position_bits bits``."""
+    return f"{count} {thing}{'' if count == 1 else 's'}"
+
+
+def hertz(value: int) -> str:
+    """A frequency in the unit in which it is shortest."""
+    for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):
+        if value >= factor:
+            return f"{value / factor:g} {unit}"
+    return f"{value} Hz"
+
+
+def volts(millivolts: int) -> str:
+    return f"{millivolts / 1000:g} V"
+
+
+def microseconds(value: int) -> str:
+    """A time in the unit in which it is a whole number."""
+    for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
+        if value >= factor and value % factor == 0:
+            return f"{value // factor} {unit}"
+    return f"{value} µs"
+
+
+def nanoseconds(value: int) -> str:
+    return (
+        microseconds(value // 1000) if value % 1000 == 0 else f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
+    )
+
+
+def timeout_words(timeout: Timeout) -> str:
+    """The rule of a time-out and its bounds."""
+    half = timeout.half_clock_periods
+    parts = [f"{half / 2:g} clock periods" if half is not None else _RULE.get(timeout.rule, timeout.rule)]
+    parts += [
+        f"{word} {nanoseconds(value)}"
+        for word, value in (("typically", timeout.typical_ns), ("at most", timeout.at_most_ns))
+        if value is not None
+    ]
+    if half is None:
+        # Without a rule the printed values are all that is known.
+        parts += [f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed]
+    return ", ".join(parts)
+
+
+def language(key: str) -> str:
+    """The name of a language, or its code where that is not known here."""
+    return _LANGUAGES.get(key, key)
+
+
+def sentence(text: str) -> str:
+    """The text with a full stop, unless it ends in a mark of its own."""
+    return text if not text or text.endswith((".", "!", "?", ":")) else f"{text}."

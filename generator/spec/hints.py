@@ -1,0 +1,110 @@
+"""What someone meant who wrote a number as manuals do, or a key in another unit: 48h, 10 MHz, x^6 + x + 1, min_khz."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any
+
+from .problems import meant
+
+#: Each unit as the basic one of its kind and a power of ten.
+_UNITS = {
+    "hz": ("hz", 0), "khz": ("hz", 3), "mhz": ("hz", 6), "ghz": ("hz", 9),
+    "ps": ("s", -12), "ns": ("s", -9), "us": ("s", -6), "µs": ("s", -6), "ms": ("s", -3), "s": ("s", 0),
+    "nm": ("m", -9), "um": ("m", -6), "µm": ("m", -6), "mm": ("m", -3), "cm": ("m", -2), "m": ("m", 0),
+    "mv": ("v", -3), "v": ("v", 0),
+}  # fmt: skip
+_WORDS = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
+
+_HEX = re.compile(r"(?P<negative>-?)(?:(?P<suffixed>[0-9A-Fa-f]+)[hH]|(?:0X|\$|#|&[hH])(?P<prefixed>[0-9A-Fa-f]+))")
+_BINARY = re.compile(r"(?:0[bB])([01]+)")
+_GROUPED = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
+_PLAIN = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
+_WITH_UNIT = re.compile(r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[pnuµm]?s|[nuµmc]?m|m?V)")
+_POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
+#: Characters of a text that can be a number; a longer one is none.
+_LONGEST = 100
+
+
+def number_hint(key: str, value: Any) -> str:
+    """What to write in place of ``value`` under ``key``, where a whole number belongs; empty where nobody can know."""
+    if isinstance(value, float):
+        if value.is_integer() and abs(value) < 2**64:
+            return f"; write {int(value)}"
+        return _fraction_hint(key, value) if math.isfinite(value) else ""
+    if not isinstance(value, str) or len(value) > _LONGEST:
+        return ""
+    text = value.strip()
+    if _PLAIN.fullmatch(text):
+        return f"; write {text}, without the quotes"
+    if found := _HEX.fullmatch(text):
+        return f"; write {found['negative']}0x{(found['suffixed'] or found['prefixed']).upper()}"
+    if found := _BINARY.fullmatch(text):
+        return f"; write {int(found[1], 2):#x}"
+    if found := _GROUPED.fullmatch(text):
+        return f"; write {text.replace(found[1], '')}"
+    if found := _WITH_UNIT.fullmatch(text):
+        converted = _converted(Fraction(found["number"]), found["unit"].lower(), _unit(key))
+        return f"; write {converted}, in {_word(_unit(key))}" if converted is not None else ""
+    return _polynomial_hint(text) if key == "poly" and _POLYNOMIAL.fullmatch(text) else ""
+
+
+def _fraction_hint(key: str, value: float) -> str:
+    """What to do about ``at_least_us: 0.03``: a bound is rounded so that who keeps to it keeps to the manual."""
+    unit = _unit(key)
+    wrong = f"; there are no fractions of {_word(unit)}" if unit in _UNITS else "; there are no fractions"
+    if "at_least" in key or key.startswith("min_"):
+        return f"{wrong}: round up and write {math.ceil(value)}"
+    if ("at_most" in key or key.startswith("max_")) and value > 1:
+        return f"{wrong}: round down and write {math.floor(value)}"
+    return wrong
+
+
+def _polynomial_hint(text: str) -> str:
+    terms = re.sub(r"\s", "", text.lower()).split("+")
+    powers = [int(term.partition("^")[2] or 1) if term.startswith("x") else 0 for term in terms]
+    top = max(powers)
+    if top > 64:
+        return ""
+    rest = sum(1 << power for power in set(powers) - {top})
+    return f"; write {rest:#x}, which leaves x^{top} out, and 'width: {top}'"
+
+
+def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
+    """What to write in place of a key that exists in another unit only, as ``min_khz: 200`` for ``min_hz: 200000``."""
+    stem, _, unit = key.rpartition("_")
+    if not stem or unit.lower() not in _UNITS:
+        return ""
+    kind = _UNITS[unit.lower()][0]
+    others = {item: _unit(item) for item in known if _UNITS.get(_unit(item), ("", 0))[0] == kind}
+    stems = {item.rpartition("_")[0]: item for item in others}
+    right = stems.get(meant(stem, [other for other in stems if other != stem]) if stem not in stems else stem, "")
+    if not right or right == key:
+        return ""
+    wanted = _word(others[right])
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        return f"; the unit is {wanted}: write '{right}'"
+    # By its shortest decimal form: 0.05 is five hundredths here, not the binary fraction next to it.
+    converted = _converted(Fraction(str(value)), unit.lower(), others[right])
+    if converted is None:
+        return f"; there is only '{right}', and {value} {_word(unit.lower())} are no whole number of {wanted}"
+    return f"; write '{right}: {converted}', in {wanted}"
+
+
+def _unit(key: str) -> str:
+    return key.rpartition("_")[2].lower()
+
+
+def _word(unit: str) -> str:
+    return _WORDS.get(unit, unit)
+
+
+def _converted(number: Fraction, unit: str, wanted: str) -> int | None:
+    """The number in another unit of its kind, or None where it is none there or not whole."""
+    if unit not in _UNITS or wanted not in _UNITS or _UNITS[unit][0] != _UNITS[wanted][0]:
+        return None
+    exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[wanted][1])
+    return int(exact) if exact.denominator == 1 else None

@@ -1,0 +1,42 @@
+"""The items of a master record: the names that rules of master descriptions use, and what each holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+#: The items that are words, with the words that they can be.
+WORDS: Mapping[str, tuple[str, ...]] = {
+    "interface": ("biss", "ssi"),
+    "movement": ("rotary", "linear"),
+    "coding": ("binary", "gray"),
+    "status_active": ("low", "high", "mixed", "none"),
+}
+
+#: The items that are whole numbers, or None where the manual does not say, each in words.
+NUMBERS: Mapping[str, str] = {
+    "multiturn_bits": "multiturn bits",
+    "singleturn_bits": "singleturn bits; of a linear encoder all bits of the position",
+    "position_bits": "position bits, multiturn and singleturn",
+    "padding_left": "zero bits before the position",
+    "padding_right": "zero bits between position and status",
+    "data_bits": "data bits: position and padding",
+    "status_bits": "status bits after the data",
+    "data_and_status_bits": "data bits and status bits",
+    "crc_bits": "CRC bits",
+    "frame_bits": "all bits from the first of the data to the last of the CRC",
+    "crc_polynomial": "CRC polynomial with its top bit; 0 without a CRC",
+    "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
+    "crc_polynomial_without_last_1": "CRC polynomial without its last 1",
+    "crc_start": "start value of the CRC",
+    "crc_inverted": "1 where the CRC is sent inverted",
+    "clock_min_hz": "slowest clock that the encoder takes, in Hz",
+    "clock_max_hz": "fastest clock that the encoder takes, in Hz",
+    "timeout_us": "longest time-out of the encoder, in µs, BiSS",
+    "busy_us": "longest processing time before the start bit, in µs, BiSS",
+    "pause_us": "shortest pause between two readings, in µs, SSI",
+    "counts_per_turn": "counts in a revolution",
+    "turns": "revolutions that are told apart",
+    "step_um": "length of a count, in µm",
+    "supply_min_mv": "lowest supply voltage that the encoder takes, in mV",
+    "supply_max_mv": "highest supply voltage that the encoder takes, in mV",
+}

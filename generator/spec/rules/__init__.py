@@ -1,0 +1,98 @@
+"""The rules beyond the schema: what is wrong with a spec although each word of it is in the language.
+
+A rule is a function of the pruned data, the data as read, and the report of the document.
+It adds problems under a stable name and never raises. To add one: write the function into the module of its subject,
+name it here, and give it a broken spec in ``tests/check/broken``.
+"""
+
+from __future__ import annotations
+
+from . import (
+    banks,
+    biss,
+    flags,
+    meanings,
+    names,
+    order_code,
+    parameters,
+    printed,
+    procedures,
+    references,
+    shapes,
+    values,
+)
+from .walk import Rule
+
+#: Rules on order codes and parameters, which lie under every width: where they find a fault in these,
+#: all is built without them.
+FOUNDATIONS: tuple[Rule, ...] = (
+    references.order_code_references,
+    references.alternative_references,
+    references.expressions,
+    order_code.parameter_cycle,
+    order_code.order_code_pattern,
+)
+
+#: Rules on layouts, registers, groups and CRCs: one with a fault cannot be built.
+SHAPES: tuple[Rule, ...] = (
+    shapes.layout_keys,
+    values.crc_impossible,
+)
+
+#: Every rule, in the order in which they run. It does not show: problems are sorted by their place.
+RULES: tuple[Rule, ...] = (
+    *FOUNDATIONS,
+    *SHAPES,
+    order_code.order_code_ambiguous,
+    order_code.also_written,
+    names.device_name,
+    names.duplicate_name,
+    names.duplicate_field,
+    names.duplicate_address,
+    names.value_clash,
+    references.field_references,
+    references.register_references,
+    references.alarm_references,
+    references.procedure_references,
+    references.example_references,
+    references.erratum_references,
+    references.connector_references,
+    references.printed_references,
+    references.device_references,
+    banks.bank_named,
+    banks.bank_selected,
+    biss.biss_places,
+    biss.biss_byte_order,
+    biss.biss_control,
+    procedures.step_access,
+    procedures.step_waits,
+    procedures.step_opens,
+    procedures.procedure_name,
+    parameters.parameter_interface,
+    parameters.units,
+    meanings.printed_number,
+    meanings.interface_named,
+    meanings.value_words,
+    printed.addresses,
+    printed.labels,
+    printed.default_lists,
+    printed.writes,
+    flags.makes_position_missing,
+    flags.flag_sums,
+    flags.alarm_name,
+    values.value_too_wide,
+    values.register_range,
+    values.timing_bounds,
+    values.clock_range,
+    values.cable_order,
+    values.dates,
+    values.supply_range,
+    values.timeout_mismatch,
+    values.bad_source,
+    shapes.byte_order_missing,
+    shapes.step_shape,
+    shapes.example_shape,
+    shapes.example_arguments,
+    shapes.measurement_shape,
+    shapes.table_shape,
+)

@@ -1,0 +1,54 @@
+"""Rules on registers in banks: an address in a banked area means nothing until the bank has been selected."""
+
+from __future__ import annotations
+
+from ...model import INTERFACES
+from ..problems import DocumentReport, quoted
+from .walk import Fields, Has, Spec, bank_select, by_name, expanded, interface_of, items, mapping
+
+
+def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A register in a bank can be reached: its interface has banks, and names the register that selects them."""
+    select = bank_select(raw)
+    for path, register in items(spec, "registers"):
+        interface = interface_of(register)
+        if "bank" not in register:
+            continue
+        if INTERFACES[interface].highest_in_bank is None:
+            wrong = (
+                f"{quoted(register['name'])} is in a bank, and only BiSS has a register that selects banks; leave"
+                " 'bank' out, and say in 'note' how its page is chosen"
+            )
+            report.add("bank-not-selected", (*path, "bank"), wrong, at_key=True)
+        elif select is None:
+            wrong = (
+                f"{quoted(register['name'])} is in bank {register['bank']}; name the register that selects banks with"
+                " 'bank_select' under 'biss'"
+            )
+            report.add("bank-not-selected", (*path, "bank"), wrong)
+
+
+def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A procedure writes the bank before it touches a register of it."""
+    registers, select = by_name(raw, "registers"), bank_select(raw)
+    if not isinstance(select, str):
+        return
+    numbers = _numbers(registers.get(select, {}), raw)
+    for path, procedure in items(spec, "procedures"):
+        selected: object = None
+        for below, step in items(procedure, "steps"):
+            register = registers.get(step.get("register", ""), {})
+            bank = register.get("bank")
+            if step["do"] == "write" and step.get("register") == select:
+                # An argument stands for any bank.
+                selected = numbers.get(step.get("value", ""), "any")
+            elif isinstance(bank, int) and selected not in (bank, "any"):
+                wrong = f"{quoted(step['register'])} is in bank {bank}; write that to {quoted(select)} before it"
+                report.add("bank-not-selected", (*path, *below, "register"), wrong)
+
+
+def _numbers(register: Spec, raw: Spec) -> dict[str, object]:
+    fields = expanded(Fields(Has.REGISTER, register, (), ""), by_name(raw, "field_groups"))
+    return {
+        name: mapping(value).get("value") for _, field in fields for name, value in mapping(field, "values").items()
+    }

@@ -1,0 +1,184 @@
+"""Rules on descriptions of masters: every name that a rule uses exists and fits what is asked of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import PurePath
+from typing import Any
+
+from ...model.expressions import Expression, ExpressionError
+from ..master_items import NUMBERS, WORDS
+from ..problems import DocumentReport, Path, listed, quoted, suggestion
+
+Raw = Mapping[str, Any]
+
+_ITEMS = (*WORDS, *NUMBERS)
+_KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
+_FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
+_BRACES = re.compile(r"\{([^{}]*)\}")
+
+
+def check_master(data: Raw, report: DocumentReport) -> None:
+    """Adds every problem of a description that keeps to the schema."""
+    _name(data, report)
+    for path, node in _nodes(data, ()):
+        if isinstance(node.get("source"), str):
+            _source(node["source"], (*path, "source"), data, report)
+        if isinstance(node.get("item"), str):
+            _limit(node, path, report)
+    for index, note in enumerate(data.get("notes", ())):
+        _braces(note["text"], _ITEMS, ("notes", index, "text"), report)
+    for index, setting in enumerate(data.get("settings", ())):
+        _setting(setting, _written(index, report), ("settings", index), report)
+
+
+def _written(index: int, report: DocumentReport) -> Raw:
+    """A setting as it was written: of a value that the schema refused, nothing is left in the data."""
+    kept = report.document.kept.get(("settings",))
+    found: Raw = report.document.data["settings"][index if kept is None else kept[index]]
+    return found
+
+
+def _name(data: Raw, report: DocumentReport) -> None:
+    stem = PurePath(report.document.file).stem
+    if "master" in data and data["master"] != stem:
+        report.add(
+            "device-name", ("master",), f"the master is '{data['master']}' and the file '{stem}'; the two are the same"
+        )
+
+
+def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+    if isinstance(node, Mapping):
+        yield path, node
+    for key, value in node.items() if isinstance(node, Mapping) else enumerate(node) if isinstance(node, list) else ():
+        yield from _nodes(value, (*path, key))
+
+
+def _source(text: str, path: Path, data: Raw, report: DocumentReport) -> None:
+    """Several documents are parted by semicolons; where in one stands after a colon."""
+    documents = data.get("documents", {})
+    for piece in text.split(";"):
+        key = piece.partition(":")[0].strip()
+        if key not in documents:
+            report.add("undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggestion(key, documents)}")
+
+
+def _known(name: str, path: Path, report: DocumentReport, items: tuple[str, ...] = _ITEMS) -> bool:
+    if name in items:
+        return True
+    other = "; it is a word, not a number" if name in _ITEMS else suggestion(name, items)
+    report.add(
+        "undefined-reference",
+        path,
+        f"the record has no {'number' if items is not _ITEMS else 'item'} {quoted(name)}{other}",
+    )
+    return False
+
+
+def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
+    """A condition or a limit: words for a word, bounds for a number."""
+    name = node["item"]
+    if not _known(name, (*path, "item"), report):
+        return
+    given = [key for key in ("is", *_FOR_NUMBERS) if key in node]
+    fitting = ("is",) if name in WORDS else _FOR_NUMBERS
+    for key in given:
+        if key not in fitting:
+            report.add(
+                "not-allowed",
+                (*path, key),
+                f"'{name}' is a {'word' if name in WORDS else 'number'}; say {listed(fitting, 'or')}",
+                at_key=True,
+            )
+    if not given:
+        report.add("missing-key", path, f"nothing is said of '{name}'; say {listed(fitting, 'or')}")
+    for index, word in enumerate(node.get("is", ()) if name in WORDS else ()):
+        _word(word, name, (*path, "is", index), report)
+    if node.get("at_least", 0) > node.get("at_most", node.get("at_least", 0)):
+        report.add("value-clash", (*path, "at_most"), f"'at_most' is less than 'at_least', {node['at_least']}")
+
+
+def _word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
+    """Whether the item can be this word; if not, after reporting it."""
+    words = WORDS[name]
+    if word not in words:
+        wrong = f"'{name}' is never {quoted(word)}{suggestion(str(word), words, 'it is one of')}"
+        report.add("undefined-reference", path, wrong)
+    return word in words
+
+
+def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> None:
+    for key in ("name", "at"):
+        _braces(setting.get(key, ""), _ITEMS, (*path, key), report)
+    kinds = [kind for kind in _KINDS if kind in written]
+    if len(kinds) != 1:
+        wrong = f"has {listed(kinds)}; it has one of them" if kinds else f"has no value; say one of {', '.join(_KINDS)}"
+        report.add("setting-shape", path, f"{quoted(setting['name'])} {wrong}")
+        return
+    for key in ("as", "bound"):
+        if key in setting and "value" not in written:
+            report.add("setting-shape", (*path, key), f"'{key}' goes with 'value' only", at_key=True)
+    if setting.get("as") == "boolean" and "bound" in setting:
+        report.add("setting-shape", (*path, "bound"), "a boolean is neither the least nor the most", at_key=True)
+    if "value" in setting:
+        _expression(setting["value"], (*path, "value"), report)
+    if "choice" in setting:
+        _choice(setting["choice"], (*path, "choice"), report)
+    if "text" in setting:
+        _braces(setting["text"], _ITEMS, (*path, "text"), report)
+    if "string" in setting:
+        _string(setting["string"], (*path, "string"), report)
+    clock = setting.get("any_clock", {})
+    if clock.get("at_least_hz", 0) > clock.get("at_most_hz", clock.get("at_least_hz", 0)):
+        report.add(
+            "value-clash",
+            (*path, "any_clock", "at_most_hz"),
+            f"'at_most_hz' is less than 'at_least_hz', {clock['at_least_hz']}",
+        )
+
+
+def _expression(value: int | str, path: Path, report: DocumentReport) -> None:
+    try:
+        expression = Expression.parse(value)
+    except ExpressionError as error:
+        report.add("bad-expression", path, str(error))
+        return
+    for name in expression.parameters:
+        _known(name, path, report, tuple(NUMBERS))
+
+
+def _choice(choice: Raw, path: Path, report: DocumentReport) -> None:
+    name = choice["of"]
+    if not _known(name, (*path, "of"), report):
+        return
+    seen: set[int | str] = set()
+    for index, case in enumerate(choice["cases"]):
+        here = (*path, "cases", index, "is")
+        value = case["is"]
+        if name in WORDS and not _word(value, name, here, report):
+            pass
+        elif name in NUMBERS and not isinstance(value, int):
+            report.add("wrong-type", here, f"'{name}' is a number; {quoted(value)} is none")
+        elif value in seen:
+            report.add("duplicate-name", here, f"{quoted(value)} has a case already")
+        seen.add(value)
+
+
+def _string(rule: Raw, path: Path, report: DocumentReport) -> None:
+    _braces(rule.get("start", ""), _ITEMS, (*path, "start"), report)
+    kinds = {item["of"] for item in rule["fields"]}
+    if "position" not in kinds and not {"multiturn", "singleturn"} <= kinds:
+        report.add(
+            "missing-key",
+            (*path, "fields"),
+            "there is no entry for the position; say one of position, or of multiturn and singleturn",
+        )
+    for index, item in enumerate(rule["fields"]):
+        _braces(item["text"], ("bits", "name", *_ITEMS), (*path, "fields", index, "text"), report)
+
+
+def _braces(text: str, known: tuple[str, ...], path: Path, report: DocumentReport) -> None:
+    for name in _BRACES.findall(text):
+        if name not in known:
+            report.add("undefined-reference", path, f"nothing is called {{{name}}}{suggestion(name, known)}")

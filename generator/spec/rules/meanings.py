@@ -1,0 +1,121 @@
+"""Rules on words that say once more what stands beside them as data: where the two differ, one of them is a slip."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+from ..problems import DocumentReport, quoted
+from .values import constant_width
+from .walk import Spec, field_lists, items, layouts, mapping
+
+#: Names of interfaces in the words of a manual. RS-485 is not among them: it is the name of the signals as well.
+_INTERFACES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
+_ANY_INTERFACE = re.compile(r"\bSSI\b|\bBiSS\b|\bRS-?485\b", re.IGNORECASE)
+
+#: A number in binary in quotes, in hexadecimal as in 0x1F or 0Ah, in binary as in 0b01. Plain digits may be a name.
+_IN_QUOTES = re.compile(r"\"([01]+)\"|'([01]+)'|“([01]+)”")
+_WITH_PREFIX = re.compile(r"0[xX][0-9A-Fa-f]+|0b[01]+")
+_WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
+
+
+#: A length of micrometres in words, and a voltage: one with its tolerance, or two.
+_MICROMETRES = re.compile(r"(?<![\d.,])([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) ?[µμ]m\b")
+_UNITS_OF_MICROMETRES = ("µm", "μm", "um", "micrometres", "micrometers")
+_VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
+_ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
+_TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.) ?{_VOLT}")
+
+
+def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What the meaning of a value of an order code says is what it sets: the code, the length, the supply."""
+    for path, part in items(spec, "order_code", "parts"):
+        for text, value in part["values"].items():
+            meaning, here = value.get("meaning", ""), (*path, "values", text)
+            for name, right in _codes_named(spec, value).items():
+                if value["sets"][name] != right:
+                    word = "Gray" if right else "binary"
+                    wrong = f"the meaning of {quoted(text)} says {word}, which {quoted(name)} has as {right}"
+                    report.add("meaning-mismatch", (*here, "sets", name), wrong)
+            lengths = [int(found.replace(",", "")) for found in _MICROMETRES.findall(meaning)]
+            for name, number in mapping(value, "sets").items():
+                unit = mapping(raw, "parameters", name).get("unit")
+                if lengths and unit in _UNITS_OF_MICROMETRES and number not in lengths:
+                    wrong = f"the meaning of {quoted(text)} says {lengths[0]} µm, and {quoted(name)} is {number}"
+                    report.add("meaning-mismatch", (*here, "sets", name), wrong)
+            named, has = _supply_named(meaning), mapping(value, "supply")
+            if named and has and named != (has["min_mv"], has["max_mv"]):
+                wrong = f"the meaning of {quoted(text)} says {named[0]} to {named[1]} mV"
+                report.add(
+                    "meaning-mismatch", (*here, "supply"), f"{wrong}; here it is {has['min_mv']} to {has['max_mv']}"
+                )
+
+
+def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
+    """For a value that names one code in words: the parameters of that code that it sets, and what they have to be."""
+    words = [word for word in ("Gray", "binary") if re.search(rf"\b{word}\b", value.get("meaning", ""), re.IGNORECASE)]
+    if len(words) != 1:
+        return {}
+    used = {
+        mapping(fields.owner, "gray").get("when")
+        for fields in layouts(spec)
+        if value.get("interface", fields.interface) == fields.interface
+    }
+    return {name: int(words[0] == "Gray") for name in mapping(value, "sets") if name in used}
+
+
+def _supply_named(text: str) -> tuple[int, int] | None:
+    """The supply that a text is, in millivolts."""
+    if (two := _TWO_VOLTAGES.fullmatch(text)) is not None:
+        return _millivolts(two[1], 100), _millivolts(two[2], 100)
+    one = _ONE_VOLTAGE.fullmatch(text)
+    if one is None:
+        return None
+    tolerance = Fraction(one[2] or 0)
+    return _millivolts(one[1], 100 - tolerance), _millivolts(one[1], 100 + tolerance)
+
+
+def _millivolts(volts: str, per_cent: Fraction | int) -> int:
+    return int(Fraction(volts) * per_cent * 10)
+
+
+def printed_number(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A value that the manual names by its number has that number."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            for name, value in mapping(field, "values").items():
+                number = _number(value.get("printed_name", ""), constant_width(field))
+                if number is not None and number != value["value"]:
+                    wrong = (
+                        f"{quoted(name)} is printed as {value['printed_name']}, which is {number}; 'value' is"
+                        f" {value['value']}"
+                    )
+                    report.add("printed-number", (*path, "values", name, "value"), wrong)
+
+
+def _number(text: str, width: int | None) -> int | None:
+    """The number that a printed name is, where it is clearly one and nothing else."""
+    if (found := _IN_QUOTES.fullmatch(text)) is not None:
+        digits = next(group for group in found.groups() if group)
+        return int(digits, 2) if len(digits) == width else None
+    if _WITH_PREFIX.fullmatch(text):
+        return int(text, 0)
+    suffixed = _WITH_SUFFIX.fullmatch(text)
+    return int(suffixed[1], 16) if suffixed is not None else None
+
+
+def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A value of an order code whose meaning names one interface does not select another."""
+    for path, part in items(spec, "order_code", "parts"):
+        for text, value in part["values"].items():
+            named = {
+                found.upper().replace("RS485", "RS-485") for found in _ANY_INTERFACE.findall(value.get("meaning", ""))
+            }
+            for kind, pattern in _INTERFACES.items():
+                if len(named) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
+                    wrong = (
+                        f"the meaning of {quoted(text)} names {named.pop().replace('BISS', 'BiSS')}, and it selects"
+                        f" {value['interface']}"
+                    )
+                    report.add("interface-mismatch", (*path, "values", text, "interface"), wrong)
+                    break

@@ -1,0 +1,144 @@
+"""Rules on parameters: over which interface they hold, and in which unit they count."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ...model.expressions import Expression, ExpressionError, Factor
+from ..problems import DocumentReport, Path, quoted
+from .walk import (
+    Fields,
+    Has,
+    Spec,
+    by_name,
+    expanded,
+    field_lists,
+    interface_of,
+    items,
+    layouts,
+    mapping,
+    measurements,
+)
+
+#: What units count, in the words that manuals have for them. A unit that is not here is taken as it is.
+_KINDS = {
+    "bits": ("bit", "bits"),
+    "micrometres": ("um", "µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
+    "another length": ("nm", "mm", "cm", "m", "millimetre", "millimetres", "millimeters", "inch", "inches"),
+    "revolutions": ("revolution", "revolutions", "turn", "turns", "rev", "revs"),
+    "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
+}
+_KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
+#: What each number of a measurement counts.
+_WIDTHS = ("bits", "low_bit")
+_MEASURED = {"steps_per_turn": "counts", "turns": "revolutions", "step_um": "micrometres", "steps": "counts"}
+
+
+def kind_of_unit(unit: str) -> str:
+    """What a unit counts, whatever a manual calls it; the unit itself where that is not known."""
+    return _KIND_OF.get(unit, unit)
+
+
+def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A parameter that holds over one interface is not used for another."""
+    parameters = mapping(raw, "parameters")
+    for path, interface, text in uses(spec, raw):
+        for name in dict.fromkeys(all_parameters(text, parameters)):
+            of = mapping(parameters, name).get("interface")
+            if isinstance(of, str) and of != interface:
+                report.add(
+                    "parameter-interface",
+                    path,
+                    f"{quoted(name)} holds over {of} only, by its 'interface'; this is {interface}",
+                )
+                break
+
+
+def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
+    """Every expression of a spec, those of groups once."""
+    for path, part in items(spec, "order_code", "parts"):
+        yield from _under(path, part, ("label_is",))
+    for name, parameter in mapping(spec, "parameters").items():
+        yield from _under(("parameters", name), parameter, ("equals",))
+    for fields in field_lists(spec):
+        for path, field in fields:
+            yield from _of_field(path, field)
+    for path, register in items(spec, "registers"):
+        yield from _of_limits(path, register)
+    for path, measurement in measurements(spec):
+        yield from _under(path, measurement, _MEASURED)
+
+
+def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
+    """Where an interface uses expressions and parameters: the place, the interface, and the text."""
+    groups = by_name(raw if raw is not None else spec, "field_groups")
+    registers = (
+        Fields(Has.REGISTER, register, path, interface_of(register)) for path, register in items(spec, "registers")
+    )
+    for fields in (*layouts(spec), *registers):
+        found = [entry for path, field in expanded(fields, groups) for entry in _of_field(path, field)]
+        found += _of_limits(fields.path, fields.owner)
+        found += _under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
+        yield from ((path, fields.interface, text) for path, text in found)
+    for kind, interface in mapping(spec, "interfaces").items():
+        own = "measurement" in interface
+        here: Path = ("interfaces", kind, "measurement") if own else ("measurement",)
+        measurement = mapping(interface if own else spec, "measurement")
+        yield from ((path, kind, text) for path, text in _under(here, measurement, _MEASURED))
+
+
+def _under(path: Path, item: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
+    return (((*path, key), item[key]) for key in keys if key in item)
+
+
+def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:
+    """What a text equals is text; what a number equals may depend on the order code."""
+    return _under(path, field, ("bits", "low_bit") if "text" in field else ("bits", "low_bit", "equals"))
+
+
+def _of_limits(path: Path, owner: Spec) -> Iterator[tuple[Path, int | str]]:
+    for below, item in (((), owner), *items(owner, "meanings")):
+        yield from _under((*path, *below), item, ("min", "max"))
+
+
+def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
+    """The parameters in an expression, and those from which they follow."""
+    factors, seen = _factors(text), set()
+    # The list grows while it is gone through: what is named itself comes before what it follows from.
+    for factor in factors:
+        name = factor.parameter
+        if name not in seen and name in parameters:
+            seen.add(name)
+            yield name
+            factors += _factors(mapping(parameters, name).get("equals"))
+
+
+def _factors(text: object) -> list[Factor]:
+    try:
+        terms = Expression.parse(text).terms if isinstance(text, (int, str)) else ()
+    except ExpressionError:  # Reported by the rule on expressions.
+        return []
+    return [factor for term in terms for factor in term.factors]
+
+
+def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Two to the power of a parameter needs bits, and what a measurement counts needs the unit of that."""
+    parameters = mapping(raw, "parameters")
+
+    def compare(path: Path, factor: Factor, needed: str, use: str) -> None:
+        unit = mapping(parameters, factor.parameter).get("unit")
+        kind = _KIND_OF.get(str(unit))
+        if kind is not None and kind != needed:
+            report.add(
+                "unit-mismatch",
+                path,
+                f"{quoted(factor.parameter)} is in {unit}; {use} needs {'µm' if needed == 'micrometres' else needed}",
+            )
+
+    for path, text in expressions(spec):
+        for factor in _factors(text):
+            needed = "bits" if factor.power or path[-1] in _WIDTHS else _MEASURED.get(str(path[-1]), "")
+            if needed:
+                compare(
+                    path, factor, needed, f"the exponent in 2^{factor.parameter}" if factor.power else quoted(path[-1])
+                )

@@ -1,0 +1,104 @@
+"""Rules on procedures: a step can be carried out, and does as its procedure is called."""
+
+from __future__ import annotations
+
+from ...model import Biss
+from ..problems import DocumentReport, Path, quoted
+from .walk import Spec, bank_select, by_name, items, mapping, named_values
+
+#: What a step needs of the access of its register, and the access that rules it out.
+_REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
+
+
+def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What a procedure writes can be written, and what it reads can be read."""
+    registers = by_name(raw, "registers")
+    for path, procedure in items(spec, "procedures"):
+        for below, step in items(procedure, "steps"):
+            access = registers.get(step.get("register", ""), {}).get("access")
+            if access is not None and _REFUSED.get(step["do"]) == access:
+                wrong = f"{quoted(step['register'])} is {access}, so that a step cannot {step['do']} it"
+                report.add("access-mismatch", (*path, *below, "register"), wrong)
+    for path, register in items(spec, "registers"):
+        opener = mapping(register, "opened_by").get("register")
+        if registers.get(str(opener), {}).get("access") == "read_only":
+            report.add(
+                "access-mismatch",
+                (*path, "opened_by", "register"),
+                f"{quoted(opener)} is read_only, so that nothing opens {quoted(register['name'])}",
+            )
+    select = bank_select(spec)
+    if registers.get(str(select), {}).get("access") == "read_only":
+        report.add(
+            "access-mismatch",
+            ("interfaces", Biss.name, "bank_select"),
+            f"{quoted(select)} is read_only, so that it selects no bank",
+        )
+
+
+def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """After a write to a register that takes its time, as much is waited for, at least before the next write."""
+    registers = by_name(spec, "registers")
+    for path, procedure in items(spec, "procedures"):
+        steps = list(items(procedure, "steps"))
+        for index, (below, step) in enumerate(steps):
+            needed = registers.get(step.get("register", ""), {}).get("wait_at_least_ms")
+            if step["do"] != "write" or needed is None:
+                continue
+            rest = steps[index + 1 :]
+            end = next((at for at, (_, other) in enumerate(rest) if other["do"] == "write"), None)
+            between = [other for _, other in rest[:end]]
+            waits = [other["at_least_ms"] for other in between if other["do"] == "wait" and "at_least_ms" in other]
+            if any(other["do"] == "poll" for other in between) or sum(waits) >= needed or (end is None and not waits):
+                continue
+            place, key = next(
+                ((at, ("at_least_ms",)) for at, other in rest if other["do"] == "wait" and waits), (below, ())
+            )
+            said = f"here the wait is of {sum(waits)} ms" if waits else "here nothing is waited for"
+            wrong = f"{quoted(step['register'])} needs {needed} ms after a write; {said}"
+            report.add("wait-too-short", (*path, *place, *key), wrong)
+
+
+def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A procedure that has written to what opens a register has opened it with that."""
+    registers = by_name(spec, "registers")
+    for path, procedure in items(spec, "procedures"):
+        steps = list(items(procedure, "steps"))
+        for index, (below, step) in enumerate(steps):
+            opener = mapping(registers.get(step.get("register", ""), {}), "opened_by")
+            before = [other["value"] for _, other in steps[:index] if _writes(other, opener)]
+            known = [opener.get("value"), *(argument["name"] for _, argument in items(procedure, "arguments"))]
+            if step["do"] != "write" or not before or before[-1] in known:
+                continue
+            wrong = (
+                f"{quoted(step['register'])} is opened by {quoted(opener['value'])} in {quoted(opener['register'])},"
+                f" and {quoted(before[-1])} was written there"
+            )
+            report.add("not-opened", (*path, *below, "register"), wrong)
+
+
+def _writes(step: Spec, opener: Spec) -> bool:
+    """Whether a step writes the register, and where it is one field of it the field, that opens another."""
+    of = step["do"] == "write" and "value" in step and step.get("register", "") == opener.get("register", None)
+    return of and "value" in opener and step.get("field", opener.get("field")) == opener.get("field")
+
+
+def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A procedure that is called like a value of the register to which it writes, a command, writes that value."""
+    registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
+    for path, procedure in items(spec, "procedures"):
+        name = procedure["name"]
+        written: dict[str, list[tuple[Path, object]]] = {}
+        for below, step in items(procedure, "steps"):
+            register = registers.get(step.get("register", ""), {})
+            known = named_values(register, groups, step.get("field"))
+            if step["do"] == "write" and name in known and step.get("value") in known:
+                written.setdefault(step["register"], []).append(((*path, *below, "value"), step["value"]))
+        for register_name, steps in written.items():
+            if name not in [value for _, value in steps]:
+                place, value = steps[-1]
+                wrong = (
+                    f"the procedure is called {quoted(name)}, as is a value of {quoted(register_name)}, and writes"
+                    f" {quoted(value)}; write that value, or call it otherwise"
+                )
+                report.add("procedure-name", place, wrong)

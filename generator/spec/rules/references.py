@@ -1,0 +1,353 @@
+"""Rules on names that refer to something: it has to exist. The nearest name is offered where there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from ...model import Biss
+from ...model.expressions import Expression, ExpressionError
+from ..hints import number_hint
+from ..problems import DocumentReport, Path, quoted, suggestion
+from . import parameters
+from .walk import (
+    INTERFACE_OF_REGISTERS,
+    Fields,
+    Has,
+    Spec,
+    bits_of,
+    by_name,
+    field_lists,
+    field_names,
+    interface_of,
+    items,
+    layouts,
+    mapping,
+    measurements,
+    named_values,
+    readable_names,
+)
+
+
+class _Names:
+    """What can be referred to in a spec as it was read, by its kind, and where to tell of what is not there."""
+
+    def __init__(self, raw: Spec, report: DocumentReport) -> None:
+        self._report = report
+        self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
+        self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
+        self._known: Mapping[str, Iterable[str]] = {
+            "CRC": by_name(raw, "crcs"),
+            "erratum": by_name(raw, "errata"),
+            "field group": self.groups,
+            "interface": mapping(raw, "interfaces"),
+            "parameter": self.parameters,
+            "procedure": self.procedures,
+            "register": self.registers,
+        }
+
+    def refer(self, path: Path, kind: str, name: str, known: Iterable[str] | None = None) -> None:
+        """Reports ``name`` at ``path`` unless it is known, by itself or among all of its kind."""
+        choices = list(self._known[kind] if known is None else known)
+        if name not in choices:
+            wrong = f"there is no {kind} {quoted(name)}{suggestion(name, choices, 'known are')}"
+            self._report.add("undefined-reference", path, wrong)
+
+    def refer_by(self, key: str, path: Path, item: Spec, kind: str, known: Iterable[str] | None = None) -> None:
+        """The same for what ``item`` has under a key: a name, several, or nothing."""
+        found = item.get(key, ())
+        for name, place in [(found, ())] if isinstance(found, str) else [(one, (at,)) for at, one in enumerate(found)]:
+            self.refer((*path, key, *place), kind, name, known)
+
+    def refer_to_bit(self, path: Path, text: str) -> None:
+        """Reports ``text``, written as ``register.field``, unless both exist."""
+        name, _, field = text.partition(".")
+        self.refer(path, "register", name)
+        if name in self.registers:
+            self.refer(path, f"field of {quoted(name)} called", field, self.bits(name))
+
+    def bits(self, register: str) -> list[str]:
+        """What may follow the dot after the name of a register."""
+        return bits_of(self.registers[register], self.groups)
+
+    def values(self, register: str, field: str | None) -> list[str]:
+        """The names of values of a register, or of one of its fields."""
+        return named_values(self.registers[register], self.groups, field)
+
+
+def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What fields and layouts refer to: groups, CRCs, sibling fields, data IDs."""
+    known = _Names(raw, report)
+    for fields in field_lists(spec):
+        names = list(field_names(fields, known.groups))
+        for path, field in fields:
+            known.refer_by("use", path, field, "field group")
+            known.refer_by("crc", path, field, "CRC")
+            siblings = [name for name in names if name != field.get("name")]
+            known.refer_by("parity_of", path, field, "other field", siblings)
+            if (
+                "values_of" in field
+                and fields.kind is not Has.GROUP
+                and not mapping(raw, "interfaces", fields.interface).get("data_ids")
+            ):
+                message = (
+                    f"the interface {quoted(fields.interface)} has no table of data IDs; list the values with 'values'"
+                )
+                report.add("undefined-reference", (*path, "values_of"), message)
+            for index, text in enumerate(field.get("explained_by", ())):
+                known.refer_to_bit((*path, "explained_by", index), text)
+        joins, gray, here = mapping(fields.owner, "join"), mapping(fields.owner, "gray"), (*fields.path, "gray")
+        known.refer_by("of", here, gray, "field or joined number", [*names, *joins])
+        known.refer_by("when", here, gray, "parameter")
+        for name in mapping(fields.owner, "when"):
+            known.refer((*fields.path, "when", name), "field", name, names)
+        for join in joins:
+            known.refer_by(join, (*fields.path, "join"), joins, "field", names)
+
+
+def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What registers refer to: their interface, the register that opens them, the field that their limits bound."""
+    known = _Names(raw, report)
+    for path, register in items(spec, "registers"):
+        known.refer_by("interface", path, register, "interface")
+        if "interface" not in register and INTERFACE_OF_REGISTERS not in mapping(raw, "interfaces"):
+            message = (
+                f"registers belong to {INTERFACE_OF_REGISTERS} unless 'interface' says otherwise, "
+                f"and this device has no {INTERFACE_OF_REGISTERS}"
+            )
+            report.add("undefined-reference", path, message)
+        _opener((*path, "opened_by"), mapping(register, "opened_by"), known)
+        fields = Fields(Has.REGISTER, register, path, interface_of(register))
+        bounded = [*field_names(fields, known.groups), *mapping(register, "join")]
+        known.refer_by("limits_of", path, register, "field or joined number", bounded)
+        known.refer_by("write_clears", path, register, "register")
+        for below, meaning in items(register, "meanings"):
+            _meaning((*path, *below), meaning, known)
+
+
+def _opener(path: Path, opened: Spec, known: _Names) -> None:
+    known.refer_by("register", path, opened, "register")
+    name = opened.get("register")
+    if name in known.registers:
+        known.refer_by("field", path, opened, f"field of {quoted(name)} called", known.bits(name))
+        values = known.values(name, opened.get("field"))
+        known.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
+
+
+def _meaning(path: Path, meaning: Spec, known: _Names) -> None:
+    """The field on which the meaning of a register depends, and its value."""
+    when = meaning["when"]
+    known.refer_to_bit((*path, "when"), when)
+    name, _, field = when.partition(".")
+    if name in known.registers and field in known.bits(name):
+        known.refer_by("is", path, meaning, f"value of {quoted(when)} called", known.values(name, field))
+
+
+def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What parameters, hardware inputs, the measurement and BiSS as a whole refer to."""
+    known = _Names(raw, report)
+    for name, parameter in mapping(spec, "parameters").items():
+        if "read_from" in parameter:
+            known.refer_to_bit(("parameters", name, "read_from"), parameter["read_from"])
+        known.refer_by("interface", ("parameters", name), parameter, "interface")
+    for path, item in items(spec, "inputs"):
+        for key in ("inverts", "needs"):
+            if key in item:
+                known.refer_to_bit((*path, key), item[key])
+    for path, measurement in measurements(spec):
+        names = [name for fields in layouts(raw) for name in readable_names(fields, known.groups)]
+        known.refer_by("of", path, measurement, "field or joined number", dict.fromkeys(names))
+    here = ("interfaces", Biss.name)
+    known.refer_by("bank_select", here, mapping(spec, *here), "register")
+
+
+def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What alarms refer to: the flag in a field group or register, and the procedures that clear them."""
+    known = _Names(raw, report)
+    for path, alarm in items(spec, "alarms"):
+        known.refer_by("group", path, alarm, "field group")
+        known.refer_by("register", path, alarm, "register")
+        if "field" in alarm and "group" not in alarm and "register" not in alarm:
+            report.add(
+                "undefined-reference", (*path, "field"), "'field' names a flag; say where with 'group' or 'register'"
+            )
+        owner, owners = ("register", known.registers) if "register" in alarm else ("group", known.groups)
+        if alarm.get(owner) in owners:
+            flags = by_name(owners[alarm[owner]], "fields")
+            known.refer_by("field", path, alarm, f"field of {quoted(alarm[owner])} called", flags)
+        known.refer_by("cleared_by", path, alarm, "procedure")
+
+
+def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What procedures refer to: their interface, registers, values and data IDs."""
+    known = _Names(raw, report)
+    for path, procedure in items(spec, "procedures"):
+        known.refer_by("interface", path, procedure, "interface")
+        for below, argument in items(procedure, "arguments"):
+            of = argument["of"]
+            known.refer_by("of", (*path, *below), argument, "register")
+            if of in known.registers:
+                meanings = by_name(known.registers[of], "meanings")
+                known.refer_by("as", (*path, *below), argument, f"meaning of {quoted(of)} called", meanings)
+        for below, step in items(procedure, "steps"):
+            _step((*path, *below), step, procedure, known)
+            data_ids = by_name(raw, "interfaces", procedure["interface"], "data_ids")
+            known.refer_by("data_id", (*path, *below), step, "data ID", data_ids)
+
+
+def _step(path: Path, step: Spec, procedure: Spec, known: _Names) -> None:
+    """The register of a step, with its field and its value."""
+    known.refer_by("register", path, step, "register")
+    name = step.get("register")
+    if name in known.registers:
+        known.refer_by("field", path, step, f"field of {quoted(name)} called", known.bits(name))
+        arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
+        values = [*known.values(name, step.get("field")), *arguments]
+        known.refer_by("value", path, step, f"argument, or value of {quoted(name)}, called", values)
+
+
+def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The answers of an alternative set the same parameters, and those say so themselves."""
+    known, alternatives = _Names(raw, report), by_name(raw, "alternatives")
+    for path, item in items(spec, "alternatives"):
+        _answers(path, item, known, report)
+    for name, parameter in mapping(spec, "parameters").items():
+        if "alternative" in parameter:
+            of = parameter["alternative"]
+            known.refer_by("alternative", ("parameters", name), parameter, "alternative", alternatives)
+            answers = mapping(alternatives.get(of, {}), "values")
+            if of in alternatives and not any(name in mapping(answers, answer, "sets") for answer in answers):
+                wrong = f"no answer of {quoted(of)} sets {quoted(name)}"
+                report.add("undefined-reference", ("parameters", name, "alternative"), wrong)
+    for path, example in items(spec, "examples"):
+        for name, answer in mapping(example, "alternatives").items():
+            here = (*path, "alternatives", name)
+            known.refer(here, "alternative", name, alternatives)
+            if name in alternatives:
+                answers = mapping(alternatives[name], "values")
+                known.refer(here, f"answer of {quoted(name)} called", answer, answers)
+
+
+def _answers(path: Path, item: Spec, known: _Names, report: DocumentReport) -> None:
+    """Each answer of an alternative sets all its parameters, and no others."""
+    answers, of = item["values"], item["name"]
+    own = [name for name in known.parameters if mapping(known.parameters, name).get("alternative") == of]
+    first = {name: other for other in reversed(answers) for name in answers[other]["sets"]}
+    for answer, sets in ((answer, answers[answer]["sets"]) for answer in answers):
+        here = (*path, "values", answer, "sets")
+        for name in sets:
+            known.refer((*here, name), "parameter", name)
+            if name in known.parameters and name not in own:
+                wrong = f"{quoted(name)} is no parameter of {quoted(of)}; give the parameter 'alternative: {of}'"
+                report.add("undefined-reference", (*here, name), wrong)
+        for name in own:
+            if name in first and name not in sets:
+                wrong = f"{quoted(answer)} does not set {quoted(name)}, which {quoted(first[name])} sets"
+                report.add("undefined-reference", here, wrong)
+
+
+def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What examples refer to: what they are examples of, the fields that they give values of, and errata."""
+    known = _Names(raw, report)
+    known_layouts = {
+        layout.owner["name"]: layout for layout in layouts(raw) if isinstance(layout.owner.get("name"), str)
+    }
+    for path, example in items(spec, "examples"):
+        for key in ("procedure", "erratum", "register"):
+            known.refer_by(key, path, example, key)
+        known.refer_by("crc", path, example, "CRC")
+        known.refer_by("layout", path, example, "layout", known_layouts)
+        name = example.get("procedure", "")
+        for argument in mapping(example, "arguments") if name in known.procedures else ():
+            arguments = by_name(known.procedures[name], "arguments")
+            known.refer((*path, "arguments", argument), f"argument of {quoted(name)} called", argument, arguments)
+        of = known_layouts.get(example.get("layout"))
+        if of is None and example.get("register") in known.registers:
+            of = Fields(Has.REGISTER, known.registers[example["register"]], (), "")
+        if of is not None:
+            names = readable_names(of, known.groups)
+            for name in mapping(example, "values"):
+                known.refer((*path, "values", name), "field", name, names)
+
+
+def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each path of what an erratum affects leads somewhere."""
+    known = _Names(raw, report)
+    for path, erratum in items(spec, "errata"):
+        for index, affected in enumerate(erratum.get("affects", ())):
+            node: Any = raw
+            for step in affected.split("."):
+                found = dict(_below(node))
+                if step not in found:
+                    kind = f"place {quoted(affected)} in this spec: nothing called"
+                    known.refer((*path, "affects", index), kind, step, found)
+                    break
+                node = found[step]
+
+
+def _below(node: Any) -> Iterator[tuple[str, Any]]:
+    """What the next step of a path may be: a key or a name,
+    and from a map also the names in its lists, as in ``interfaces.biss.word``."""
+    if isinstance(node, list):
+        yield from ((str(item["name"]), item) for item in node if isinstance(item, dict) and "name" in item)
+    elif isinstance(node, dict):
+        for key, value in node.items():
+            if isinstance(value, list):
+                yield from _below(value)
+            elif key == "values" and isinstance(value, dict):
+                yield from value.items()
+        yield from node.items()  # Last, so that a key wins over a name.
+
+
+def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Every expression can be read, and every parameter in it exists."""
+    known = _Names(raw, report)
+    for path, text in parameters.expressions(spec):
+        try:
+            names = Expression.parse(text).parameters
+        except ExpressionError as error:
+            hint = number_hint(str(path[-1]), text) or (
+                f"; write {str(text).replace('**', '^')}" if "**" in str(text) else ""
+            )
+            report.add("bad-expression", path, f"{error}{hint or '; write it as in singleturn_bits + 8'}")
+            continue
+        for name in names:
+            known.refer(path, "parameter", name)
+
+
+def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What the values of an order code refer to: parameters, interfaces, other parts and their values."""
+    known, parts = _Names(raw, report), by_name(raw, "order_code", "parts")
+
+    def refer_to_parts(path: Path, part: Spec, combined: Spec) -> None:
+        for name in combined:
+            known.refer((*path, name), "other part", name, [other for other in parts if other != part["name"]])
+            if name in parts:
+                known.refer_by(name, path, combined, name, mapping(parts[name], "values"))
+
+    for path, part in items(spec, "order_code", "parts"):
+        refer_to_parts((*path, "open_only_with"), part, mapping(part, "open_only_with"))
+        for text, value in part["values"].items():
+            here = (*path, "values", text)
+            for name in mapping(value, "sets"):
+                known.refer((*here, "sets", name), "parameter", name)
+            known.refer_by("interface", here, value, "interface")
+            refer_to_parts((*here, "only_with"), part, mapping(value, "only_with"))
+
+
+def printed_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The registers, fields and errata that rows of the manual's list of defaults name exist."""
+    known = _Names(raw, report)
+    for path, row in items(spec, "printed_defaults"):
+        name = row["register"]
+        known.refer_by("register", path, row, "register")
+        if name in known.registers:
+            known.refer_by("field", path, row, f"field of {quoted(name)} called", known.bits(name))
+        known.refer_by("erratum", path, row, "erratum")
+
+
+def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The interfaces that a connector is wired for exist."""
+    known = _Names(raw, report)
+    for path, connector in items(spec, "connectors"):
+        known.refer_by("interfaces", path, connector, "interface")

@@ -1,0 +1,310 @@
+"""Rules on which keys go together: what the schema cannot say without messages that nobody understands."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from ...model import INTERFACES
+from ...model.expressions import Expression, ExpressionError
+from ...say.words import counted
+from ..problems import DocumentReport, Path, listed, missing, quoted
+from .values import constant_width
+from .walk import Fields, Has, Spec, by_name, field_lists, items, mapping, measurements
+
+#: Each says what kind of field it is; a field without any is a number.
+_KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
+#: Each says where a field stands.
+PLACES = ("at", "top_bit", "low_bit")
+_OF_FLAGS = ("when_active", "when_inactive", "makes_position", "sums_up")
+_OF_NUMBERS = ("signed", "zero_means", "power_of_two")
+#: What may stand beside ``use``.
+_BESIDE_USE = frozenset(("use", "note", "source"))
+#: Kinds whose width follows: a flag and a parity bit have one, a CRC its own.
+_WIDTH_FOLLOWS = ("active", "parity_of", "crc")
+
+#: What a kind of step or example needs, and what it may have beyond what all may have.
+_Keys = tuple[Collection[str], Collection[str]]
+_STEPS: dict[str, _Keys] = {
+    "write": (("register", "value"), ("field",)),
+    "read": (("register",), ("field",)),
+    "poll": (("register", "field", "until"), ()),
+    "wait": (("at_least_ms",), ()),
+    "send": (("data_id",), ("times", "every_at_least_us", "in_succession")),
+}
+#: What a measurement has, by whether the encoder measures an angle or a length.
+ANGLE = ("steps_per_turn", "turns")
+LENGTH = ("step_um", "steps")
+_ALL_STEPS = frozenset(("do", "meaning", "source"))
+_EXAMPLES: dict[str, _Keys] = {
+    "frame": ((), ("order_code", "alternatives", "layout", "from", "bytes", "bits", "values", "refused")),
+    "register": (("register", "bytes", "values"), ("order_code",)),
+    "crc": (("crc", "bytes", "check"), ()),
+    "procedure": (("procedure", "writes"), ("order_code", "arguments")),
+    "measure": (("order_code", "counts", "micrometres"), ()),
+}
+_ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
+
+
+def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Fields and layouts have keys that go together."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            if "use" in field:
+                _check_use(fields, path, field, report)
+            else:
+                _check_field(path, field, report)
+        _check_placing(fields, report)
+        if fields.kind is Has.LAYOUT:
+            _check_carriage(fields, raw, report)
+
+
+def _check_use(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
+    if fields.kind is Has.GROUP:
+        report.add("layout-keys", (*path, "use"), "a field group cannot take in another; list the fields here")
+    elif fields.kind is Has.CONTROL:
+        report.add("layout-keys", (*path, "use"), "the control data takes in no groups; list the fields here")
+    beside = [key for key in field if key not in _BESIDE_USE]
+    if beside:
+        report.add(
+            "layout-keys",
+            (*path, beside[0]),
+            f"{quoted(beside[0])} cannot stand beside 'use'; it belongs to a field of the group",
+            at_key=True,
+        )
+
+
+def _check_field(path: Path, field: Spec, report: DocumentReport) -> None:
+    if "name" not in field:
+        report.add("layout-keys", path, "a field needs 'name', or 'use' to take in a group")
+        return
+    _check_kind(path, field, report)
+    _check_width(path, field, report)
+
+
+def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
+    """A field is of one kind, and has keys of that kind only."""
+    name = quoted(field["name"])
+    kinds = [key for key in _KINDS if key in field]
+    if len(kinds) > 1:
+        wrong = f"{listed(map(quoted, kinds))} do not go together; a field is one of them"
+        report.add("layout-keys", (*path, kinds[1]), wrong, at_key=True)
+    for key in _OF_NUMBERS:
+        if key in field and kinds:
+            wrong = f"{quoted(key)} belongs to a number; {name} has {quoted(kinds[0])} and is none"
+            report.add("layout-keys", (*path, key), wrong, at_key=True)
+    for key in _OF_FLAGS:
+        if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
+            wrong = f"{quoted(key)} belongs to a flag; {name} needs 'active: high' or 'active: low' with it"
+            report.add("layout-keys", (*path, key), wrong, at_key=True)
+    if "parity" in field and "parity_of" not in field:
+        wrong = (
+            f"'parity' belongs to a parity bit; {name} needs 'parity_of' with it, which names the field it goes with"
+        )
+        report.add("layout-keys", (*path, "parity"), wrong, at_key=True)
+    if isinstance(field.get("equals"), int) and "text" in field:
+        report.add("layout-keys", (*path, "equals"), f"{name} is a text; what it equals is put in quotes")
+
+
+def _check_width(path: Path, field: Spec, report: DocumentReport) -> None:
+    """A field has a width, and its width and its place are said once."""
+    name = quoted(field["name"])
+    if _is_nothing(field.get("bits")):
+        wrong = f"{name} has no bits; a field has one at least, unless its width follows from a parameter"
+        report.add("layout-keys", (*path, "bits"), wrong)
+    given = [key for key in PLACES if key in field]
+    if len(given) > 1:
+        wrong = f"{listed(map(quoted, given))} {'both' if len(given) == 2 else 'all'} give the position; keep one"
+        report.add("layout-keys", (*path, given[1]), wrong, at_key=True)
+    elif "bits" in field and ":" in str(field.get("at", "")):
+        wrong = f"the range {quoted(field['at'])} already gives the width; leave 'bits' out"
+        report.add("layout-keys", (*path, "bits"), wrong, at_key=True)
+    elif "bits" not in field and "at" not in field and not any(key in field for key in _WIDTH_FOLLOWS):
+        report.add("layout-keys", path, f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6")
+
+
+def _is_nothing(bits: object) -> bool:
+    """Whether a width is a plain number, and none that a field can have."""
+    try:
+        width = Expression.parse(bits) if isinstance(bits, (int, str)) else None
+    except ExpressionError:  # Reported by the rule on expressions.
+        return False
+    return width is not None and width.is_constant and width.constant <= 0
+
+
+def _check_placing(fields: Fields, report: DocumentReport) -> None:
+    """All fields of a layout follow each other, or all have positions."""
+    listed_fields = list(fields)
+    placed = [(path, field) for path, field in listed_fields if _is_placed(field)]
+    if not placed or len(placed) == len(listed_fields):
+        return
+    if fields.kind is Has.CONTROL:
+        return
+    path, field = next((path, field) for path, field in listed_fields if not _is_placed(field))
+    name = quoted(field.get("name", field.get("use", "")))
+    other = quoted(placed[0][1].get("name", ""))
+    report.add(
+        "layout-keys",
+        path,
+        f"{name} has no position, but {other} has; "
+        "give all fields of a layout one ('at', 'top_bit' or 'low_bit'), or none",
+    )
+
+
+def _is_placed(field: Spec) -> bool:
+    return any(key in field for key in PLACES)
+
+
+def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
+    layout = fields.owner
+    carried_as = layout.get("carried_as", INTERFACES[fields.interface].carried_as)
+    name = quoted(layout["name"])
+    if carried_as == "bytes" and "byte_order" not in layout and not _is_one_byte(fields, raw):
+        report.add(
+            "layout-keys",
+            fields.path,
+            f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first",
+        )
+    if carried_as == "bits" and "byte_order" in layout:
+        report.add(
+            "layout-keys",
+            (*fields.path, "byte_order"),
+            f"{name} is carried as bits, which have no byte order; leave it out",
+            at_key=True,
+        )
+    if carried_as == "bits" and "when" in layout:
+        wrong = f"{name} is carried as bits, and only frames of bytes are told apart by 'when'"
+        report.add(
+            "layout-keys", (*fields.path, "when"), f"{wrong}; leave it out, or say 'carried_as: bytes'", at_key=True
+        )
+    if "channel" in layout and not INTERFACES[fields.interface].has_channels:
+        report.add(
+            "layout-keys", (*fields.path, "channel"), f"{name} has no data channel; only BiSS has several", at_key=True
+        )
+
+
+def _is_one_byte(fields: Fields, raw: Spec) -> bool:
+    """Whether the layout is plainly one byte whose fields need no order: a single field, or all with positions."""
+    groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
+    listed_fields = [field for _, field in fields]
+    if all("at" in field or "top_bit" in field for field in listed_fields):
+        tops = [field.get("top_bit", str(field.get("at")).partition(":")[0]) for field in listed_fields]
+        return max((int(top) for top in tops if str(top).isdecimal()), default=0) == 7
+    if len(listed_fields) > 1:
+        return False
+    field = listed_fields[0]
+    owner = groups.get(field.get("use", "")) or crcs.get(field.get("crc", "")) or {}
+    return (owner.get("bits") or owner.get("width") or field.get("padded_to") or constant_width(field)) == 8
+
+
+def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A register of several bytes says which comes first; no default is safe to guess."""
+    for path, register in items(spec, "registers"):
+        if register["length"] > 1 and "byte_order" not in register:
+            message = (
+                f"{quoted(register['name'])} has {register['length']} bytes, "
+                "so it needs 'byte_order': low_byte_first or high_byte_first"
+            )
+            report.add("byte-order-missing", path, message)
+
+
+def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each step has the keys of its kind."""
+    for path, procedure in items(spec, "procedures"):
+        for below, step in items(procedure, "steps"):
+            kind: str = step["do"]
+            _check_keys("step-shape", f"a {kind} step", (*path, *below), step, _STEPS[kind], _ALL_STEPS, report)
+
+
+def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each example has the keys of its kind, and one that does not hold is explained."""
+    for path, example in items(spec, "examples"):
+        kind: str = example["kind"]
+        _check_keys("example-shape", f"a {kind} example", path, example, _EXAMPLES[kind], _ALL_EXAMPLES, report)
+        if kind == "frame":
+            _check_frame(path, example, report)
+
+
+def _check_frame(path: Path, example: Spec, report: DocumentReport) -> None:
+    if ("bytes" in example) == ("bits" in example):
+        fault = "has both; keep one" if "bits" in example else "has neither"
+        report.add("example-shape", path, f"a frame example needs 'bytes' or 'bits'; this {fault}")
+    elif "layout" not in example and ("bits" in example or "refused" not in example):
+        report.add(
+            "example-shape",
+            path,
+            "'layout' is missing; a frame example needs it"
+            + ("" if "bits" in example else ", or 'refused' where it fits none"),
+        )
+    if "refused" in example:
+        if "erratum" not in example and "note" not in example:
+            report.add(
+                "example-shape", path, "an example that is refused needs 'erratum' or 'note' to say why it is here"
+            )
+    elif "values" not in example:
+        report.add("example-shape", path, "'values' is missing; a frame example needs it, or 'refused'")
+
+
+def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """An example of a procedure gives every argument of it."""
+    procedures = by_name(raw, "procedures")
+    for path, example in items(spec, "examples"):
+        procedure = procedures.get(example.get("procedure", ""))
+        if example["kind"] == "procedure" and procedure is not None:
+            given = mapping(example, "arguments")
+            gone = [quoted(name) for name in by_name(procedure, "arguments") if name not in given]
+            if gone:
+                wrong = f"{listed(gone)} {'is' if len(gone) == 1 else 'are'} missing from 'arguments' of the example"
+                report.add("example-shape", path, wrong)
+
+
+def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What the position counts fits the movement."""
+    movement = spec.get("movement")
+    if movement not in ("rotary", "linear"):
+        return
+    needed, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
+    for path, measurement in measurements(spec):
+        # A key that the schema refused is gone; what it stood for is not missing as well.
+        if needed[0] not in measurement and measurement.keys() == mapping(raw, *map(str, path)).keys():
+            report.add(
+                "measurement-shape",
+                path,
+                f"{quoted(needed[0])} is missing; the measurement of a {movement} encoder needs it",
+                at_key=True,
+            )
+        for key in foreign:
+            if key in measurement:
+                report.add(
+                    "measurement-shape",
+                    (*path, key),
+                    f"{quoted(key)} does not belong to a {movement} encoder",
+                    at_key=True,
+                )
+
+
+def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each row of a table has a cell for every column."""
+    for path, table in items(spec, "tables"):
+        columns = len(table["columns"])
+        for index, row in enumerate(table["rows"]):
+            if len(row) != columns:
+                message = f"the row has {counted(len(row), 'cell')}; the table has {counted(columns, 'column')}"
+                report.add("table-shape", (*path, "rows", index), message)
+
+
+def _check_keys(
+    rule: str,
+    what: str,
+    path: Path,
+    item: Spec,
+    of_kind: _Keys,
+    of_all: Collection[str],
+    report: DocumentReport,
+) -> None:
+    needed, optional = of_kind
+    gone = [key for key in needed if key not in item]
+    if gone:
+        report.add(rule, path, missing(gone, what))
+    for key in item:
+        if key not in (*needed, *optional, *of_all):
+            report.add(rule, (*path, key), f"{quoted(key)} does not belong to {what}", at_key=True)

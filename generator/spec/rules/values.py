@@ -1,0 +1,275 @@
+"""Rules on single numbers and texts: CRC parameters, widths of values, times, clocks, sources."""
+
+from __future__ import annotations
+
+import datetime
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+
+from ...model import INTERFACES, Biss
+from ...say.words import counted
+from ..problems import DocumentReport, Path, quoted, suggestion
+from .walk import Spec, explained, field_lists, interface_of, items, mapping, walk
+
+_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+_NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
+#: A section by number, or by its heading where it has no number;
+#: a heading, a table or a figure may have a number of its own.
+_HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
+_SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
+_PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
+_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
+_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+
+
+def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The parameters of a CRC fit its width, and its polynomial ends in + 1."""
+    for path, crc in items(spec, "crcs"):
+        width = crc["width"]
+        if crc["poly"] >> width:
+            hint = f"; leave the top bit out: {crc['poly'] ^ 1 << width:#x}" if crc["poly"] >> width == 1 else ""
+            report.add(
+                "crc-impossible",
+                (*path, "poly"),
+                f"the polynomial {crc['poly']:#x} does not fit into {width} bits{hint}",
+            )
+        elif crc["poly"] & 1 == 0:
+            report.add(
+                "crc-impossible",
+                (*path, "poly"),
+                f"the polynomial {crc['poly']:#x} is even; every generator polynomial ends in + 1",
+            )
+        for key in ("init", "xorout"):
+            if crc[key] >> width:
+                report.add(
+                    "crc-impossible",
+                    (*path, key),
+                    f"{quoted(key)} is {crc[key]:#x}, which does not fit into {width} bits",
+                )
+
+
+def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What a field is said to hold fits into it, where its width does not depend on the order code."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            width = constant_width(field)
+            if width is None:
+                continue
+            numbers: Iterator[tuple[Path, str, int]] = (
+                (("values", name, "value"), f"the value {quoted(name)} is", item["value"])
+                for name, item in mapping(field, "values").items()
+            )
+            held = (
+                (((key,), f"{quoted(key)} is", field[key]))
+                for key in ("constant", "unused", "default", "equals")
+                if isinstance(field.get(key), int)
+            )
+            for below, what, number in (*numbers, *held):
+                stands_for_zero = number == field.get("zero_means") and below != ("constant",)
+                if (number < 0 or number >> width) and not stands_for_zero:
+                    message = f"{what} {number:#x}, which does not fit into {counted(width, 'bit')}"
+                    report.add("value-too-wide", (*path, *below), message)
+
+
+def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A register lies within the addresses of its interface."""
+    for path, register in items(spec, "registers"):
+        last = register["address"] + register["length"] - 1
+        interface = INTERFACES[interface_of(register)]
+        bus, highest = interface.short, interface.highest_address
+        if "bank" in register and interface.highest_in_bank is not None:
+            bus, highest = f"a bank of {bus}", interface.highest_in_bank
+        if highest is None:
+            bus, highest = "a register address", 0xFFFF
+        if last > highest:
+            report.add(
+                "register-range",
+                (*path, "address"),
+                f"{quoted(register['name'])} reaches to {last:#x}; {bus} ends at {highest:#x}",
+            )
+
+
+def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A timing has a bound, and its bounds are in order."""
+    for path, timing in _timings(spec):
+        bounds = [(key, timing[key]) for key in ("at_least_us", "typical_us", "at_most_us") if key in timing]
+        if not bounds:
+            report.add("timing-without-bound", path, "a timing needs 'at_least_us', 'typical_us' or 'at_most_us'")
+        for (low_key, low), (high_key, high) in pairwise(bounds):
+            if low > high:
+                report.add(
+                    "timing-order",
+                    (*path, high_key),
+                    f"{quoted(high_key)} is {high}, less than {quoted(low_key)}, which is {low}",
+                )
+
+
+def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The lowest clock is not above the highest."""
+    for interface in mapping(spec, "interfaces"):
+        clock = mapping(spec, "interfaces", interface, "clock")
+        if clock and clock["min_hz"] > clock["max_hz"]:
+            report.add(
+                "clock-range",
+                ("interfaces", interface, "clock", "min_hz"),
+                f"'min_hz' is {clock['min_hz']}, above 'max_hz', which is {clock['max_hz']}",
+            )
+
+
+def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A longer cable bears no faster clock, and no row of the table says the same as another."""
+    for interface in mapping(spec, "interfaces"):
+        rows = sorted(items(spec, "interfaces", interface, "cable_lengths"), key=lambda row: row[1]["shorter_than_m"])
+        if explained(raw, "interfaces", interface, "cable_lengths", "below_hz"):
+            continue
+        for (_, short), (path, long) in pairwise(rows):
+            if short["below_hz"] <= long["below_hz"] or short["shorter_than_m"] == long["shorter_than_m"]:
+                wrong = (
+                    f"below {long['shorter_than_m']} m the clock is below {long['below_hz']} Hz, and below"
+                    f" {short['shorter_than_m']} m below {short['below_hz']} Hz; a longer cable needs a slower clock."
+                    f" Where the manual has it so, say it in an erratum that affects"
+                    f" interfaces.{interface}.cable_lengths.below_hz"
+                )
+                report.add("cable-order", ("interfaces", interface, "cable_lengths", *path[3:], "below_hz"), wrong)
+
+
+def dates(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A date is one of the calendar, and revisions follow each other, up to the one that was transcribed."""
+    manual = mapping(spec, "manual")
+    places: list[tuple[Path, Spec]] = [(("manual",), manual)]
+    for key in ("editions", "history"):
+        places += ((("manual", *path), item) for path, item in items(manual, key))
+    for path, item in places:
+        if "date" in item and _date(item["date"]) is None:
+            report.add("date", (*path, "date"), f"{quoted(item['date'])} is no day of the calendar")
+    history = [(path, item) for path, item in places if "history" in path and _date(item.get("date"))]
+    for (_, earlier), (path, later) in pairwise(history):
+        if later["date"] < earlier["date"]:
+            wrong = f"revision {later['revision']} is of {later['date']}, before revision {earlier['revision']}"
+            report.add("date", (*path, "date"), f"{wrong}, of {earlier['date']}; the oldest comes first")
+    own = next((item for _, item in reversed(history) if item["revision"] == manual.get("revision")), None)
+    if own is not None and _date(manual.get("date")) and own["date"] != manual["date"]:
+        wrong = f"revision {manual['revision']} is of {manual['date']}, and of {own['date']} in its 'history'"
+        report.add("date", ("manual", "date"), wrong)
+
+
+def _date(text: object) -> datetime.date | None:
+    try:
+        return datetime.date.fromisoformat(text) if isinstance(text, str) else None
+    except ValueError:
+        return None
+
+
+def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The lowest supply voltage is not above the highest, of the device or of a value of its order code."""
+    device = mapping(spec, "supply")
+    supplies: list[tuple[Path, Spec]] = [(("supply",), device)] if device else []
+    for path, part in items(spec, "order_code", "parts"):
+        for text, value in mapping(part, "values").items():
+            if value and "supply" in value:
+                here = (*path, "values", text, "supply")
+                supplies.append((here, value["supply"]))
+                if device:
+                    wrong = "the device has a 'supply' of its own; say it in one place only"
+                    report.add("supply-range", here, wrong, at_key=True)
+    for path, supply in supplies:
+        if supply["min_mv"] > supply["max_mv"]:
+            wrong = f"'min_mv' is {supply['min_mv']}, above 'max_mv', which is {supply['max_mv']}"
+            report.add("supply-range", (*path, "min_mv"), wrong)
+
+
+def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The time-outs that a manual works out are what its rule gives, to the nearest nanosecond."""
+    path: Path = ("interfaces", Biss.name, "timeout")
+    timeout = mapping(spec, *map(str, path))
+    if not timeout:
+        return
+    halves: int | None = timeout.get("half_clock_periods")
+    if (
+        timeout["rule"] == "follows_clock"
+        and halves is None
+        and not {"at_most_ns", "typical_ns", "printed"} & timeout.keys()
+    ):
+        report.add(
+            "timeout-mismatch",
+            path,
+            "a time-out that follows the clock needs 'half_clock_periods', "
+            "or 'typical_ns', 'at_most_ns' or 'printed' where no rule is given",
+            at_key=True,
+        )
+    if timeout["rule"] == "fixed":
+        if halves is not None:
+            report.add(
+                "timeout-mismatch",
+                (*path, "half_clock_periods"),
+                "a fixed time-out does not depend on the clock; leave this out",
+                at_key=True,
+            )
+        if "at_most_ns" not in timeout and "typical_ns" not in timeout:
+            report.add("timeout-mismatch", path, "a fixed time-out needs 'at_most_ns' or 'typical_ns'", at_key=True)
+    if timeout["rule"] == "fixed" or halves is None:
+        return
+    for below, printed in items(timeout, "printed"):
+        twice, clock = halves * 10**9, printed["clock_hz"]
+        if abs(twice - 2 * clock * printed["timeout_ns"]) > clock:
+            expected = (twice + clock) // (2 * clock)
+            message = f"{halves} half periods at {clock} Hz are {expected} ns, not {printed['timeout_ns']}"
+            report.add("timeout-mismatch", (*path, *below, "timeout_ns"), message)
+
+
+def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A source can be read, and the edition or document that it cites is listed."""
+    editions = [
+        item["language"] for _, item in items(raw, "manual", "editions") if isinstance(item.get("language"), str)
+    ]
+    documents = mapping(raw, "documents")
+    own = mapping(raw, "manual").get("language")
+    for path, key, value in walk(spec):
+        if (key == "source" or key.endswith("_source")) and isinstance(value, str):
+            for piece in value.split(";"):
+                _check_piece(piece.strip(), path, editions, list(documents), own, report)
+
+
+def _check_piece(
+    piece: str, path: Path, editions: list[str], documents: list[str], own: object, report: DocumentReport
+) -> None:
+    match = _PIECE.fullmatch(piece.replace("\n", " "))
+    key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
+    if key is not None and key == own:
+        report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; leave '{key}:' out")
+    elif key is not None and key not in editions and key not in documents:
+        hint = suggestion(key, [*editions, *documents], "known are")
+        report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
+    elif key in documents and place:
+        return  # Public documents have sections of every kind.
+    elif not _PLACE.fullmatch(place):
+        shown = quoted(piece) if piece else "an empty text"
+        forms = (
+            "a section as in '6.4' or 'Cover', a table as in 'Table 41', a page as in 'p.35', "
+            "or a page after one of these"
+        )
+        message = (
+            f"{shown} is no source: {forms}; "
+            "several are parted by semicolons, another document has its key and a colon before"
+        )
+        report.add("bad-source", path, message)
+
+
+def _timings(spec: Spec) -> Iterator[tuple[Path, Spec]]:
+    for interface in mapping(spec, "interfaces"):
+        yield from items(spec, "interfaces", interface, "timings")
+    yield from items(spec, "timings")
+
+
+def constant_width(field: Spec) -> int | None:
+    """The width of a field where it is plain to see; None where it depends on others or another rule tells of it."""
+    if isinstance(field.get("bits"), int):
+        return int(field["bits"]) if field["bits"] > 0 else None
+    if "bits" in field:
+        return None
+    match = _RANGE.fullmatch(str(field.get("at", "")))
+    if match is not None:
+        width = int(match[1]) - int(match[2]) + 1
+        return width if width > 0 else None
+    return 1 if "active" in field or isinstance(field.get("at"), int) else None

@@ -1,0 +1,178 @@
+"""Ways through a spec that several rules take.
+
+Rules speak about the pruned data, which keeps to the schema. What names exist they ask of the data as it was read,
+since a name is not undefined only because something else about its item is wrong; that data may have any shape,
+so everything here is careful about shapes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from ...model import Biss
+from ..problems import DocumentReport, Path
+
+#: A spec, or part of one.
+Spec = dict[str, Any]
+#: A rule: the pruned data, the data as read, and where to say what is wrong.
+Rule = Callable[[Spec, Spec, DocumentReport], None]
+
+INTERFACE_OF_REGISTERS = Biss.name
+
+
+def mapping(data: Any, *keys: str) -> Spec:
+    """The map found by following ``keys``; an empty one where there is none."""
+    for key in keys:
+        data = data.get(key) if isinstance(data, dict) else None
+    return data if isinstance(data, dict) else {}
+
+
+def items(data: Any, *keys: str) -> Iterator[tuple[Path, Spec]]:
+    """The maps in the list found by following ``keys``, each with its path."""
+    found = mapping(data, *keys[:-1]).get(keys[-1])
+    for index, item in enumerate(found if isinstance(found, list) else ()):
+        if isinstance(item, dict):
+            yield (*keys, index), item
+
+
+def by_name(data: Any, *keys: str) -> dict[str, Spec]:
+    """The items of a list by their names; of several with one name, the first."""
+    found: dict[str, Spec] = {}
+    for _, item in items(data, *keys):
+        name = item.get("name")
+        if isinstance(name, str):
+            found.setdefault(name, item)
+    return found
+
+
+class Has(Enum):
+    """What has a list of fields, by the key under which it stands."""
+
+    LAYOUT = "layouts"
+    REGISTER = "registers"
+    GROUP = "field_groups"
+    CONTROL = "control_data"
+
+
+@dataclass(frozen=True, slots=True)
+class Fields:
+    """A list of fields: where it is, what has it, and over which interface it goes, which is empty for groups."""
+
+    kind: Has
+    owner: Spec
+    path: Path
+    interface: str
+
+    def __iter__(self) -> Iterator[tuple[Path, Spec]]:
+        """The fields as listed, with ``use`` as an item of its own."""
+        for path, field in items(self.owner, "fields"):
+            yield (*self.path, *path), field
+
+
+def layouts(data: Spec) -> Iterator[Fields]:
+    """The layouts of all interfaces."""
+    for interface in mapping(data, "interfaces"):
+        for path, layout in items(data, "interfaces", interface, "layouts"):
+            yield Fields(Has.LAYOUT, layout, path, interface)
+
+
+def field_lists(data: Spec) -> Iterator[Fields]:
+    """Everything that has fields, in the order of the language."""
+    for path, group in items(data, "field_groups"):
+        yield Fields(Has.GROUP, group, path, "")
+    yield from layouts(data)
+    for interface, content in mapping(data, "interfaces").items():
+        control = mapping(content, "control_data")
+        if control:
+            yield Fields(Has.CONTROL, control, ("interfaces", interface, "control_data"), interface)
+    for path, register in items(data, "registers"):
+        if "fields" in register:
+            yield Fields(Has.REGISTER, register, path, interface_of(register))
+
+
+def interface_of(register: Mapping[str, Any]) -> str:
+    """The interface of a register; BiSS unless said, as only that has registers by its nature."""
+    return str(register.get("interface", INTERFACE_OF_REGISTERS))
+
+
+def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
+    """The fields with groups taken in; the path of a field from a group is that of its ``use``."""
+    for path, field in fields:
+        group = groups.get(field["use"]) if isinstance(field.get("use"), str) else None
+        if group is None:
+            yield path, field
+        else:
+            yield from ((path, inner) for _, inner in items(group, "fields"))
+
+
+def field_names(fields: Fields, groups: Mapping[str, Spec]) -> dict[str, Spec]:
+    """The fields by name, groups taken in."""
+    return {field["name"]: field for _, field in expanded(fields, groups) if isinstance(field.get("name"), str)}
+
+
+def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
+    """Every name under which a decoder hands out a value: fields, joins and runs of digits.
+    A register without fields is one number."""
+    inner = field_names(fields, groups)
+    digits = [
+        run["name"] for field in inner.values() for _, run in items(field, "digits") if isinstance(run.get("name"), str)
+    ]
+    if fields.kind is Has.REGISTER and "fields" not in fields.owner:
+        return [str(fields.owner.get("name"))]
+    return [*inner, *mapping(fields.owner, "join"), *digits]
+
+
+def named_values(register: Spec, groups: Mapping[str, Spec], only: str | None = None) -> list[str]:
+    """The names of values that any field of a register has, or the field called ``only``."""
+    fields = Fields(Has.REGISTER, register, (), "")
+    return [
+        name
+        for _, field in expanded(fields, groups)
+        if only in (None, field.get("name"))
+        for name in mapping(field, "values")
+    ]
+
+
+def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:
+    """The measurement of the device and those of its interfaces, each with its path."""
+    if mapping(spec, "measurement"):
+        yield ("measurement",), mapping(spec, "measurement")
+    for kind, interface in mapping(spec, "interfaces").items():
+        if mapping(interface, "measurement"):
+            yield ("interfaces", kind, "measurement"), mapping(interface, "measurement")
+
+
+def bank_select(data: Spec) -> Any:
+    """The name of the register that selects banks, if there is one."""
+    return mapping(data, "interfaces", Biss.name).get("bank_select")
+
+
+def bits_of(register: Spec, groups: Mapping[str, Spec]) -> list[str]:
+    """What may follow the dot in ``register.field``: the fields, or for a register without any its own name."""
+    if "fields" in register:
+        return list(field_names(Fields(Has.REGISTER, register, (), ""), groups))
+    return [str(register.get("name"))]
+
+
+def explained(data: Spec, *keys: str) -> bool:
+    """Whether an erratum affects this very place, by the path that leads there through keys and names."""
+    place = ".".join(keys)
+    return any(place in erratum["affects"] for _, erratum in items(data, "errata") if _is_list(erratum.get("affects")))
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(value, list)
+
+
+def walk(data: Any, path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
+    """Every entry of every map: the path of the entry, its key, its value."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield (*path, key), key, value
+            yield from walk(value, (*path, key))
+    elif isinstance(data, list):
+        for index, item in enumerate(data):
+            yield from walk(item, (*path, index))

@@ -1,0 +1,156 @@
+"""Slips in YAML that are plain to see, mended while reading: one problem each, and the rest is read as it was meant.
+
+Without this a comma in a text would look like an unknown key, and a forgotten dash like a whole item of duplicate keys.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from .problems import quoted
+
+_DIGITS = re.compile("[0-9]+")
+_THOUSANDS = re.compile("[0-9]{3}")
+#: Events to look ahead; a value of more is no slip.
+_FURTHEST = 2000
+
+#: Called with an event, a rule and a message.
+Complain = Callable[[Any, str, str], None]
+
+
+@dataclass(slots=True)
+class _Open:
+    """A map or list that is open. ``nodes`` counts what it holds so far, keys and values alike."""
+
+    is_map: bool
+    flow: bool
+    in_list: bool
+    nodes: int = 0
+    keys: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def awaits_key(self) -> bool:
+        return self.is_map and self.nodes % 2 == 0
+
+
+class Mended:
+    """The events of a parser with slips mended.
+
+    Args:
+        events: The events as they come.
+        lines: The lines of the text.
+        is_text: Whether an unquoted scalar is a text, not a number or the like.
+        complain: Told of every slip.
+    """
+
+    def __init__(
+        self, events: Iterator[Any], lines: list[str], is_text: Callable[[str], bool], complain: Complain
+    ) -> None:
+        self._events = events
+        self._ahead: deque[Any] = deque()
+        self._lines = lines
+        self._is_text = is_text
+        self._complain = complain
+        self._open: list[_Open] = []
+
+    def __iter__(self) -> Iterator[Any]:
+        while (event := self._next()) is not None:
+            around = self._open[-1] if self._open else None
+            if isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
+                self._open.pop()
+                self._count()
+            elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
+                in_list = around is not None and not around.is_map
+                self._open.append(_Open(isinstance(event, yaml.MappingStartEvent), bool(event.flow_style), in_list))
+            elif isinstance(event, yaml.ScalarEvent) and around is not None and around.is_map:
+                if around.awaits_key:
+                    yield from self._dash_before(event, around)
+                    around.keys.setdefault(event.value, _line(event))
+                elif around.flow:
+                    self._skip_rest(event)
+                around.nodes += 1
+            elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
+                self._count()
+            yield event
+
+    def _count(self) -> None:
+        if self._open:
+            self._open[-1].nodes += 1
+
+    def _next(self) -> Any:
+        return self._ahead.popleft() if self._ahead else next(self._events, None)
+
+    def _peek(self, index: int) -> Any:
+        while len(self._ahead) <= index:
+            self._ahead.append(next(self._events, None))
+        return self._ahead[index]
+
+    def _dash_before(self, key: Any, item: _Open) -> Iterator[Any]:
+        """The end of the item and the start of the next, where its keys begin anew: first the first, then another."""
+        if not item.in_list or item.flow or len(item.keys) < 2 or key.value != next(iter(item.keys)):
+            return
+        if self._key_after_next() not in item.keys:
+            return
+        wrong = f"the keys of this item begin anew: {quoted(key.value)} is already on line {item.keys[key.value]}"
+        message = f"{wrong}; put '-' before it if another item begins here"
+        self._complain(key, "duplicate-key", message)
+        item.keys.clear()
+        yield yaml.MappingEndEvent(key.start_mark, key.start_mark)
+        yield yaml.MappingStartEvent(None, None, True, key.start_mark, key.start_mark, flow_style=False)
+
+    def _key_after_next(self) -> str | None:
+        depth = index = 0
+        while True:
+            event = self._peek(index)
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            index += 1
+            if event is None or depth < 0 or index > _FURTHEST:
+                return None
+            if depth == 0:
+                break
+        following = self._peek(index)
+        return following.value if isinstance(following, yaml.ScalarEvent) else None
+
+    def _skip_rest(self, value: Any) -> None:
+        """A comma ends an unquoted text or number in {...}; what follows it would be a key without a value."""
+        if value.style or value.tag or value.anchor:
+            return
+        first, number = None, _DIGITS.fullmatch(value.value) is not None
+        while self._is_rest(self._peek(0), self._peek(1)):
+            rest = self._ahead[0]
+            if number and _THOUSANDS.fullmatch(rest.value):
+                value.value += rest.value
+            elif number or not self._is_text(value.value):
+                break  # As in {12: , 16}, where keys may come alone.
+            first = first or rest
+            self._ahead.popleft()
+            self._ahead.popleft()
+        if first is not None:
+            self._complain(first, "yaml-syntax", _about_comma(first, value.value if number else ""))
+
+    def _is_rest(self, key: Any, value: Any) -> bool:
+        """Whether this is a key without a colon, and nothing."""
+        if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
+            return False
+        if key.style or value.style or value.value:
+            return False
+        end: Any = key.end_mark
+        after = self._lines[end.line][end.column :]
+        return key.value != "" and not after.lstrip().startswith(":")
+
+
+def _line(event: Any) -> int:
+    return int(event.start_mark.line) + 1
+
+
+def _about_comma(rest: Any, number: str) -> str:
+    if number:
+        return f"a number has no commas; write {number}"
+    rule = "A comma ends an unquoted text inside {...}: if this is part of the text, put the whole in quotes"
+    return f"{quoted(rest.value)} has no colon. {rule}"

@@ -1,0 +1,106 @@
+"""Syntax errors of YAML in words of use to someone who is transcribing, at the place that is to be mended.
+
+PyYAML says where its parser stopped. A quote or a bracket that was left open is higher up, often by many lines.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+
+_RULE = "yaml-syntax"
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_LINE_BREAK = re.compile(r"\r\n|\r|\n")
+_NO_COMMA = "a comma, or the bracket that closes, is missing before this"
+_COMMENT = re.compile(r"\s#")
+
+
+def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]:
+    """Line, column, rule and message for an error of the parser."""
+    lines = _LINE_BREAK.split(text)
+    mark: Any = error.problem_mark or error.context_mark
+    problem, context = error.problem or "not understood", error.context or ""
+    opened: Any = error.context_mark
+    # The mark of this problem is wherever the search for the colon ended.
+    if opened is not None and problem == "could not find expected ':'":
+        return *_place(opened), _RULE, _keyless(_character(lines, opened))
+    if opened is not None and "quoted scalar" in context and "end of stream" in problem:
+        return *_place(opened), _RULE, "the quote that opens here is never closed; close it on this line"
+    quote = _last_quoted(text, mark)
+    if quote is not None:
+        return *_place(quote.start_mark), _RULE, _about_quote(quote)
+    if opened is not None and "flow" in context and "expected ','" in problem:
+        comma = mark.line == opened.line and not _COMMENT.search(lines[opened.line], opened.column)
+        return *_place(mark if comma else opened), _RULE, _NO_COMMA if comma else _about_bracket(lines, opened, mark)
+    line, column = (1, 1) if mark is None else _place(mark)
+    character = _character(lines, mark)
+    return line, column, _RULE, _message(problem, character, line >= len(lines) and not character)
+
+
+def _place(mark: Any) -> tuple[int, int]:
+    return mark.line + 1, mark.column + 1
+
+
+def _character(lines: list[str], mark: Any) -> str:
+    return lines[mark.line][mark.column : mark.column + 1] if mark is not None and mark.line < len(lines) else ""
+
+
+def _keyless(character: str) -> str:
+    if character in ("'", '"'):
+        return "the quote that opens here is not closed on this line; close it"
+    return "a key without a colon, or a text that goes on without being indented"
+
+
+def _last_quoted(text: str, mark: Any) -> Any:
+    """The text in quotes after which the parser stumbled, if they are to blame: of several lines, or ending there."""
+    last = None
+    try:
+        for token in yaml.scan(text, Loader=_LOADER):
+            if mark is None or (token.start_mark.line, token.start_mark.column) >= (mark.line, mark.column):
+                break
+            if isinstance(token, yaml.ScalarToken) and token.style in ("'", '"') and token.end_mark.line == mark.line:
+                last = token
+    except yaml.YAMLError:
+        pass  # The error that is being explained; what came before it has been seen.
+    if last is None or last.end_mark.line > last.start_mark.line:
+        return last
+    return last if last.end_mark.column == mark.column else None
+
+
+def _about_quote(token: Any) -> str:
+    if token.end_mark.line > token.start_mark.line:
+        return f"the quote that opens here closes on line {token.end_mark.line + 1} only; close it on this line"
+    if token.style == "'":
+        return "an apostrophe inside '...' ends the text; put the text in double quotes"
+    return 'a quote inside "..." ends the text; put the text in single quotes, or write \\" for the quote inside'
+
+
+def _about_bracket(lines: list[str], opened: Any, mark: Any) -> str:
+    bracket = _character(lines, opened)
+    closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
+    at_end = mark.line >= len(lines) - 1 and not _character(lines, mark)
+    wrong = (
+        f"the '{bracket}' that opens here is not closed up to "
+        f"{'the end of the file' if at_end else f'line {mark.line + 1}'}"
+    )
+    if _COMMENT.search(lines[opened.line], opened.column):
+        return f"{wrong}: a '#' after a space begins a comment; put the text in quotes"
+    return f"{wrong}; close it with '{closing}', or add the comma that is missing"
+
+
+def _message(problem: str, character: str, at_end: bool) -> str:
+    if character == "\t":
+        return "a tab cannot indent; use spaces"
+    if (character and character in "@`") or (character == "%" and "token" in problem):
+        return f"an unquoted text cannot begin with '{character}'; put it in quotes"
+    if "mapping values are not allowed" in problem:
+        return "a colon and a space inside an unquoted text; put the text in quotes, or check the indentation"
+    if "undefined alias" in problem:
+        return "there is no anchor of this name before this alias"
+    if "'-' indicator" in problem:
+        return "each item of a list begins with '-'; put one before this, or check the indentation"
+    if at_end or "end of stream" in problem:
+        return f"the text ends in the middle of something ({problem}); a quote or bracket may be left open"
+    return f"{problem}; check the indentation, quotes and brackets here and just above"

@@ -1,0 +1,356 @@
+"""The BiSS files: ``idbissXXXX.xml`` of each manufacturer, and a full description of each device.
+
+Of the idbiss format only the opening passage of one file is public. Our file has nothing that is not seen there; every
+reading beyond it is named as inferred in a comment. All that the format has no publicly known place for is in the full
+description, which has a schema of our own.
+"""
+
+from __future__ import annotations
+
+import textwrap
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, TypedDict
+
+from markupsafe import Markup, escape
+
+from ...dump.plain import device_dump
+from ...dump.xml import XSD_NAME, clean, to_xml
+from ...dump.xsd import schema_text
+from ...model import Biss, Crc, CrcValue, Device, Field, Flag, Layout, Manufacturer
+from ...reference.parameters import needed_parameters, run_time_widths
+from ...render import Templates, our_templates
+from ...say import interface as say_interface
+from ...say.crc import parameters
+from ...say.erratum import errata, erratum
+from ...say.lines import plain
+from ...say.place import field_at
+from ...say.text import BY_NAME
+from ...say.words import counted
+from .. import NO_OPTIONS, Library, Options, Target
+from .identity import (
+    DataLength,
+    IdBits,
+    biss_variants,
+    data_lengths,
+    device_bits,
+    manufacturer_bits,
+    profile_ids,
+    single_cycle_data,
+)
+
+_WIDTH = 132
+_ASCII = str.maketrans(
+    {
+        "\u2013": "-",
+        "\u2014": "-",
+        "\u2212": "-",
+        "\u2026": "...",
+        "\u00b1": "+/-",
+        "\u00b5": "u",
+        "\u03bc": "u",
+        "\u00d7": "x",
+        "\u2192": "to",
+        "\u201c": '"',
+        "\u201d": '"',
+        "\u2018": "'",
+        "\u2019": "'",
+        "\u00b0": " deg",
+        "\u03a9": "Ohm",
+        "\u2126": "Ohm",
+    }
+)
+
+
+@dataclass(frozen=True)
+class Node:
+    """A ``Device`` element: the identity that it stands for, its name, and what is known of its data."""
+
+    ids: tuple[IdBits, ...]
+    label: str = ""
+    label_position: int = 0
+    notes: tuple[str, ...] = ()
+    notes_of_data: tuple[str, ...] = ()
+    crc_polynomial: str = ""
+    length: int = 0
+    data_label: str = ""
+    devices: tuple[Node, ...] = ()
+
+
+class Identifier(TypedDict):
+    notes: Annotated[list[str], "what the first comment says"]
+    root: Annotated[Node, "the element of the manufacturer, with those of its encoders inside"]
+    left_out: Annotated[str, "a sentence on encoders that are not listed, or empty"]
+
+
+def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
+    """``biss/idbissXXXX.xml`` of each manufacturer with a BiSS ID, ``biss/<maker>-<device>.xml`` and its schema."""
+    files = {}
+    for maker, devices in library.by_manufacturer():
+        if maker.biss_id is not None:
+            files[f"biss/idbiss{maker.biss_id:04X}.xml"] = _identifier(maker, maker.biss_id, devices, library)
+        files |= {f"biss/{maker.name}-{device.name}.xml": to_xml(device_dump(device)) for device in devices}
+    if files:
+        files[f"biss/{XSD_NAME}"] = schema_text()
+    return files
+
+
+def ascii_only(text: object) -> str:
+    """``text`` in ASCII, for comments, where XML knows no character references."""
+    decomposed = unicodedata.normalize("NFKD", plain(text).translate(_ASCII))
+    return (
+        "".join(character for character in decomposed if not unicodedata.combining(character))
+        .encode("ascii", "replace")
+        .decode()
+    )
+
+
+def comment_text(text: object) -> Markup:
+    """``text`` for inside a comment, which two hyphens would end."""
+    made = ascii_only(text)
+    while "--" in made:
+        made = made.replace("--", "- -")
+    return Markup(made + " " if made.endswith("-") else made)
+
+
+def comment(text: object, indent: str) -> Markup:
+    """A whole comment; on several lines where one is too short. A text with line ends keeps them."""
+    lines = [(line.startswith("  "), str(comment_text(line))) for line in str(text).split("\n")]
+    if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
+        return Markup(f"{indent}<!-- {lines[0][1]} -->")
+    leads = {False: ("", ""), True: ("  ", "    ")}
+    wrapped = [
+        piece
+        for is_item, line in lines
+        for piece in textwrap.wrap(
+            line, _WIDTH - len(indent) - 5, initial_indent=leads[is_item][0], subsequent_indent=leads[is_item][1]
+        )
+    ]
+    return Markup("\n".join([f"{indent}<!--", *(f"{indent}     {line}" for line in wrapped), f"{indent}-->"]))
+
+
+def ascii_text(text: object) -> Markup:
+    """``text`` for an element, in ASCII with character references."""
+    return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
+
+
+def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], library: Library) -> str:
+    listed = [(device, device_bits(device)) for device in devices if device.over(Biss) is not None]
+    nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
+    left_out = [device.title for device, ids in listed if not ids]
+    root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
+    values: Identifier = {
+        "notes": [_about(maker), *(f"Trademarks: {text}" for text in maker.trademarks)],
+        "root": root,
+        "left_out": f"Not listed, for want of a device ID in the spec: {', '.join(left_out)}" if left_out else "",
+    }
+    return TEMPLATES.render("idbiss.xml.jinja", values, library.own_templates)
+
+
+_MANUFACTURER_NOTE = (
+    "Inferred: Range counts the bits of the 64-bit identity that device ID (78h to 7Dh) and manufacturer ID (7Eh, 7Fh) "
+    "form, high byte first: "
+    "bit 63 is the highest of 78h, bit 0 the lowest of 7Fh. Publicly it is seen with the 16-bit profile ID only.\n"
+    "Inferred: a Device inside a Device refines it, so that all Id on the way down have to hold, and the SCDS on the "
+    "way describe one data channel.\n"
+    "Inferred: Label of a Device names maker and device, the second beginning with a comma. Publicly it is seen with "
+    "names of profiles only."
+)
+
+
+def _about(maker: Manufacturer) -> str:
+    return (
+        f"{maker.title}: encoders with a BiSS C interface.\n"
+        "Structure inferred from the public opening of profilebiss.xml; not validated against idbiss.dtd, which is not "
+        "public, and not tried with any master. Only elements and attributes that are seen there are used; each "
+        "reading beyond it is marked as inferred.\n"
+        "What the format has no publicly known place for is in the full description of each device, beside this file."
+    )
+
+
+def _device(device: Device, ids: tuple[IdBits, ...]) -> Node | None:
+    found = single_cycle_data(device)
+    if found is None:
+        return None
+    layout, crc = found
+    lengths = data_lengths(device, layout)
+    manual = device.manual
+    notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
+    polynomial = f"0x{crc.poly_with_top_bit:02X}"
+    inner = () if run_time_widths(device, layout) else _by_length(device, layout, ids, lengths)
+    return Node(
+        ids, f", {device.title}", 1, notes, (_to_tell(device, layout, crc, lengths, ids),), polynomial, devices=inner
+    )
+
+
+def _by_length(
+    device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
+) -> tuple[Node, ...]:
+    """The one length that a device ID stands for."""
+    if len({item.data_bits for item in lengths}) != 1:
+        return ()
+    notes = ("The same identity again: CrcPoly and Length are not seen in one SCDS.",)
+    return (
+        Node(
+            ids,
+            notes=notes,
+            notes_of_data=(_LENGTH_NOTE,),
+            length=lengths[0].data_bits,
+            data_label=_data_label(device, layout),
+        ),
+    )
+
+
+def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
+    """The length of the data for each profile ID, where the profile ID tells the models apart; else nothing."""
+    by_code = {code: item.data_bits for item in lengths for code in item.codes}
+    sizes = {number: {by_code[code] for code in codes} for number, codes in profile_ids(device).items()}
+    return (
+        {number: min(found) for number, found in sizes.items()}
+        if len(sizes) > 1 and all(len(found) == 1 for found in sizes.values())
+        else {}
+    )
+
+
+def _data_label(device: Device, layout: Layout) -> str:
+    """What the data channel carries; without the comma with which labels of devices begin."""
+    measurement = device.measurement_of(Biss.name)
+    return f"{measurement.of if measurement is not None else plain(layout.name.replace('_', ' '))}"
+
+
+_LENGTH_NOTE = (
+    "Inferred: Length counts all bits of data on the line, zeros beside the position included, without error, warning "
+    "and CRC bits; profile IDs that tell a data length leave those out, too.\n"
+    "Inferred: the Label beside it, which is seen in this place, names what the data channel carries."
+)
+_PROFILE_NOTE = (
+    "Not listed as inner Devices: an Id for the profile ID would have Range 15:0 as in profilebiss.xml, which counts "
+    "the manufacturer ID further up; both could not hold."
+)
+
+
+def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLength], ids: Sequence[IdBits]) -> str:
+    """What the master has to be told besides, as the lines of a comment."""
+    lines = [_about_length(device, layout, lengths), *_lengths_by_profile(device, lengths)]
+    for item in lengths:
+        parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
+        lines.append(
+            f"  {', '.join(item.codes)}: {parts} = {item.data_bits} bits; "
+            f"with status bits {item.with_status}; with CRC {item.total}"
+        )
+    status = layout.status_fields
+    order = [
+        f"{field.name} ({_active(field)})" if field in status else field.name
+        for field in layout.fields
+        if not isinstance(field.kind, CrcValue)
+    ]
+    lines.append(
+        f"  sent in this order, most significant bit first: {', '.join(order)}, CRC"
+        + ("" if status else "; no status bits")
+    )
+    lines.append(f"  code: {_code(device, layout)}")
+    lines.append(f"  CRC: {_crc_words(crc)}; CrcPoly is the polynomial with its top bit")
+    lines += _other_channels(device, layout)
+    facts = say_interface.settings(device, device.interface("biss"))
+    lines += [f"  {BY_NAME.sentence(item)}" for item in facts]
+    lines += _one_profile(device, lengths)
+    paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{item.register}" for item in ids)]
+    lines += [f"  {BY_NAME.sentence(erratum(item))}" for item in errata(device, *paths)]
+    lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
+    return "\n".join(lines)
+
+
+def _active(status: Field) -> str:
+    if not isinstance(status.kind, Flag):
+        return "not used, always 1"
+    return "low active" if status.kind.active_low else "high active"
+
+
+def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
+    found, profiles = _length_by_profile(device, lengths), profile_ids(device)
+    lines = [
+        f"  profile ID {number:04X}h, registers 42h and 43h ({', '.join(profiles[number])}): {length} bits"
+        for number, length in found.items()
+    ]
+    return [*lines, f"  {_PROFILE_NOTE}"] if lines else []
+
+
+def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
+    """The profile ID that all models share, and for which of them its low byte is the length of the data."""
+    profiles = profile_ids(device)
+    if len(profiles) != 1:
+        return []
+    number = min(profiles)
+    if number == 0:
+        return ["  profile ID, registers 42h and 43h: 0000h, which is no profile"]
+    line = f"  profile ID, registers 42h and 43h: {number:04X}h"
+    if len({item.data_bits for item in lengths}) > 1:
+        fitting = [code for item in lengths if item.data_bits == number & 0xFF for code in item.codes]
+        only = f"; its low byte, {number & 0xFF}, is the data length of {', '.join(fitting)} only" if fitting else ""
+        line += f", whatever the length{only}"
+    return [line]
+
+
+def _crc_words(crc: Crc) -> str:
+    return f"{counted(crc.width, 'bit')}, {parameters(crc)}"
+
+
+def _other_channels(device: Device, layout: Layout) -> list[str]:
+    """The data channels besides that of the position, for which the format has no publicly known place."""
+    lines = []
+    for other in device.interface(Biss.name).layouts:
+        crc = device.crc_of(other)
+        if other is layout or other.channel is None or crc is None:
+            continue
+        fields = (field for field in other.fields if not isinstance(field.kind, CrcValue))
+        parts = ", ".join(f"{field.name} {field.width.render()}" for field in fields)
+        channel = f"  data channel {other.channel} besides, {other.name}"
+        lines.append(f"{channel}: {parts} bits; CRC of {_crc_words(crc)}")
+    return lines
+
+
+def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
+    sizes = {item.data_bits for item in lengths}
+    held = [field_at(device, path) for path in run_time_widths(device, layout)]
+    if held:
+        now = f"it follows what {' and '.join(held)} hold at the moment"
+        return f"No Length: {now}, and the master must be told. As delivered it is:"
+    if len(sizes) == 1:
+        return "Besides what stands here the master must be told, by order code:"
+    told = "; the profile ID tells which" if _length_by_profile(device, lengths) else ""
+    several = f"one device ID stands for {len(sizes)} data lengths{told}"
+    return f"No Length: {several}. The master must be told the one of the order code:"
+
+
+def _code(device: Device, layout: Layout) -> str:
+    if not layout.gray_of:
+        return "binary"
+    held = [
+        field_at(device, item.read_from)
+        for item in device.run_time_parameters
+        if item.name in needed_parameters(device, layout.gray_when)
+    ]
+    if not layout.gray_when:
+        return f"{layout.gray_of} in Gray code"
+    delivered = {bool(variant.parameters[layout.gray_when]) for variant in biss_variants(device)}
+    word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "as the order code says")
+    return (
+        f"{layout.gray_of} in Gray code or binary as {', '.join(held)} says; {word} as delivered"
+        if held
+        else f"{layout.gray_of} {word}"
+    )
+
+
+TEMPLATES = Templates(
+    our_templates("biss"),
+    values={"idbiss.xml.jinja": Identifier},
+    filters={"comment": comment, "comment_text": comment_text, "ascii_text": ascii_text},
+    autoescape=True,
+)
+TARGET = Target(
+    name="biss",
+    summary="idbissXXXX.xml for BiSS masters, and a full description of each family in XML",
+    files=generate,
+    templates=TEMPLATES,
+)

@@ -1,0 +1,197 @@
+"""What a BiSS master can know a device by.
+
+It is the fixed bits of its 64-bit identity, its profile ID, and the lengths of its single cycle data.
+
+Device ID (registers 78h to 7Dh) and manufacturer ID (7Eh and 7Fh) are taken as one number of 64 bits, high byte first,
+as the BiSS C protocol description orders registers: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ...model import Biss, Constant, Crc, CrcValue, Device, Field, Layout, PlacedLayout, Register, Variant
+from ...model.expressions import Expression
+
+FIRST, LAST = 0x78, 0x7F
+PROFILE = 0x42
+_IDENTITY_BITS = 8 * (LAST - FIRST + 1)
+_MANUFACTURER_BITS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class IdBits:
+    """Bits ``high`` to ``low`` of an identity and what they hold.
+
+    ``what`` says of which and where they are read, ``text`` what they spell.
+    """
+
+    high: int
+    low: int
+    number: int
+    what: str
+    text: str = ""
+    register: str = ""
+
+    @property
+    def digits(self) -> str:
+        """Every bit as a binary literal, ``0b`` first."""
+        return f"0b{self.number:0{self.high - self.low + 1}b}"
+
+    @property
+    def hexadecimal(self) -> str:
+        return f"{self.number:0{(self.high - self.low + 4) // 4}X}h"
+
+
+@dataclass(frozen=True, slots=True)
+class DataLength:
+    """Lengths of the single cycle data of some order codes: ``parts`` are the widths of the data fields in sending
+    order."""
+
+    codes: tuple[str, ...]
+    data_bits: int
+    status_bits: int
+    crc_bits: int
+    parts: Mapping[str, int]
+
+    @property
+    def with_status(self) -> int:
+        return self.data_bits + self.status_bits
+
+    @property
+    def total(self) -> int:
+        return self.with_status + self.crc_bits
+
+
+def manufacturer_bits(biss_id: int) -> IdBits:
+    text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
+    return IdBits(
+        _MANUFACTURER_BITS - 1,
+        0,
+        biss_id,
+        "64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
+        text if text.isprintable() and text.isascii() else "",
+    )
+
+
+def device_bits(device: Device) -> tuple[IdBits, ...]:
+    """The fixed bits of the device ID, from the highest down."""
+    found = [bits for register in device.registers if _holds_identity(register) for bits in _register_bits(register)]
+    return tuple(sorted((item for item in found if item.low >= _MANUFACTURER_BITS), key=lambda item: -item.low))
+
+
+def _holds_identity(register: Register) -> bool:
+    ordered = register.length == 1 or register.byte_order == "high_byte_first"
+    return register.interface == Biss.name and register.address >= FIRST and register.last_address <= LAST and ordered
+
+
+def _register_bits(register: Register) -> Iterator[IdBits]:
+    below = 8 * (LAST - register.last_address)
+    for field in register.layout.fields:
+        number = _fixed(field)
+        if number is None or not field.low.is_constant or not field.width.is_constant:
+            continue
+        low = below + field.low.constant
+        high = low + field.width.constant - 1
+        first, last = FIRST + (_IDENTITY_BITS - 1 - high) // 8, FIRST + (_IDENTITY_BITS - 1 - low) // 8
+        place = f"register {first:02X}h" if first == last else f"registers {first:02X}h to {last:02X}h"
+        yield IdBits(
+            high,
+            low,
+            number,
+            f"64-bit identity: device ID, {place}",
+            field.equals if isinstance(field.equals, str) else "",
+            register.name,
+        )
+
+
+def _fixed(field: Field) -> int | None:
+    """The value that the field holds in every device of the family, where it has one."""
+    if isinstance(field.kind, Constant):
+        return field.kind.value
+    if isinstance(field.equals, str):
+        return int.from_bytes(field.equals.encode("ascii", "replace"), "big")
+    if isinstance(field.equals, Expression):
+        return field.equals.constant if field.equals.is_constant else None
+    return field.equals
+
+
+def single_cycle_data(device: Device) -> tuple[Layout, Crc] | None:
+    """The frame that a BiSS master receives in every cycle, and its CRC."""
+    for interface, layout in device.layouts():
+        if isinstance(interface, Biss) and layout.sender == "encoder" and not layout.in_bytes:
+            crc = device.crc_of(layout)
+            if crc is not None:
+                return layout, crc
+    return None
+
+
+def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
+    """The lengths of the single cycle data, each once, with the order codes that have it; in order of length."""
+    placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
+    for variant in device.variants:
+        if variant.interface == Biss.name:
+            made = layout.place(variant.parameters)
+            shape = tuple((item.name, item.width) for item in made.fields)
+            placed.setdefault(shape, (made, []))[1].append(variant.code)
+    found = (_length(made, tuple(codes)) for made, codes in placed.values())
+    return tuple(sorted(found, key=lambda item: (item.data_bits, item.codes)))
+
+
+def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
+    """The profile IDs in registers 42h and 43h with the order codes that have them.
+
+    Empty where the spec states none.
+    """
+    register = next(
+        (
+            item
+            for item in device.registers
+            if item.interface == Biss.name and item.address == PROFILE and item.length == 2
+        ),
+        None,
+    )
+    if register is None or register.byte_order != "high_byte_first":
+        return {}
+    if any(not _is_stated(field) for field in register.layout.fields):
+        # What is printed as the register's value, though not as what tells the models.
+        return (
+            {}
+            if register.default is None
+            else {register.default: tuple(variant.code for variant in biss_variants(device))}
+        )
+    found: dict[int, list[str]] = {}
+    for variant in biss_variants(device):
+        placed = register.layout.place(variant.parameters)
+        number = sum(_stated(item.field, variant) << item.low for item in placed.fields)
+        found.setdefault(number, []).append(variant.code)
+    return {number: tuple(codes) for number, codes in found.items()}
+
+
+def _is_stated(field: Field) -> bool:
+    return isinstance(field.kind, Constant) or isinstance(field.equals, (int, Expression))
+
+
+def _stated(field: Field, variant: Variant) -> int:
+    if isinstance(field.equals, Expression):
+        return field.equals.value(variant.parameters)
+    if isinstance(field.equals, int):
+        return field.equals
+    return field.kind.value if isinstance(field.kind, Constant) else 0
+
+
+def _length(placed: PlacedLayout, codes: tuple[str, ...]) -> DataLength:
+    status = [item.name for item in placed.layout.status_fields]
+    crc = sum(item.width for item in placed.fields if isinstance(item.field.kind, CrcValue))
+    flags = sum(item.width for item in placed.fields if item.name in status)
+    data = {
+        item.name: item.width
+        for item in placed.fields
+        if not isinstance(item.field.kind, CrcValue) and item.name not in status
+    }
+    return DataLength(codes, sum(data.values()), flags, crc, data)
+
+
+def biss_variants(device: Device) -> tuple[Variant, ...]:
+    return tuple(variant for variant in device.variants if variant.interface == Biss.name)

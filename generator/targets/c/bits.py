@@ -1,0 +1,105 @@
+"""Where the bits of fields are: expressions that take them out of the word or out of the bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ...model import Digits, Field, Piece
+from ...plan.codec import Bits, Codec, Whole
+from .expr import Call, Cast, Expr, Name, Number, Operation, Scope, joined, left, masked, right
+from .types import size_of, unsigned
+
+
+def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
+    """The bits in these pieces of ``bytes``, and the type that holds them."""
+    bits = sum(piece.mask.bit_length() for piece in pieces)
+    kind, work = unsigned(bits), "uint64_t" if bits > 32 else "uint32_t"
+    if len(pieces) == 1:
+        part = _part(pieces[0])
+        return kind, part if isinstance(part, Name) else Cast("uint8_t", part)
+    parts = joined("|", tuple(left(Cast(work, _part(piece)), piece.left) for piece in pieces))
+    return kind, parts if kind == work else Cast(kind, parts)
+
+
+def _part(piece: Piece) -> Expr:
+    """What a byte has of a field, at its low end."""
+    part = right(Name(f"bytes[{piece.byte}]"), piece.right)
+    reaches_top = piece.right + piece.mask.bit_length() == 8
+    return part if reaches_top else masked(part, piece.mask)
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Takes fields out of a layout: out of the word, where it is taken as one, otherwise out of the bytes."""
+
+    plan: Codec
+    scope: Scope
+
+    @property
+    def word(self) -> Expr:
+        """The word, whatever Gray code was in it taken out."""
+        return Name("plain" if self.plan.gray is not None else "word")
+
+    def value(self, bits: Bits) -> tuple[str, Expr]:
+        """The bits of a field, and the type that holds them; with padding where that is read along."""
+        if not self.plan.by_word:
+            return of_bytes(bits.pieces)
+        kind = unsigned(bits.widest)
+        if bits.are_fixed and bits.width.constant == 64:
+            return kind, self.word
+        number = self.in_word(bits)
+        return kind, number if bits.widest > 32 and not bits.are_fixed else Cast(kind, number)
+
+    def in_word(self, bits: Bits) -> Expr:
+        """The bits of the word, at a fixed place in 32 bits where they lie within the lower half."""
+        if bits.are_fixed:
+            low, width = bits.low.constant, bits.width.constant
+            return masked(right(self.lower(low + width), low), (1 << width) - 1)
+        if not bits.on_top:
+            return Call(f"{self.scope.maker}_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
+        # Nothing lies above it: the length has been checked.
+        if bits.low.is_constant:
+            return right(self.word, bits.low.constant)
+        return Call(f"{self.scope.maker}_above", (self.word, self.scope.of(bits.low)))
+
+    def flag(self, bits: Bits) -> Expr:
+        """The bit of a flag where it is: in the word, or in the byte ``flags``."""
+        if not self.plan.by_word:
+            return masked(Name("flags"), bits.pieces[0].mask << bits.pieces[0].right)
+        if not bits.are_fixed:
+            return self.in_word(bits)
+        return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
+
+    def lower(self, high: int) -> Expr:
+        """The word, or its lower half where the bits below ``high`` are enough."""
+        return Cast("uint32_t", self.word) if high <= 32 < self.plan.layout.widest else self.word
+
+    def whole(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+        """A join as one number: out of the word where its fields lie side by side, else of its fields by name."""
+        if whole.bits is None:
+            return self.joined(whole, name_of)
+        number = self.in_word(whole.bits)
+        return number if whole.widest > 32 else Cast(unsigned(whole.widest), number)
+
+    def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
+        """The fields of a join as one number of the join's type."""
+        first, *others = whole.fields
+        kind = unsigned(whole.widest)
+        number: Expr = Cast(kind, name_of(first))
+        for field in others:
+            number = Operation("|", (left(number, self.scope.of(field.width)), name_of(field)))
+        return Cast(kind, number) if others and size_of(whole.widest) < 32 else number
+
+    def parity(self, number: Expr, widest: int) -> Expr:
+        """Whether the count of ones in a number of so many bits is odd."""
+        if widest > 32:
+            number = Operation("^", (Cast("uint32_t", number), Cast("uint32_t", right(number, 32))))
+        return Call(f"{self.scope.maker}_parity", (number,))
+
+
+def digits(number: object, field: Field, run: Digits) -> Expr:
+    """A run of decimal digits of a number, taken out of it."""
+    name = Name(str(number))
+    above = Operation("/", (name, Number(run.divisor))) if run.divisor > 1 else name
+    return above if run is field.runs[0] else Operation("%", (above, Number(run.modulus)))

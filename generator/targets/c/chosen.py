@@ -1,0 +1,161 @@
+"""Which worked examples of the manual a program shows, and a frame that is made up where the manual has none."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+
+from ...build.examples import example_variant
+from ...model import (
+    CrcExample,
+    Device,
+    Example,
+    Field,
+    FrameExample,
+    Interface,
+    Layout,
+    MeasureExample,
+    Measurement,
+    PollStep,
+    Procedure,
+    ProcedureExample,
+    Register,
+    RegisterExample,
+    SendStep,
+    Text,
+    assert_never,
+    cite,
+)
+from ...reference import codec
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A frame as a number, and where it comes from."""
+
+    layout: Layout
+    wire: int
+    about: str
+
+
+class Chosen:
+    """What the manual shows for one order code of an interface: the one with the most examples.
+
+    Raises:
+        EncodeError: It shows no frame, and no plain one can be made up.
+    """
+
+    def __init__(self, device: Device, interface: Interface) -> None:
+        self.device, self.interface = device, interface
+        self.measurement = device.measurement_of(interface.name)
+        given = [item for item in device.examples if self._is_here(item)]
+        counted = Counter(example_variant(device, item).code for item in given)
+        variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
+        # Without any example, the one of the finest resolution.
+        self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
+        self.examples = [item for item in given if example_variant(device, item) == self.variant]
+        self.frame = self._frame()
+
+    def _is_here(self, example: Example) -> bool:
+        """Whether the manual shows it for an order code with this interface."""
+        if example_variant(self.device, example).interface != self.interface.name:
+            return False
+        match example:
+            case RegisterExample():
+                register = self.device.register(example.register)
+                return register.interface == self.interface.name and register.readable
+            case FrameExample():
+                plain = not example.refused and example.sender == "encoder" and bool(example.layout)
+                return plain and not self.device.alternatives_of(self.device.layout(example.layout))
+            case ProcedureExample() | MeasureExample():
+                return True
+            case CrcExample():
+                return False
+            case _:
+                assert_never(example)
+
+    @property
+    def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
+        """The registers that are shown, by name; simulated ones have no banks."""
+        shown: dict[str, tuple[Register, RegisterExample]] = {}
+        for item in self.examples:
+            if isinstance(item, RegisterExample) and self.device.register(item.register).bank is None:
+                shown.setdefault(item.register, (self.device.register(item.register), item))
+        return shown
+
+    @property
+    def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
+        """The worked procedure that writes most; without one, the first that clears an alarm by a request."""
+        given = (item for item in self.examples if isinstance(item, ProcedureExample))
+        worked = [(self.device.procedure(item.procedure), item) for item in given]
+        # The simulated encoder is never done, so that a poll would not end.
+        ending = [item for item in worked if not any(isinstance(step, PollStep) for step in item[0].steps)]
+        if ending:
+            return max(ending, key=lambda item: len(item[1].writes))
+        return next(((item, None) for item in self._clearing()), None)
+
+    def _clearing(self) -> Iterator[Procedure]:
+        for alarm in self.device.alarms:
+            for item in map(self.device.procedure, alarm.cleared_by):
+                sends = any(isinstance(step, SendStep) for step in item.steps)
+                if sends and item.interface == self.interface.name:
+                    yield item
+
+    # -- the frame
+
+    def _frame(self) -> Frame:
+        """A worked frame, one of the manual before one of another source; without any, one that is made up."""
+        worked = [item for item in self.examples if isinstance(item, FrameExample)]
+        if not worked:
+            return self._made_up()
+        first = min(worked, key=lambda item: any(source.document for source in item.source))
+        layout = self.device.layout(first.layout)
+        wire = int(first.bits, 2) if first.bits else codec.number_from_bytes(layout, first.bytes)
+        return Frame(layout, wire, f"a worked example [{cite(first.source)}]")
+
+    def _made_up(self) -> Frame:
+        sent = (item for item in self.interface.layouts if item.sender == "encoder")
+        layouts = [item for item in sent if not self.device.alternatives_of(item)]
+        if not layouts:
+            raise codec.EncodeError("every frame depends on what the manual leaves open")
+        measured = [item for item in layouts if self.has_position(item)]
+        layout = (measured or layouts)[0]
+        placed = layout.place(self.variant.parameters)
+        fields = [field for field in layout.data_fields if not field.runs]
+        values = {field.name: _plain_value(layout, field) for field in fields}
+        if self.measurement is not None and measured:
+            counts, about = self._position(self.measurement)
+            of = self.measurement.of
+            parts = layout.names_in(of)
+            others = {name: value for name, value in values.items() if name not in parts}
+            # Where the position does not fit, the frame goes without it.
+            with suppress(codec.EncodeError):
+                return Frame(layout, codec.encode(self.device, placed, {**others, of: counts}), about)
+        return Frame(layout, codec.encode(self.device, placed, values), "made up, since the manual shows none")
+
+    def has_position(self, layout: Layout) -> bool:
+        """Whether a layout has what positions are measured by."""
+        members = {field.name for field in layout.data_fields} | {join.name for join in layout.joins}
+        return self.measurement is not None and self.measurement.of in members
+
+    def _position(self, measurement: Measurement) -> tuple[int, str]:
+        for item in self.examples:
+            if isinstance(item, MeasureExample):
+                return item.counts, f"made up, with the position of a worked example [{cite(item.source)}]"
+        about = "made up, since the manual shows none"
+        if measurement.steps_per_turn is None:
+            return 1000, f"{about}: 1000 counts"
+        return measurement.steps_per_turn.value(self.variant.parameters) // 4, f"{about}: a quarter of a turn"
+
+
+def _plain_value(layout: Layout, field: Field) -> int | str:
+    """A value that the field can have, the plainest."""
+    if field.name == layout.selector:
+        return layout.selects[0]
+    if field.values:
+        return field.values[0].value
+    if isinstance(field.kind, Text):
+        return "-" * (field.widest // 8)
+    return 1 if field.number.zero_means or field.number.power_of_two else 0

@@ -1,0 +1,151 @@
+"""A struct with its decoder and encoder, for a frame or a register."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+
+from ...model import Field
+from ...model.expressions import Expression
+from ...plan.refusals import OutsideLimits, depends
+from .about import about_member, about_unused
+from .alternatives import AlternativeCode, asked
+from .comments import Paragraph
+from .decode import Decoder
+from .encode import Encoder
+from .expr import Expr, Name, Number, Operation, joined
+from .folds import WordCrc, folds
+from .names import Declared
+from .reserved import c_name
+from .structs import Struct
+from .types import number, string
+
+
+class StructCodec:
+    """What the templates print for a layout. ``about`` tells of a frame; a register has told of itself."""
+
+    def __init__(self, struct: Struct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()) -> None:
+        self.struct = struct
+        self.plan = struct.plan
+        self.scope = struct.scope
+        self.name = struct.name
+        self.length_macro = struct.length_macro
+        self.about = tuple(about)
+        self.decoder = Decoder(struct)
+        self.encoder = Encoder(struct, outside)
+        self.asked = tuple(item for item in struct.context.alternatives if item.item in self.plan.alternatives)
+        #: What a frame tells of the encoder; a register says what its bits mean, and no more.
+        self.reports = struct.context.reports.of(struct.layout, self.name) if struct.register is None else None
+
+    def declared(self) -> Iterator[Declared]:
+        yield from ((name, self.struct.path) for name in self._names())
+
+    def _names(self) -> Iterator[str]:
+        yield self.name
+        yield from (f"{self.name}_{ending}" for ending in ("decode", "encode"))
+        if not self.plan.in_bytes:
+            yield f"{self.name}_bits"
+        elif self.about:
+            yield self.length_macro
+        yield from (f"{self.name}_set_{name}" for name in self.set_names)
+        yield from self.reports.names() if self.reports is not None else ()
+        if self.word_crc is not None:
+            yield self.word_crc.name
+        if self.tells_difference:
+            yield f"{self.name}_is_expected"
+            yield from (self.expected_macro(field) for field in self.expected if self.is_the_same(field))
+
+    @property
+    def about_unused(self) -> str:
+        return about_unused(self.struct)
+
+    def about_member(self, field: Field) -> str:
+        return about_member(self.struct, field)
+
+    @property
+    def set_names(self) -> tuple[str, ...]:
+        """The members that have others beside them which say the same."""
+        decimal = (part.field.name for part in self.plan.parts if part.field.runs)
+        return (*(whole.join.name for whole in self.plan.wholes), *decimal)
+
+    @cached_property
+    def word_crc(self) -> WordCrc | None:
+        """The function that finds the CRC of a whole word."""
+        crc, bits = self.plan.crc, self.plan.layout.widest
+        # Its register has 32 bits.
+        if crc is None or not crc.divides or crc.crc.width > 32:
+            return None
+        steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
+        return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps)
+
+    def asks(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
+        """Of what the manual leaves open, what has to be known for these expressions."""
+        return asked(self.asked, *expressions)
+
+    @property
+    def decoder_depends(self) -> bool:
+        """Whether the decoder looks at the variant."""
+        return self.plan.depends or not self.plan.in_bytes
+
+    @property
+    def encoder_depends(self) -> bool:
+        """Whether the encoder looks at the variant."""
+        crc, plan = self.plan.crc, self.plan
+        if self.asked and not plan.depends:
+            return False
+        return (
+            plan.gray is not None
+            or any(op.depends for op in plan.terms)
+            or self.struct.unused.depends
+            or any(depends(op) for op in self.encoder.refusals)
+            or (crc is not None and not plan.in_bytes and self.word_crc is None and not crc.covered.is_constant)
+        )
+
+    # -- what the manual states that fields hold
+
+    @property
+    def expected(self) -> tuple[Field, ...]:
+        return tuple(part.field for part in self.plan.parts if part.field.equals is not None)
+
+    @property
+    def tells_difference(self) -> bool:
+        """Whether a sound frame can hold anything that is not as the manual states it."""
+        return bool(self.expected or self.struct.unused)
+
+    @staticmethod
+    def is_the_same(field: Field) -> bool:
+        """Whether the manual states one value for all order codes."""
+        return not isinstance(field.equals, Expression) or field.equals.is_constant
+
+    @property
+    def expected_depends(self) -> bool:
+        return not all(map(self.is_the_same, self.expected))
+
+    def expected_value(self, field: Field) -> str:
+        match field.equals:
+            case str(text):
+                return string(text)
+            case Expression(constant):
+                return number(constant)
+            case _:
+                return number(field.equals or 0, hexadecimal=True)
+
+    def expected_macro(self, field: Field) -> str:
+        return f"{self.name}_{field.name}_EXPECTED".upper()
+
+    @property
+    def is_expected(self) -> Expr:
+        """Whether a struct holds what the manual states."""
+        unused = [Operation("==", (Name("in->unused"), Number(0)))] if self.struct.unused else []
+        return joined("&&", (*(item for field in self.expected for item in self._is_expected(field)), *unused))
+
+    def _is_expected(self, field: Field) -> Iterator[Expr]:
+        name, macro = f"in->{c_name(field.name)}", self.expected_macro(field)
+        match field.equals:
+            case str(text):
+                for index in range(len(text.encode("ascii", "replace"))):
+                    yield Operation("==", (Name(f"{name}[{index}]"), Name(f"{macro}[{index}]")))
+            case Expression() as equals if not equals.is_constant:
+                yield Operation("==", (Name(name), self.scope.of(equals)))
+            case _:
+                yield Operation("==", (Name(name), Name(macro)))

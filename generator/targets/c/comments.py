@@ -1,0 +1,102 @@
+"""Comments of C: text of a spec in ASCII, so that nothing in it ends one."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+import unicodedata
+from collections.abc import Sequence
+
+from ...say.lines import plain
+
+COLUMNS = 100
+#: The least width that a text beside its lead gets.
+_NARROWEST = 36
+
+#: A paragraph of a comment; a pair is a paragraph with what stands before it, under which its other lines are indented.
+Paragraph = str | tuple[str, str]
+
+#: Letters of other alphabets and signs that comments need, in ASCII.
+_ASCII = {
+    "®": "(R)",
+    "™": "(TM)",
+    "©": "(C)",
+    "±": "+/-",
+    "²": "^2",
+    "³": "^3",
+    "…": "...",
+    "µ": "u",
+    "μ": "u",
+    "×": "x",
+    "–": "-",
+    "—": "-",
+    "−": "-",
+    "‑": "-",
+    "“": '"',
+    "”": '"',
+    "‘": "'",
+    "’": "'",
+    "°": " deg ",
+    "≥": ">=",
+    "≤": "<=",
+    "→": "->",
+    "Ω": "ohm",
+    "ß": "ss",
+}
+_TO_ASCII = str.maketrans(_ASCII)
+
+
+def ascii_text(text: object) -> str:
+    replaced = plain(text).replace("N°", "No.").translate(_TO_ASCII)
+    flat = unicodedata.normalize("NFKD", replaced)
+    kept = "".join(letter if " " <= letter <= "~" else "" if unicodedata.combining(letter) else "?" for letter in flat)
+    return re.sub(" +", " ", kept).strip()
+
+
+def in_comment(text: object) -> str:
+    """``text`` that can stand in a comment: nothing in it ends or opens one, continues a line or is a trigraph."""
+    safe = ascii_text(text).replace("\\", "|")
+    while "??" in safe:
+        safe = safe.replace("??", "? ?")
+    return _apart(safe)
+
+
+def _apart(text: str) -> str:
+    """``text`` with a space between every star and slash that meet."""
+    return re.sub(r"\*(?=/)|/(?=\*)", lambda match: match[0] + " ", text)
+
+
+def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
+    """A comment of these paragraphs; empty ones are left out."""
+    items = (
+        [paragraphs]
+        if isinstance(paragraphs, str)
+        else [item for item in paragraphs if (item if isinstance(item, str) else item[1])]
+    )
+    margin = " " * indent
+    lines: list[str] = []
+    for item in items:
+        lead, text = ("", item) if isinstance(item, str) else item
+        lead = in_comment_lead(lead)
+        if len(lead) > COLUMNS - indent - _NARROWEST:
+            # No room beside it: the text goes below.
+            lines.append(_apart(lead.rstrip()))
+            lead = "        "
+        width = COLUMNS - indent - 3 - len(lead)
+        wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False) or [""]
+        lines += [_apart((lead if index == 0 else " " * len(lead)) + line) for index, line in enumerate(wrapped)]
+    if len(lines) == 1 and len(lines[0]) + indent + 6 <= COLUMNS:
+        return f"{margin}/* {lines[0]} */"
+    body = "\n".join(f"{margin} * {line}".rstrip() for line in lines)
+    return f"{margin}/*\n{body}\n{margin} */"
+
+
+def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
+    """The same as lines inside a comment that the template opens and closes."""
+    inner = comment(paragraphs).splitlines()
+    return f" * {inner[0][3:-3]}" if len(inner) == 1 else "\n".join(inner[1:-1])
+
+
+def in_comment_lead(text: str) -> str:
+    """What stands before a paragraph, its spaces kept."""
+    return "".join(part if part.isspace() else in_comment(part) for part in re.split("( +)", text))

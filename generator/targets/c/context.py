@@ -1,0 +1,54 @@
+"""What every part of a header is made with: device, prefix, enumerations, and how parameters are written."""
+
+from __future__ import annotations
+
+from ...model import Crc, Device, Layout, Parameter, Register, RegisterMeaning
+from ...model.expressions import Expression
+from ...plan.crcs import carriers
+from .alternatives import AlternativeCode
+from .enumerations import Enumerations
+from .expr import Scope
+from .reports import Reports
+from .types import unsigned
+
+
+class Context:
+    """It imports no part and is never changed."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.maker = device.manufacturer
+        self.prefix = f"{device.manufacturer.name}_{device.name}"
+        self.PREFIX = self.prefix.upper()
+        self.alternatives = tuple(AlternativeCode(device, self.prefix, item) for item in device.alternatives)
+        largest = {item.name: max(item.largest, item.max or 0) for item in device.set_parameters}
+        answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
+        self.scope = Scope(self.maker.name, self.prefix, largest, answers)
+        self.enumerations = Enumerations(device, self.prefix)
+        self.choices = self.enumerations.choices
+        self.reports = Reports(device, self.prefix)
+
+    def crc_name(self, crc: Crc, carried_as: str) -> str:
+        """The function of a CRC over bits or bytes; one that is needed for both has two."""
+        also = carried_as == "bits" and len(carriers(self.device, crc)) > 1
+        return f"{self.prefix}_crc_{crc.name}" + ("_bits" if also else "")
+
+    def length_macro(self, layout: Layout) -> str:
+        return f"{self.PREFIX}_{layout.name}_LENGTH".upper()
+
+    def limit(
+        self,
+        register: Register,
+        meaning: RegisterMeaning | None,
+        side: str,
+        limit: Expression,
+        variant: str = "variant",
+    ) -> str:
+        """A limit of a register, or of one of its meanings: a macro where it is the same for all order codes."""
+        name = f"{self.prefix}_reg_{register.name}" + (f"_{meaning.name}" if meaning is not None else "") + f"_{side}"
+        return name.upper() if limit.is_constant else f"{name}({variant})"
+
+    @staticmethod
+    def member_type(item: Parameter) -> str:
+        """The type of a parameter in the variant."""
+        return unsigned(max(item.largest, item.max or 0).bit_length())

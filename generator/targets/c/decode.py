@@ -1,0 +1,179 @@
+"""A decoder in C, beyond the plan: a byte is checked once for all constants in it, flags are read from one local."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from ...model import Constant, CrcValue, Field, Text
+from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, is_plain_flag
+from .expr import Expr, Name, Number, Operation, joined, masked
+from .reserved import c_name
+from .structs import Struct
+from .unused import Moved
+
+#: What the generated functions call their own arguments and locals; the locals of fields take other names.
+_LOCALS = frozenset("variant word plain bytes length out in crc index v wide value flags".split())
+
+
+@dataclass(frozen=True, slots=True)
+class ByteIs:
+    """The bits under ``mask`` of a byte never change; ``reasons`` are what is constant there."""
+
+    byte: int
+    mask: int
+    value: int
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FlagsIn:
+    """The byte that the next flags are in; ``is_first`` and ``is_only`` tell whether there are others."""
+
+    byte: int
+    is_first: bool
+    is_only: bool
+
+
+@dataclass(frozen=True, slots=True)
+class UnusedIn:
+    """A byte with unused bits, at its place among the others of them; the first is the local's initial value."""
+
+    bits: Expr
+    is_first: bool
+
+
+@dataclass(frozen=True, slots=True)
+class UnusedAre:
+    """All unused bits."""
+
+    bits: Expr
+
+
+class Decoder:
+    """The operations of a decoder in order, and the expressions in them."""
+
+    def __init__(self, struct: Struct) -> None:
+        self.struct = struct
+        self.plan = struct.plan
+        self.reader = struct.reader
+        self._plain_flags = {part.field.name for part in self.plan.parts if is_plain_flag(part)}
+        checked = {op.of.name for op in self.plan.checks if isinstance(op, ParityIs)}
+        checked |= {op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove)}
+        self._only_reported = {op.field.name for op in self.plan.reserved} - checked
+
+    def local(self, field: Field) -> Expr:
+        """The local that holds the bits of a field."""
+        return Name(c_name(field.name, _LOCALS))
+
+    @property
+    def taken(self) -> tuple[Field, ...]:
+        """The fields whose bits become locals."""
+        untaken = self._plain_flags | self._only_reported
+        return tuple(
+            item
+            for item in self.plan.layout.fields
+            if not isinstance(item.kind, (Constant, CrcValue, Text)) and item.name not in untaken
+        )
+
+    def raw(self, field: Field) -> tuple[str, Expr]:
+        """The bits of a field, and their type."""
+        return self.reader.value(self.plan.bits_of(field.name))
+
+    # -- faults
+
+    @property
+    def checks(self) -> Iterator[Check | ByteIs]:
+        """What has to hold, in order; a parity bit of the selector comes last, since it tells of both."""
+        checks = self.plan.checks
+        parities = [op for op in checks if isinstance(op, ParityIs)]
+        told = {op.of.name for op in parities if op.known is not None}
+        if self.plan.by_word:
+            yield from (op for op in checks if isinstance(op, AlwaysIs))
+        else:
+            yield from (op for op in checks if isinstance(op, ZerosAbove) and op.may_reach)
+            yield from _constant_bytes(checks)
+        yield from sorted(parities, key=lambda op: op.known is not None)
+        for op in checks:
+            if not isinstance(op, (AlwaysIs, ZerosAbove, ParityIs)) and op.field.name not in told:
+                yield op
+
+    def is_other(self, op: ParityIs) -> Expr:
+        """That the selector or its parity bit is not that of this frame; a byte that holds both is looked at once."""
+        assert op.known is not None
+        (selected,) = self.plan.layout.selects
+        pieces = [*((piece, selected) for piece in op.of_bits.pieces), *((piece, op.known) for piece in op.bits.pieces)]
+        byte = pieces[0][0].byte if pieces else 0
+        if self.plan.by_word or any(piece.byte != byte for piece, _ in pieces):
+            other = Operation("!=", (self.local(op.field), Number(op.known)))
+            other_value = self.struct.is_none_of(op.of, self.local(op.of), self.plan.layout.selects, is_raw=True)
+            return joined("||", (other_value, other))
+        # What else is constant in it has been looked at.
+        known = next((item for item in _constant_bytes(self.plan.checks) if item.byte == byte), ByteIs(byte, 0, 0, ()))
+        mask = known.mask | sum(piece.mask << piece.right for piece, _ in pieces)
+        value = known.value | sum((number >> piece.left & piece.mask) << piece.right for piece, number in pieces)
+        bits = Name(f"bytes[{byte}]")
+        return Operation("!=", (masked(bits, mask) if mask != 0xFF else bits, Number(value, hexadecimal=True)))
+
+    def parity(self, of: Field) -> Expr:
+        return self.reader.parity(self.local(of), of.widest)
+
+    # -- members
+
+    @property
+    def fills(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
+        """What fills the members, in order; unused bits are taken from the byte while the flags in it are."""
+        unused = self.struct.unused
+        waiting = {item.byte: item for item in unused.moved if item.byte is not None}
+        for op in self._members:
+            yield op
+            if isinstance(op, FlagsIn) and op.byte in waiting:
+                yield from self._gathered(waiting, op.byte, Name("flags"))
+        for byte in tuple(waiting):
+            yield from self._gathered(waiting, byte, Name(f"bytes[{byte}]"))
+        if unused and (self.plan.by_word or unused.single):
+            yield UnusedAre(unused.gathered)
+
+    def _gathered(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
+        """One of the bytes that are waited for; with the last of them the member is known."""
+        unused, item = self.struct.unused, waiting.pop(byte)
+        if len(unused.moved) > 1:
+            yield UnusedIn(unused.at_place(item, bits), len(waiting) + 1 == len(unused.moved))
+            bits = Name("unused")
+        if not waiting:
+            yield UnusedAre(unused.told(bits))
+
+    @property
+    def _members(self) -> Iterator[FlagsIn | Part | Whole]:
+        in_bytes = [] if self.plan.by_word else [part for part in self.plan.parts if is_plain_flag(part)]
+        bytes_ = [part.bits.pieces[0].byte for part in in_bytes]
+        changes = [index for index, byte in enumerate(bytes_) if index == 0 or byte != bytes_[index - 1]]
+        first = {in_bytes[index].field.name: bytes_[index] for index in changes}
+        for part in self.plan.parts:
+            if part.field.name in first:
+                yield FlagsIn(first[part.field.name], part is in_bytes[0], len(changes) == 1)
+            yield part
+        yield from self.plan.wholes
+
+    def bit(self, part: Part) -> Expr:
+        return self.reader.flag(part.bits) if is_plain_flag(part) else self.local(part.field)
+
+    def whole(self, whole: Whole) -> Expr:
+        return self.reader.whole(whole, self.local)
+
+
+def _constant_bytes(checks: Iterable[Check]) -> Iterator[ByteIs]:
+    found: dict[int, ByteIs] = {}
+    for op in checks:
+        said = op.field.name.replace("_", " ")
+        match op:
+            case ZerosAbove(beyond=beyond):
+                found |= {piece.byte: ByteIs(piece.byte, 0xFF, 0, (f"above {said}",)) for piece in beyond}
+            case AlwaysIs(bits=bits, value=value):
+                for piece in bits.pieces:
+                    known = found.get(piece.byte, ByteIs(piece.byte, 0, 0, ()))
+                    mask = known.mask | piece.mask << piece.right
+                    part = (value >> piece.left & piece.mask) << piece.right
+                    reasons = tuple(dict.fromkeys((*known.reasons, said)))
+                    found[piece.byte] = ByteIs(piece.byte, mask, known.value | part, reasons)
+    return (found[byte] for byte in sorted(found))

@@ -1,0 +1,115 @@
+"""Everything that the template of a device prints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cached_property, partial
+from itertools import chain
+from typing import TypeVar
+
+from ...model import Device
+from ...plan.crcs import crc_functions
+from ...plan.held import held_parameters
+from ...say.erratum import errata, erratum
+from ...say.text import BY_TITLE as S
+from .. import TargetError
+from .about import about_input
+from .access import state_registers
+from .comments import Paragraph
+from .context import Context
+from .crcs import crc_code
+from .facts import AlarmCode
+from .identity import identity_codes
+from .interfaces import InterfaceCode
+from .macros import timing_macros
+from .names import Declared, Names
+from .positions import positions
+from .procedures import ProcedureCode
+from .registers import RegisterCode
+from .run_time import Taker
+from .variants import VariantCode
+
+_Built = TypeVar("_Built")
+
+
+class DeviceView:
+    """One device: the parts of its header, each made of the ones before it."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.context = context = Context(device)
+        self.maker, self.prefix, self.PREFIX = context.maker, context.prefix, context.PREFIX
+        self.reports, self.alternatives = context.reports, context.alternatives
+        self.variants = VariantCode(context)
+        self.crcs = [crc_code(context, item) for item in crc_functions(device)]
+        self.interfaces = [
+            _at(partial(InterfaceCode, context, item), "interfaces", item.name) for item in device.interfaces
+        ]
+        self.positions = list(positions(context))
+        self.registers = [
+            _at(partial(RegisterCode, context, item), "registers", item.name) for item in device.registers
+        ]
+        codes = {item.register.name: item for item in self.registers}
+        self.takers = [Taker(context, item, codes[item.register.name].access) for item in held_parameters(device)]
+        self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
+        self.identities = list(identity_codes(context, codes))
+        self.procedures = [
+            _at(partial(ProcedureCode, context, codes, self.read_state, item), "procedures", item.name)
+            for item in device.procedures
+        ]
+        self.inputs = [about_input(device, item) for item in device.inputs]
+        self.alarms = [AlarmCode(context, item) for item in device.alarms]
+        self.timings = [macro for item in device.timings for macro in timing_macros(item, self.PREFIX)]
+
+    @cached_property
+    def names(self) -> Names:
+        return Names(self._declared())
+
+    def _declared(self) -> Iterator[Declared]:
+        yield f"{self.PREFIX}_H", ()
+        if self.read_state:
+            yield self.read_state, ()
+        parts = chain(
+            [self.variants],
+            self.context.enumerations.all,
+            self.crcs,
+            [self.reports],
+            self.alternatives,
+            self.interfaces,
+            self.positions,
+            self.registers,
+            self.takers,
+            self.identities,
+            self.procedures,
+            self.alarms,
+        )
+        for part in parts:
+            yield from part.declared()
+        for item in self.device.timings:
+            yield from ((macro.name, ("timings", item.name)) for macro in timing_macros(item, self.PREFIX))
+
+    @property
+    def manual(self) -> str:
+        manual = self.device.manual
+        editions = ", ".join(f"{item.language} {item.revision}" for item in manual.editions)
+        dated = f" of {manual.date}" if manual.date else ""
+        beside = f"; read beside it: {editions}" if editions else ""
+        return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{beside})'
+
+    @property
+    def documents(self) -> list[Paragraph]:
+        return [
+            (f"  {item.key}: ", f"{item.title}{' - ' + item.url if item.url else ''}") for item in self.device.documents
+        ]
+
+    def errata(self, *paths: str) -> list[Paragraph]:
+        return [S.sentence(erratum(item)) for item in errata(self.device, *paths)]
+
+
+def _at(build: Callable[[], _Built], *path: str) -> _Built:
+    """What ``build`` makes; what C cannot express is at this part of the spec."""
+    try:
+        return build()
+    except TargetError as error:
+        error.place = error.place or path
+        raise

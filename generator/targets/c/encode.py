@@ -1,0 +1,159 @@
+"""How an encoder in C puts the bits of fields together: into a word, or byte by byte."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from ...model import Field, Piece
+from ...model.kinds import Constant, Flag, Parity, Text, Unused
+from ...plan.codec import Fixed, Given, ParityOf, Term, Turned, Whole, characters
+from ...plan.refusals import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
+from .expr import Cast, Either, Expr, Name, Number, Operation, joined, left, masked, right
+from .reserved import c_name
+from .structs import Struct
+from .types import size_of, unsigned
+
+
+class Encoder:
+    """The operations of an encoder in order, and the expressions in them."""
+
+    def __init__(self, struct: Struct, limits: Sequence[OutsideLimits]) -> None:
+        self.struct = struct
+        self.plan = struct.plan
+        self.reader = struct.reader
+        self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _cannot_be(op))
+
+    def given(self, field: Field) -> Expr:
+        """The member of the struct that is encoded."""
+        return Name(f"in->{c_name(field.name)}")
+
+    # -- values that are refused
+
+    def number(self, field: Field) -> Expr:
+        """A member as a number, where it is one of an enumeration."""
+        return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
+
+    def joined(self, whole: Whole) -> Expr:
+        return self.reader.joined(whole, self.given)
+
+    def total(self, field: Field) -> Expr:
+        """The number that the runs of digits of a field make."""
+        work = unsigned(max(field.widest, 32))
+        runs = ((Name(f"in->{c_name(run.name)}"), run.divisor) for run in field.runs)
+        return joined("+", tuple(_times(work, run, divisor) for run, divisor in runs))
+
+    # -- the word
+
+    @property
+    def word(self) -> tuple[Expr, ...]:
+        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not _is_nothing(op))
+        return (*map(self._term, terms), *self.struct.unused.in_word)
+
+    def _term(self, op: Term) -> Expr:
+        value = self._value(op)
+        if op.field.low.is_constant and not op.field.low.constant:
+            return Cast("uint64_t", value) if isinstance(value, Name) else value
+        return left(Cast("uint64_t", value), self.struct.scope.of(op.field.low))
+
+    def _value(self, op: Term) -> Expr:
+        match op.value:
+            case Fixed(number):
+                return Number(number, hexadecimal=not isinstance(op.field.kind, Parity))
+            case ParityOf(of, odd):
+                bits = self._bits_given(of)
+                ones = self.reader.parity(bits if of.widest > 32 else Cast("uint32_t", bits), of.widest)
+                return Operation("^", (ones, Number(1))) if odd else ones
+            case Given(field):
+                return self._bits_given(field)
+            case Turned():
+                return self.struct.unused.given(op.field)
+
+    def _bits_given(self, field: Field) -> Expr:
+        if isinstance(field.kind, Unused):
+            return self.struct.unused.given(field)
+        name = self.given(field)
+        if isinstance(field.kind, Flag):
+            return Either(name, *((Number(0), Number(1)) if field.kind.active_low else (Number(1), Number(0))))
+        if field.number.signed:
+            return Operation("&", (Cast("uint64_t", name), self.struct.scope.mask(field.width)))
+        if field.number.zero_means:
+            return Either(Operation("==", (name, Number(field.number.zero_means))), Number(0), name)
+        return name
+
+    # -- the bytes
+
+    @property
+    def bytes(self) -> Iterator[tuple[int, Expr]]:
+        """What each byte is made of, but those of the CRC."""
+        crc = self.plan.crc
+        in_crc = {piece.byte for piece in crc.bits.pieces} if crc is not None else set()
+        fixed = dict.fromkeys(range(self.plan.length), 0)
+        given: dict[int, list[Expr]] = {}
+        for byte, bits in self.struct.unused.in_bytes:
+            given.setdefault(byte, []).append(bits)
+        for op in self.plan.terms:
+            if isinstance(op.value, Turned):
+                continue
+            if isinstance(op.field.kind, Text):
+                for index, byte in characters(op.field):
+                    given.setdefault(byte, []).append(Cast("uint8_t", Name(f"{self.given(op.field)}[{index}]")))
+                continue
+            for piece in op.field.pieces:
+                if isinstance(op.value, Fixed):
+                    fixed[piece.byte] |= (op.value.number >> piece.left & piece.mask) << piece.right
+                elif op.field.number.signed or piece.left < self._size(op.field):
+                    given.setdefault(piece.byte, []).append(self._put(op, piece))
+        for byte, number in fixed.items():
+            if byte in given:
+                constant = [Number(number, hexadecimal=True)] if number else []
+                yield byte, _as_byte(joined("|", (*constant, *given[byte])))
+            elif byte not in in_crc:
+                yield byte, Number(number, hexadecimal=True)
+
+    def _put(self, op: Term, piece: Piece) -> Expr:
+        """One piece of a field, moved to its place in its byte."""
+        field, name = op.field, self.given(op.field)
+        if isinstance(field.kind, Flag):
+            bit, none = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
+            return Either(name, none, bit) if field.kind.active_low else Either(name, bit, none)
+        signed = field.number.signed
+        value = right(Cast("uint64_t", name) if signed else self._value(op), piece.left)
+        if (signed or len(field.pieces) > 1) and piece.mask != 0xFF:
+            value = masked(value, piece.mask)
+        if piece.right:
+            return left(value if isinstance(field.kind, Parity) else Cast("uint32_t", value), piece.right)
+        is_wide = isinstance(value, Name) and self.struct.type_of(field) != unsigned(8)
+        return Cast("uint32_t", value) if is_wide else value
+
+    def _size(self, field: Field) -> int:
+        """The bits of its member."""
+        return size_of(max(field.widest, field.number.zero_means.bit_length()))
+
+
+def _as_byte(value: Expr) -> Expr:
+    """A value as a byte; a member of one byte is one already."""
+    if isinstance(value, Name):
+        return value
+    return Cast("uint8_t", value.of if isinstance(value, Cast) and isinstance(value.of, Name) else value)
+
+
+def _times(type_: str, run: Expr, divisor: int) -> Expr:
+    return Operation("*", (Cast(type_, run), Number(divisor))) if divisor > 1 else run
+
+
+def _is_nothing(op: Term) -> bool:
+    """Whether it has no bit set ever."""
+    return isinstance(op.field.kind, Constant) and op.value == Fixed(0)
+
+
+def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:
+    """The same with what is no power of two before what is too wide: either is out of range."""
+    found: list[Refusal] = []
+    for op in ops:
+        found.insert(len(found) - isinstance(op, NoPowerOfTwo), op)
+    return found
+
+
+def _cannot_be(op: Refusal) -> bool:
+    """Whether the type of the member has no value that is refused."""
+    return isinstance(op, TooWide) and op.width.is_constant and size_of(op.field.widest) == op.field.widest

@@ -1,0 +1,100 @@
+"""The enumerations of a family: the named values of fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ...model import Choice, Device, Field, Value
+from ...say.field import meaning
+from ...say.name import printed, title
+from ...say.text import BY_TITLE as S
+from ...say.text import Said, told
+from ...spec.problems import Path
+from .comments import Paragraph
+from .names import Declared
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    name: str
+    value: int
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Enumeration:
+    """The named values of a field, in so many hexadecimal ``digits``; a set of macros where they do not fit an int.
+
+    ``said`` is what it says of the field.
+    """
+
+    type: str
+    about: Sequence[Paragraph] | str
+    said: tuple[Said, ...]
+    entries: tuple[Entry, ...]
+    digits: int
+    path: Path
+
+    @property
+    def is_enum(self) -> bool:
+        return max((item.value for item in self.entries), default=0) <= 0x7FFF
+
+    @property
+    def names(self) -> Mapping[int, str]:
+        return {item.value: item.name for item in self.entries}
+
+    def declared(self) -> Iterator[Declared]:
+        yield self.type, self.path
+        yield from ((item.name, self.path) for item in self.entries)
+
+
+class Enumerations:
+    """Those of a family. Fields of one name and the same values share theirs; a register's sole field has its own.
+
+    ``choices`` are those of fields by what owns them: a layout, or ``reg_`` and a register.
+    """
+
+    def __init__(self, device: Device, prefix: str) -> None:
+        self.prefix = prefix
+        self.choices: dict[tuple[str, str], Enumeration] = {}
+        self.all: list[Enumeration] = []
+        self._shared: dict[str, tuple[Sequence[Value], Enumeration]] = {}
+        for interface, layout in device.layouts():
+            path = ("interfaces", interface.name, "layouts", layout.name)
+            for field in layout.fields:
+                if isinstance(field.kind, Choice):
+                    self._add(layout.name, field, path)
+        for register in device.registers:
+            for field in register.layout.fields:
+                if isinstance(field.kind, Choice):
+                    sole = title(register) if len(register.layout.fields) == 1 else ""
+                    self._add(f"reg_{register.name}", field, ("registers", register.name), sole)
+
+    def of(self, *path: str) -> list[Enumeration]:
+        """Those that are declared with this part of the spec, or with one inside it."""
+        return [item for item in self.all if item.path[: len(path)] == path]
+
+    def _add(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
+        known = self._shared.get(field.name)
+        if known is not None and known[0] == field.values and not sole:
+            self.choices[owner, field.name] = known[1]
+            return
+        if sole:
+            name = f"{self.prefix}_{path[-1]}"
+        else:
+            name = f"{self.prefix}_{field.name}" if known is None else f"{self.prefix}_{path[-1]}_{field.name}"
+        entries = (Entry(f"{name}_{item.name}".upper(), item.value, _note(item)) for item in field.values)
+        about = () if sole else tuple(meaning(field, field.meaning))
+        text = S.paragraph(about) or f"Values of {sole or title(field)}."
+        made = Enumeration(name, text, about, tuple(entries), (field.widest + 3) // 4, path)
+        if known is None and not sole:
+            self._shared[field.name] = (field.values, made)
+        self.choices[owner, field.name] = made
+        self.all.append(made)
+
+
+def _note(item: Value) -> str:
+    # One word that the name of the constant has already is not said again; several are, for those who look for them.
+    about = told(item.meaning) if printed(item).lower() == item.name else meaning(item, item.meaning)
+    return S.paragraph(replace(one, source=item.source) for one in about)

@@ -1,0 +1,200 @@
+"""A program for one interface that runs on any host: worked examples of the manual, through a simulated bus."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+
+from ...model import Field, Interface, ModifyStep, Register, RegisterStep, Rs485, SendStep, Verdict, WriteStep, cite
+from ...reference import codec
+from ...say.name import title, words
+from ...say.words import WORTH
+from .access import Access
+from .chosen import Chosen, Frame
+from .comments import ascii_text
+from .device import DeviceView
+from .positions import Positions
+from .procedures import ProcedureCode
+from .reports import FrameReports
+from .reserved import c_name
+from .structs import Struct
+from .variants import CodeRow
+
+#: What the program and the README have beside what is named after a register: the function show_frame, and variables.
+_TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
+#: As many characters of explanation fit behind a number.
+_FEW = 40
+
+
+@dataclass(frozen=True, slots=True)
+class ShownRegister:
+    """A register that is read by its name and printed."""
+
+    title: str
+    name: str
+    about: str
+    access: Access
+    struct: Struct
+
+    @property
+    def members(self) -> int:
+        """How many there are in its struct."""
+        plan = self.struct.plan
+        return len(plan.wholes) + sum(1 + len(item.field.runs) for item in plan.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class ShownRun:
+    """A procedure that is carried out, with its arguments."""
+
+    title: str
+    about: str
+    code: ProcedureCode
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What a simulated register holds at first."""
+
+    address: int
+    data: bytes
+    note: str
+
+
+class ExampleCode:
+    """What the template of a program prints. ``memory`` is what the simulated registers hold at first.
+
+    Raises:
+        EncodeError: The manual shows no frame, and no plain one can be made up.
+    """
+
+    def __init__(self, view: DeviceView, interface: Interface) -> None:
+        self.view, self.interface = view, interface
+        self._chosen = chosen = Chosen(view.device, interface)
+        self.name = f"{view.device.name}_{interface.name}"
+        self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
+        self.frame: Frame = chosen.frame
+        self.run = self._run()
+        self.reads = [self._read(register) for register, _ in chosen.registers.values()]
+        self.memory = list(self._memory())
+
+    # -- the frame
+
+    @property
+    def title(self) -> str:
+        name = words(self.frame.layout.name)
+        return name[0].upper() + name[1:]
+
+    @property
+    def struct(self) -> Struct:
+        """That of the frame."""
+        return next(
+            codec.struct
+            for item in self.view.interfaces
+            for codec in item.codecs
+            if codec.struct.layout is self.frame.layout
+        )
+
+    @property
+    def reports(self) -> FrameReports | None:
+        """What tells of the encoder in the frame."""
+        return self.view.reports.of(self.frame.layout, self.struct.name)
+
+    @property
+    def worth(self) -> tuple[str, ...]:
+        """What the position can be worth, in words, as the verdicts are numbered."""
+        return tuple(WORTH[item] for item in Verdict)
+
+    @property
+    def data(self) -> bytes:
+        """The bytes of the frame; of one that is a word none."""
+        layout = self.frame.layout
+        if not layout.in_bytes:
+            return b""
+        return codec.number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
+
+    @property
+    def request(self) -> str:
+        """The macro of the request that the frame answers; empty where it has none."""
+        known = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
+        sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
+        name = next(sent, "")
+        return f"{self.view.PREFIX}_{self.interface.name}_CONTROL_{name}".upper() if name else ""
+
+    @property
+    def position(self) -> Positions | None:
+        """The functions that make something of the position in the frame."""
+        prefixes = (self.view.prefix, f"{self.view.prefix}_{self.interface.name}")
+        found = (item for item in self.view.positions if item.prefix in prefixes)
+        return next(found, None) if self._chosen.has_position(self.frame.layout) else None
+
+    @property
+    def counts(self) -> str:
+        """The member that holds the position."""
+        measurement = self._chosen.measurement
+        return c_name(measurement.of) if measurement is not None else ""
+
+    # -- registers and procedures
+
+    @property
+    def has_registers(self) -> bool:
+        return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._steps)
+
+    @property
+    def sends(self) -> bool:
+        return any(isinstance(step, SendStep) for step in self._steps)
+
+    @property
+    def size(self) -> int:
+        """Of the simulated registers in bytes."""
+        return max((128, *(item.last_address + 1 for item in self.view.device.registers)))
+
+    @property
+    def _steps(self) -> tuple[object, ...]:
+        return self.run.code.run.procedure.steps if self.run is not None else ()
+
+    def _run(self) -> ShownRun | None:
+        if self._chosen.procedure is None:
+            return None
+        procedure, example = self._chosen.procedure
+        code = next(item for item in self.view.procedures if item.run.procedure is procedure)
+        values = (
+            {item.name: example.arguments[item.name] for item in procedure.arguments} if example is not None else {}
+        )
+        named = ", ".join(f"{name} {value}" for name, value in values.items())
+        about = f"{procedure.title} [{cite(procedure.source)}]. It changes what the encoder holds."
+        heading = ascii_text(procedure.title) + (f": {named}" if named else "")
+        return ShownRun(heading, about, code, tuple(values.values()))
+
+    def _read(self, register: Register) -> ShownRegister:
+        _, example = self._chosen.registers[register.name]
+        code = next(item for item in self.view.registers if item.register is register)
+        heading = f"{ascii_text(title(register))} {register.address:02X}h"
+        about = f"a worked example [{cite(example.source)}]"
+        return ShownRegister(heading, c_name(register.name, _TAKEN), about, code.access, code.struct)
+
+    def _memory(self) -> Iterator[Memory]:
+        """The worked examples, and what is delivered where the procedure writes."""
+        written = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
+        for register, example in sorted(self._chosen.registers.values(), key=lambda item: item[0].address):
+            if register.name in written:
+                delivered = register.default_bytes() or bytes(register.length)
+                yield Memory(register.address, delivered, f"{title(register)}, as delivered")
+            else:
+                yield Memory(register.address, example.bytes, title(register))
+
+    @staticmethod
+    def known(field: Field) -> str:
+        """What the values of a choice mean, where they are few."""
+        values = ", ".join(f"{item.value} {ascii_text(title(item))}" for item in field.values)
+        return values if len(values) <= _FEW else ""
+
+
+def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
+    """A program for each interface, but for one of whose frames no plain one can be made up."""
+    for interface in view.device.interfaces:
+        if any(layout.sender == "encoder" for layout in interface.layouts):
+            with suppress(codec.EncodeError):
+                yield ExampleCode(view, interface)

@@ -1,0 +1,190 @@
+"""Expressions of C as trees that print themselves: an operation that is part of another stands in parentheses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import prod
+
+from ...model.expressions import Expression, Factor, Term
+from .reserved import c_name
+from .types import number, signed_number
+
+
+class Expr:
+    """An expression of C; ``str`` gives its text."""
+
+    __slots__ = ()
+
+    @property
+    def operand(self) -> str:
+        """Its text as part of an operation, or after a cast."""
+        return str(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Name(Expr):
+    """Whatever a name tells: a local, ``in->flag``, ``bytes[3]``."""
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, slots=True)
+class Number(Expr):
+    """An unsigned constant, or with ``signed`` one with a sign."""
+
+    value: int
+    hexadecimal: bool = False
+    signed: bool = False
+
+    def __str__(self) -> str:
+        return signed_number(self.value) if self.signed else number(self.value, self.hexadecimal)
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Expr):
+    function: str
+    arguments: tuple[Expr, ...]
+
+    def __str__(self) -> str:
+        return f"{self.function}({', '.join(map(str, self.arguments))})"
+
+
+@dataclass(frozen=True, slots=True)
+class Cast(Expr):
+    type: str
+    of: Expr
+
+    def __str__(self) -> str:
+        return f"({self.type}){self.of.operand}"
+
+
+_SUMS = frozenset("+-")
+
+
+@dataclass(frozen=True, slots=True)
+class Operation(Expr):
+    """Two operands or more, and the operator between each two of them."""
+
+    operator: str
+    operands: tuple[Expr, ...]
+
+    def __str__(self) -> str:
+        first, *others = self.operands
+        # A sum goes on without parentheses, from the left.
+        goes_on = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
+        return f" {self.operator} ".join([str(first) if goes_on else first.operand, *(item.operand for item in others)])
+
+    @property
+    def operand(self) -> str:
+        return f"({self})"
+
+
+@dataclass(frozen=True, slots=True)
+class Either(Expr):
+    """One of two values: the first where the condition holds."""
+
+    condition: Expr
+    then: Expr
+    otherwise: Expr
+
+    def __str__(self) -> str:
+        return f"{self.condition.operand} ? {self.then.operand} : {self.otherwise.operand}"
+
+    @property
+    def operand(self) -> str:
+        return f"({self})"
+
+
+def right(of: Expr, by: int) -> Expr:
+    """``of`` shifted to the right, if at all."""
+    return Operation(">>", (of, Number(by))) if by else of
+
+
+def left(of: Expr, by: int | Expr) -> Expr:
+    """``of`` shifted to the left, if at all."""
+    return Operation("<<", (of, Number(by) if isinstance(by, int) else by)) if by else of
+
+
+def masked(of: Expr, mask: int) -> Expr:
+    return Operation("&", (of, Number(mask, hexadecimal=True)))
+
+
+def joined(operator: str, operands: tuple[Expr, ...]) -> Expr:
+    """The operands under an operator, or the only one alone."""
+    return operands[0] if len(operands) == 1 else Operation(operator, operands)
+
+
+@dataclass(frozen=True)
+class Scope:
+    """How parameters are written: set ones are members of the variant, others functions of it.
+
+    ``largest`` are the greatest values of the set ones. Those that follow from the answer to what the manual leaves
+    open are functions of the argument that ``answers`` names.
+    """
+
+    maker: str
+    prefix: str
+    largest: Mapping[str, int]
+    answers: Mapping[str, str]
+
+    def atom(self, parameter: str) -> Expr:
+        if parameter in self.answers:
+            return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
+        if parameter in self.largest:
+            return Name(f"variant->{c_name(parameter)}")
+        return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
+
+    def mask(self, width: Expression) -> Expr:
+        """So many ones."""
+        if width.is_constant:
+            return Number((1 << width.constant) - 1, hexadecimal=True)
+        return Call(f"{self.maker}_mask", (self.of(width),))
+
+    def of(self, expression: Expression) -> Expr:
+        """The expression in C, unsigned throughout and never below zero on the way where the result is not."""
+        match expression:
+            case Expression(-1, (Term(1, (Factor(name, True),)),)):
+                return Call(f"{self.maker}_mask", (self.atom(name),))
+        plus = [self._term(term) for term in expression.terms if term.sign > 0]
+        minus = [self._term(term) for term in expression.terms if term.sign < 0]
+        if expression.constant > 0 or not plus:
+            plus.insert(0, Number(max(expression.constant, 0)))
+        elif isinstance(plus[0], Name) and (len(expression.terms) > 1 or expression.constant < 0):
+            plus[0] = Cast("uint32_t", plus[0])
+        if expression.constant < 0:
+            minus.append(Number(-expression.constant))
+        return joined("-", (joined("+", tuple(plus)), *minus))
+
+    def signed(self, expression: Expression) -> Expr:
+        """The expression in 64 bits with a sign.
+
+        A power of two is one more than its mask, which fits where the power itself may not.
+        """
+        masks = [term for term in expression.terms if term.is_power and not term.is_product]
+        constant = expression.constant + sum(term.sign for term in masks)
+        total: Expr | None = Number(constant, signed=True)
+        if constant == 0 and expression.terms and expression.terms[0].sign > 0:
+            total = None
+        for term in expression.terms:
+            one = Call(f"{self.maker}_mask", (self.atom(term.factors[0].parameter),)) if term in masks else None
+            wide = Cast("int64_t", one or self._term(term))
+            total = Operation("+" if term.sign > 0 else "-", (total, wide)) if total is not None else wide
+        return total or Number(0, signed=True)
+
+    def _term(self, term: Term) -> Expr:
+        """A product, of 64 bits where 32 may be too few; a parameter alone keeps its own type."""
+        first, *others = (self._factor(item) for item in term.factors)
+        if not others:
+            return first
+        if not term.factors[0].power:
+            largest = prod(self.largest.get(item.parameter, 1) for item in term.factors)
+            first = Cast("uint64_t" if term.is_power or largest >> 32 else "uint32_t", first)
+        return Operation("*", (first, *others))
+
+    def _factor(self, factor: Factor) -> Expr:
+        name = self.atom(factor.parameter)
+        return Operation("<<", (Cast("uint64_t", Number(1)), name)) if factor.power else name

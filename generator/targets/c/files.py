@@ -1,0 +1,120 @@
+"""The C target: headers for firmware, one for each family and one that the families of a manufacturer share.
+
+The headers need C99 or C++11 and no library. Their statements stand in the templates; names, types and expressions are
+made here.
+
+Names from a spec become C names as they are. A member whose name is reserved has an underscore at its end: the words of
+C to C23 and C++ to C++26, the types of the three headers, and macros without arguments of common compilers and
+standard headers.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Annotated, TypedDict
+
+from ...model import Manufacturer
+from ...render import Templates, our_templates
+from ...say.lines import plain
+from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem, has_biss
+from .device import DeviceView
+from .examples import ExampleCode
+from .filters import FILTERS, TESTS
+from .lines import laid_out
+from .names import called, clashes, shared_names
+from .package import FILES, Package, package_files
+
+
+class Shared(TypedDict):
+    maker: Annotated[Manufacturer, "the manufacturer"]
+    prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
+    PREFIX: Annotated[str, "the same in capitals, for macros"]
+
+
+class Family(Shared):
+    d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
+
+
+class Program(Family):
+    e: Annotated[ExampleCode, "the program for one interface of the family"]
+
+
+def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
+    """The headers, their README, and what makes a package of them."""
+    files: dict[str, str] = {}
+    views: dict[str, DeviceView] = {}
+    for maker, devices in library.by_manufacturer():
+        for name in ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",):
+            files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", _names_of(maker))
+        for device in devices:
+            if device.name in ("biss", "encoder"):
+                raise TargetError(
+                    f"a family cannot be called '{device.name}': that is the name of a header that all share"
+                )
+            views[device.name] = view = DeviceView(device)
+            files[f"c/include/{maker.name}/{device.name}.h"] = _render(
+                library, "device.h.jinja", {**_names_of(maker), "d": view}
+            )
+        for device, clash in clashes(
+            ((item, views[item.name].names) for item in devices), shared_names(maker.name, has_biss(devices))
+        ):
+            raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
+    if library.devices:
+        package = package_files(
+            library.by_manufacturer(), views, lambda template, values: _render(library, template, values)
+        )
+        files |= {f"c/{path}": text for path, text in package.items()}
+    return files
+
+
+def problems(library: Library) -> Iterator[TargetProblem]:
+    """What C cannot express, the first of each device; and where two parts of a spec, or of two, have one name in C."""
+    for maker, devices in library.by_manufacturer():
+        headers = []
+        for device in devices:
+            try:
+                headers.append((device, DeviceView(device).names))
+            except TargetError as error:
+                said = f"{error}; 'generate --target' writes the other outputs"
+                yield TargetProblem(device, "c-target", error.place or ("device",), said)
+        for device, clash in clashes(headers, shared_names(maker.name, has_biss(devices))):
+            other = () if clash.other[:1] == ("device",) else clash.other
+            message = clash.message(" on line {line}" if other else "")
+            yield TargetProblem(device, "c-name", clash.path, message, other)
+
+
+def _names_of(maker: Manufacturer) -> Shared:
+    return {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
+
+
+def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
+    text = TEMPLATES.render(template, values, library.own_templates)
+    return laid_out(text) if template.endswith((".c.jinja", ".h.jinja")) else text
+
+
+def _json(value: object) -> str:
+    """Text of a spec as a JSON string."""
+    return json.dumps(plain(value))
+
+
+TEMPLATES = Templates(
+    our_templates("c"),
+    values={
+        "encoder.h.jinja": Shared,
+        "biss.h.jinja": Shared,
+        "device.h.jinja": Family,
+        "example.c.jinja": Program,
+        **dict.fromkeys(FILES.values(), Package),
+    },
+    filters=FILTERS,
+    tests=TESTS,
+    functions={"json": _json},
+)
+TARGET = Target(
+    name="c",
+    summary="headers for C99 and C++11, packaged for CMake, pkg-config, PlatformIO and Zephyr",
+    files=generate,
+    problems=problems,
+    templates=TEMPLATES,
+)

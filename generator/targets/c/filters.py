@@ -1,0 +1,85 @@
+"""What templates of the C target can use beside Jinja's own: filters, and tests of what class an operation is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...model import Digits, Join
+from ...model.expressions import Expression
+from ...model.kinds import Kind
+from ...plan import steps
+from ...plan.codec import Check, Whole, characters
+from ...plan.refusals import Refusal
+from ...render import tests_for
+from ...say.layout import join as said_of_join
+from ...say.markdown import text as markdown_text
+from ...say.name import title, words
+from ...say.place import addresses
+from ...say.text import BY_TITLE
+from .about import place
+from .bits import digits
+from .comments import comment, comment_lines, in_comment
+from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
+from .folds import FoldOperation
+from .lines import beside, in_lines, literals
+from .positions import Positions
+from .procedures import FilledRows
+from .reserved import c_name
+from .types import mask, number, string, unsigned
+
+#: Operations of the plan, kinds of fields, and what this target plans beside them.
+TESTS = tests_for(
+    *(Kind, Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
+    *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions),
+)
+
+
+def _hex(value: int, digits: int = 2) -> str:
+    """A number as a hexadecimal constant of so many digits at least."""
+    return number(value, hexadecimal=True, digits=digits)
+
+
+def _md(text: object) -> str:
+    """Text of a spec as text in Markdown."""
+    return markdown_text(in_comment(text))
+
+
+def _digits_type(run: Digits) -> str:
+    """The type that holds a run of decimal digits."""
+    return unsigned((run.modulus - 1).bit_length())
+
+
+def _made_of(join: Join) -> str:
+    """Which fields make a number, in words."""
+    return BY_TITLE.sentence(said_of_join(join))
+
+
+def _bytes(count: int) -> str:
+    """So many bytes, in words."""
+    return f"{count} byte{'s' if count > 1 else ''}"
+
+
+FILTERS: dict[str, Callable[..., object]] = {
+    "addresses": addresses,
+    "beside": beside,
+    "bytes": _bytes,
+    "c_name": c_name,
+    "characters": characters,
+    "comment": comment,
+    "comment_lines": comment_lines,
+    "digits_of": digits,
+    "digits_type": _digits_type,
+    "hex": _hex,
+    "in_lines": in_lines,
+    "in_words": words,
+    "literals": literals,
+    "mask": mask,
+    "md": _md,
+    "number": number,
+    "made_of": _made_of,
+    "place": place,
+    "string": string,
+    "text": in_comment,
+    "title": title,
+    "type": unsigned,
+}

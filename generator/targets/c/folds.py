@@ -1,0 +1,119 @@
+"""How machines of 32 bits bring a long number down to its CRC, step by step: by folds, or by the table for each byte.
+
+They shift wider numbers slowly. The step that makes the number fit into 32 bits therefore takes what is above and what
+is below its place out of the halves of the wide one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ...model import Crc, FoldStep
+from ...reference.crc import fold_plan
+
+
+@dataclass(frozen=True, slots=True)
+class FoldWide:
+    """A step in 64 bits, of ``source`` into ``wide``; ``again`` says that there is a ``wide`` already."""
+
+    step: FoldStep
+    source: str
+    again: bool
+
+
+@dataclass(frozen=True, slots=True)
+class FoldHalves:
+    """The step from ``source`` in 64 bits to ``v`` in 32."""
+
+    step: FoldStep
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """A step of ``v``, in 32 bits."""
+
+    step: FoldStep
+
+
+@dataclass(frozen=True, slots=True)
+class Narrow:
+    """``source``, which fits into 32 bits, becomes ``v``; ``last`` says that it is the CRC."""
+
+    source: str
+    last: bool
+
+
+FoldOperation = FoldWide | FoldHalves | Fold | Narrow
+
+
+def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
+    """The steps over ``source``, a number of so many bits; they leave the remainder in ``v``."""
+    for step in steps:
+        left = max(step.shift, bits - step.shift + step.back)
+        if source == "v":
+            yield Fold(step)
+        elif left > 32 or bits - step.shift > 32:
+            yield FoldWide(step, source, source == "wide")
+            source = "wide"
+        elif bits <= 32:
+            yield from (Narrow(source, last=False), Fold(step))
+            source = "v"
+        else:
+            yield FoldHalves(step, source)
+            source = "v"
+        bits = left
+    if source != "v":
+        yield Narrow(source, last=True)
+
+
+@dataclass(frozen=True, slots=True)
+class HalfByte:
+    """A byte of a word in one of its halves, ``low`` or ``high``, which small machines take apart faster."""
+
+    half: str
+    left: int
+
+
+@dataclass(frozen=True)
+class WordCrc:
+    """The function that finds the CRC of a whole word of so many bits; ``function`` is the one over any bits."""
+
+    name: str
+    function: str
+    crc: Crc
+    bits: int
+    folds: tuple[FoldOperation, ...]
+
+    @property
+    def at_once(self) -> int:
+        """The bytes that fill the register; the table takes in the others one by one."""
+        return min(max(self.crc.width // 8, 1), self._bytes)
+
+    @property
+    def one_by_one(self) -> tuple[HalfByte, ...]:
+        """The bytes after them, as they are received."""
+        places = range(self._bytes - self.at_once - 1, -1, -1)
+        return tuple(_half_byte(place) for place in places)
+
+    @property
+    def first(self) -> HalfByte:
+        return _half_byte(self._bytes - 1)
+
+    @property
+    def needs_high(self) -> bool:
+        return any(byte.half == "high" for byte in (*self.one_by_one, *((self.first,) if self.crc.width <= 8 else ())))
+
+    @property
+    def last_steps(self) -> tuple[FoldStep, ...]:
+        """What brings a byte down to a CRC of fewer bits."""
+        return fold_plan(self.crc.width, self.crc.poly, 8) if self.crc.width < 8 else ()
+
+    @property
+    def _bytes(self) -> int:
+        return (self.bits + 7) // 8
+
+
+def _half_byte(place: int) -> HalfByte:
+    return HalfByte("high", 8 * (place - 4)) if place > 3 else HalfByte("low", 8 * place)

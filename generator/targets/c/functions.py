@@ -1,0 +1,35 @@
+"""Small functions of a variant whose value is one expression: parameters that follow, limits, sizes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...model.expressions import Expression
+from .expr import Cast, Expr, Scope
+from .types import unsigned
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """``uses_variant`` says that the value differs with the order code."""
+
+    name: str
+    type: str
+    value: Expr
+    about: str
+    uses_variant: bool
+
+
+def number_of(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
+    """A function for numbers of up to ``largest``, of 32 bits where they fit."""
+    bits, value = max(largest.bit_length(), 32), scope.of(expression)
+    if bits == 32 and any(term.is_power for term in expression.terms):
+        value = Cast("uint32_t", value)
+    return Function(name, unsigned(bits), value, about, not expression.is_constant)
+
+
+def wide_number_of(scope: Scope, name: str, expression: Expression, about: str) -> Function:
+    """A function for numbers of 64 bits."""
+    value = scope.of(expression)
+    is_wide = bool(expression.terms) and expression.terms[0].is_power
+    return Function(name, "uint64_t", value if is_wide else Cast("uint64_t", value), about, not expression.is_constant)

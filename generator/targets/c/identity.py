@@ -1,0 +1,39 @@
+"""Identification in C: the bytes of the registers that tell what an encoder is, and which order codes answer so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ...model import Interface
+from ...model.expressions import Expression
+from ...plan.identity import identities
+from .context import Context
+from .names import Declared
+from .registers import RegisterCode
+
+
+@dataclass(frozen=True, slots=True)
+class IdentityCode:
+    """What the registers of one interface tell. One with a codec is decoded, one without is compared as a byte."""
+
+    prefix: str
+    interface: Interface
+    compared: tuple[RegisterCode, ...]
+
+    @property
+    def uses_variant(self) -> bool:
+        stated = (item.layout.fields[0].equals for item in self.compared if item.codec is None)
+        varies = any(isinstance(item, Expression) and not item.is_constant for item in stated)
+        return varies or any(item.codec is not None for item in self.compared)
+
+    def declared(self) -> Iterator[Declared]:
+        names = ("identity", "could_be", "next_candidate", "read_identity")
+        yield from ((f"{self.prefix}_{name}", ()) for name in names)
+
+
+def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
+    for item in identities(context.device):
+        prefix = context.prefix if item.alone else f"{context.prefix}_{item.interface}"
+        compared = tuple(codes[entry.register.name] for entry in item.compared)
+        yield IdentityCode(prefix, context.device.interface(item.interface), compared)

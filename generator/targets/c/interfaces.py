@@ -1,0 +1,170 @@
+"""One interface in C: its constants, what tells its frames apart, and the codecs of its layouts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Timeout, cite
+from ...plan.frames import Branch, Dispatch, dispatches
+from ...say.erratum import errata, erratum
+from ...say.interface import control_field, data_id, settings
+from ...say.interface import interface as said_of
+from ...say.text import BY_TITLE as S
+from ...say.text import Said
+from ...say.timing import timing
+from .about import about_layout
+from .bits import of_bytes
+from .codec import StructCodec
+from .comments import Paragraph
+from .context import Context
+from .expr import Expr
+from .macros import Macro, timing_macros
+from .names import Declared
+from .structs import Struct
+from .types import number
+
+_PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
+_KINDS = {"encoder": "reply", "master": "request"}
+
+
+class FrameTeller:
+    """The functions that tell the frames of one sender apart, by the bytes and by the value of the selecting field."""
+
+    def __init__(self, context: Context, prefix: str, dispatch: Dispatch) -> None:
+        self.dispatch = dispatch
+        self.by_bytes = f"{prefix}_{_KINDS[dispatch.sender]}_frame"
+        self.by_value = f"{prefix}_{_KINDS[dispatch.sender]}_for"
+        choice = context.choices.get((dispatch.branches[0].layout.name, dispatch.selector.name))
+        self._names = choice.names if choice is not None else {}
+
+    @property
+    def value(self) -> Expr:
+        """The selecting field, taken out of the bytes."""
+        return of_bytes(self.dispatch.bits.pieces)[1]
+
+    def values(self, branch: Branch) -> list[str]:
+        """Those that tell a frame."""
+        return [self._names.get(value, number(value, hexadecimal=True)) for value in branch.values]
+
+
+class InterfaceCode:
+    """What the templates print for an interface. ``frames`` are those that are told apart."""
+
+    def __init__(self, context: Context, interface: Interface) -> None:
+        self.device, self.interface = context.device, interface
+        self.prefix = f"{context.prefix}_{interface.name}"
+        self.upper = self.prefix.upper()
+        self.cable = [item for item in interface.facts() if isinstance(item, CableLength)]
+        self.timeout = interface.timeout if isinstance(interface, Biss) else None
+        #: What is said beside macros.
+        self._said: list[Said] = []
+        self.macros = tuple(self._macros())
+        self.controls = tuple(self._controls())
+        self.about = list(self._about())
+        self.enumerations = context.enumerations.of("interfaces", interface.name)
+        self.tellers = tuple(FrameTeller(context, self.prefix, item) for item in dispatches(interface.layouts))
+        self.codecs = tuple(self._codec(context, item) for item in interface.layouts)
+
+    def declared(self) -> Iterator[Declared]:
+        path = ("interfaces", self.interface.name)
+        yield from ((item.name, path) for item in (*self.macros, *self.controls))
+        yield from ((self.frame_name(item), path) for item in self.frames)
+        if self.frames:
+            yield from ((f"{self.prefix}_{name}", path) for name in ("frame", "frame_length"))
+        yield from ((name, path) for item in self.tellers for name in (item.by_bytes, item.by_value))
+        if self.cable:
+            yield f"{self.prefix}_clock_limit_hz", path
+        if self.timeout_product:
+            yield f"{self.prefix}_timeout_ns", path
+        for codec in self.codecs:
+            yield from codec.declared()
+
+    @property
+    def cable_source(self) -> str:
+        """Where the manual has its clocks by cable."""
+        return cite(tuple(dict.fromkeys(source for item in self.cable for source in item.source)))
+
+    @property
+    def frames(self) -> list[Layout]:
+        told = {branch.layout.name for item in self.tellers for branch in item.dispatch.branches}
+        told |= {item.dispatch.fallback.name for item in self.tellers if item.dispatch.fallback is not None}
+        return [item for item in self.interface.layouts if item.name in told]
+
+    def frame_name(self, layout: Layout) -> str:
+        return f"{self.upper}_FRAME_{layout.name}".upper()
+
+    def _codec(self, context: Context, layout: Layout) -> StructCodec:
+        struct = Struct(context, layout, f"{context.prefix}_{layout.name}", context.length_macro(layout))
+        return StructCodec(struct, about_layout(self.device, self.interface, struct))
+
+    def _about(self) -> Iterator[Paragraph]:
+        """Of all but the layouts, which tell of themselves."""
+        interface = self.interface
+        yield from (S.sentence(item) for item in said_of(self.device, interface) if item not in self._said)
+        path = f"interfaces.{interface.name}"
+        layouts = [f"{path}.{item.name}" for item in interface.layouts]
+        groups = {f"field_groups.{field.group}" for item in interface.layouts for field in item.fields if field.group}
+        below = errata(self.device, *layouts)
+        found = errata(self.device, path, *groups, without=layouts)
+        yield from (S.sentence(erratum(item)) for item in found if item not in below)
+
+    # -- constants
+
+    @property
+    def timeout_product(self) -> int:
+        """The time-out in nanoseconds times the clock in hertz; 0 where it does not follow the clock."""
+        timeout = self.timeout
+        if timeout is None or timeout.rule != "follows_clock":
+            return 0
+        return 500_000_000 * (timeout.half_clock_periods or 0)
+
+    def _macro(self, name: str, value: int, about: Said | None = None, hexadecimal: bool = False) -> Macro:
+        if about is not None:
+            self._said.append(about)
+        note = S.sentence(about) if about is not None else ""
+        return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
+
+    def _macros(self) -> Iterator[Macro]:
+        interface = self.interface
+        for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
+            match fact:
+                case Clock():
+                    yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
+                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz)
+                case CableLength():
+                    self._said.append(about)  # In code.
+                case Timeout():
+                    yield from self._timeout(fact, about)
+                case Port():
+                    yield from self._port(fact, about)
+                case _:
+                    pass  # No number that code needs.
+        if isinstance(interface, Biss):
+            yield from self._control_data(interface)
+        for item in interface.timings:
+            self._said.append(timing(item))
+            yield from timing_macros(item, self.upper)
+
+    def _port(self, port: Port, about: Said) -> Iterator[Macro]:
+        yield self._macro("BAUD", port.baud, about)
+        yield self._macro("DATA_BITS", port.data_bits)
+        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity])
+        yield self._macro("STOP_BITS", port.stop_bits)
+
+    def _control_data(self, interface: Biss) -> Iterator[Macro]:
+        for field in interface.control_data:
+            yield self._macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
+            for item in field.values:
+                yield self._macro(f"CONTROL_{field.name}_{item.name}", item.value, hexadecimal=True)
+
+    def _timeout(self, timeout: Timeout, about: Said) -> Iterator[Macro]:
+        numbers = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
+        if timeout.half_clock_periods is None:
+            numbers += [(f"AT_{item.clock_hz}_HZ", item.timeout_ns) for item in timeout.printed]
+        for name, value in numbers:
+            if value is not None:
+                yield self._macro(f"TIMEOUT_{name}_NS", value, about if about not in self._said else None)
+
+    def _controls(self) -> Iterator[Macro]:
+        for item in self.interface.data_ids if isinstance(self.interface, Rs485) else ():
+            yield self._macro(f"CONTROL_{item.name}", item.control, data_id(item), hexadecimal=True)

@@ -1,0 +1,96 @@
+"""Long lines of C: where code is broken, and a comment moved from behind its line to above it."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+
+from .comments import COLUMNS, ascii_text, comment, in_comment
+from .types import string
+
+#: Where a long line may be broken, the better places first.
+_CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
+_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])")
+_STRING = re.compile(r'"(?:\\.|[^"\\])*"')
+#: The end of a line that the next one goes on.
+_OPEN = ("(", " =", " |")
+
+
+def beside(note: object) -> str:
+    """A comment behind a line of code; ``laid_out`` moves it above where it makes the line too long."""
+    said = in_comment(note)
+    return f" /* {said} */" if said else ""
+
+
+def in_lines(parts: Sequence[str], indent: int) -> str:
+    """A call with its arguments on one line, or each on a line where they are too long."""
+    margin, whole = " " * indent, " ".join(parts)
+    return margin + whole if indent + len(whole) <= COLUMNS else f"\n{margin}    ".join((margin + parts[0], *parts[1:]))
+
+
+def literals(text: object, indent: int) -> str:
+    """A text as a string literal, or as several on a line each where one is too long."""
+    lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
+    parts = [*(string(f"{line} ") for line in lines[:-1]), *map(string, lines[-1:] or [""])]
+    return f"\n{' ' * indent}".join(parts)
+
+
+def laid_out(text: str) -> str:
+    """A file with no line too long, but for comments, macros and initialisers, which stay as they are."""
+    lines: list[str] = []
+    in_comment = False
+    for line in text.splitlines():
+        in_comment = in_comment or line.lstrip().startswith("/*")
+        if in_comment or len(line) <= COLUMNS or line.endswith("};"):
+            lines.append(line)
+        else:
+            lines += _lines(line, goes_on=bool(lines) and lines[-1].endswith(_OPEN))
+        in_comment = in_comment and not line.endswith("*/")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _lines(line: str, goes_on: bool) -> Iterator[str]:
+    """A line that is too long as several; ``goes_on`` says that it belongs to the line before."""
+    code, opened, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
+    margin = " " * (len(code) - len(code.lstrip()))
+    if opened:
+        yield comment(note.removesuffix("*/"), len(margin))
+    if len(code) <= COLUMNS or code.startswith("#"):
+        yield code.rstrip()
+    elif not margin and code.endswith(")"):
+        head, _, arguments = code.partition("(")
+        yield f"{head}("
+        yield from _lines(f"    {arguments}", goes_on=True)
+    else:
+        yield from _broken(code.lstrip(), margin, margin + " " * (0 if goes_on else 4))
+
+
+def _broken(line: str, margin: str, hang: str) -> Sequence[str]:
+    """A line broken after an assignment or a question, where that is enough; else between conditions or anywhere."""
+    seen = _STRING.sub(lambda text: "x" * len(text[0]), line)
+    first, mark, _ = seen.partition(" ? ")
+    if not mark or first.count("(") > first.count(")") + 1:
+        first, mark, _ = seen.partition(" = ")
+    at = len(first) + len(mark)
+    twice = [margin + line[: at - 1], hang + line[at:]]
+    if mark and " | " not in seen and _fit(twice):
+        return twice
+    lines = _split(line, seen, margin, hang, _CONDITIONS)
+    return lines if _fit(lines) else _split(line, seen, margin, hang, _ANYWHERE)
+
+
+def _fit(lines: Sequence[str]) -> bool:
+    return max(map(len, lines)) <= COLUMNS
+
+
+def _split(line: str, seen: str, margin: str, hang: str, places: re.Pattern[str]) -> list[str]:
+    """The line broken as late as possible at the places that are ``seen`` in it."""
+    lines, current, start = [], margin, 0
+    for end in (*(place.start() for place in places.finditer(seen)), len(line)):
+        piece = line[start:end]
+        if start and len(current) + len(piece) > COLUMNS:
+            lines.append(current)
+            current, piece = hang, piece[1:]
+        current, start = current + piece, end
+    return [*lines, current]

@@ -1,0 +1,28 @@
+"""Constants of a header: macros with what is said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ...model import Timing
+from ...say.text import BY_TITLE as S
+from ...say.timing import timing as said_of
+from .types import number
+
+
+@dataclass(frozen=True, slots=True)
+class Macro:
+    name: str
+    value: str
+    note: str = ""
+
+
+def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
+    """The bounds of a time that the manual gives, in microseconds; the first tells of all."""
+    note = S.sentence(said_of(timing))
+    bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
+    for bound, value in bounds.items():
+        if value is not None:
+            yield Macro(f"{stem}_{timing.name}_{bound}_US".upper(), number(value), note)
+            note = ""

@@ -1,0 +1,127 @@
+"""Every name that a header declares at file scope, and the part of the spec it comes from: two can have one name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from ...model import Device, Layout
+from ...spec.problems import Path
+from .reserved import c_name
+
+_WORDS = {
+    "alarms": "the alarm",
+    "alternatives": "the alternative",
+    "crcs": "the CRC",
+    "device": "the family",
+    "layouts": "the layout",
+    "order_code": "the order code",
+    "parameters": "the parameter",
+    "parts": "the part of the order code",
+    "procedures": "the procedure",
+    "registers": "the register",
+    "timings": "the timing",
+}
+
+
+#: A name at file scope, and the part of the spec that it comes from; an empty one for what a header has of itself.
+#: Each part of a header tells its own by ``declared()``.
+Declared = tuple[str, Path]
+
+
+@dataclass(frozen=True)
+class Clash:
+    """Two parts of a spec whose names are one in C. ``other`` is empty for what every header has."""
+
+    name: str
+    path: Path
+    other: Path
+
+    def message(self, where: str = "") -> str:
+        """What is wrong and what would be right; ``where`` says where the other part is, as in `` on line 5``."""
+        mine = f"something of it would be called {self.name} in C"
+        if not self.other:
+            return f"{mine}, and the headers have that name for something else; rename it"
+        return f"{mine}, and so would something of {called(self.other)}{where}; rename one of the two"
+
+
+def called(path: Path) -> str:
+    """A part of the spec in words."""
+    kind = next((step for step in reversed(path) if step in _WORDS), path[0])
+    return f"{_WORDS.get(str(kind), str(kind))} '{path[-1]}'" if path[-1] != kind else _WORDS.get(str(kind), str(kind))
+
+
+class Names:
+    """The names of one header. The first part that declares a name has it; every other one is a clash."""
+
+    def __init__(self, declared: Iterable[Declared]) -> None:
+        self.paths: dict[str, Path] = {}
+        self.clashes: list[Clash] = []
+        for name, path in declared:
+            if name not in self.paths:
+                self.paths[name] = path
+            elif path:
+                self.clashes.append(Clash(name, path, self.paths[name]))
+            else:
+                self.clashes.append(Clash(name, self.paths[name], ()))
+
+
+#: What the headers that all families share declare, after the prefix of the manufacturer.
+_ENCODER_H = """
+    ACCESS_READ_ONLY ACCESS_READ_WRITE ACCESS_WRITE_ONLY ENCODER_H FAULT_CONSTANT FAULT_CRC FAULT_LENGTH
+    FAULT_RANGE FAULT_TIMEOUT FAULT_TRANSPORT FAULT_UNSUPPORTED INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485
+    INTERFACE_SSI NOT_TOLD NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US STEP_POLL STEP_READ STEP_SEND STEP_WAIT
+    STEP_WRITE USABLE USABLE_WITH_WARNING above access capital difference failed failed_at failure field fits_signed
+    from_gray interface is_digit is_letter_or_digit label_ends label_match mask open_code parity read report_text
+    result run run_poll run_reads run_send run_step run_together run_write send signed step step_kind step_poll
+    step_read step_send step_wait step_write to_gray transport verdict wait write write_byte
+"""
+#: The same of biss.h, after that and ``biss_``.
+_BISS_H = """
+    ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START PHASE_WAIT
+    READS REFUSED REGISTERS RUNNING WANTS_BYTE WANTS_NOTHING WANTS_STORE WRITES ZEROS answer_decode byte_decode
+    byte_encode crc data echo master master_abort master_begin master_byte master_ends master_header master_init
+    master_next master_read master_start master_write outcome phase request request_decode request_encode slave
+    slave_allow slave_awaits slave_byte slave_fetch slave_give slave_header slave_init slave_leaves slave_lock
+    slave_may slave_next slave_start slave_stored slaves wants zeros
+"""
+
+
+def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
+    """The names in the headers that the families of a manufacturer share; those of macros are in capitals."""
+    names = [*_ENCODER_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
+    for name in names:
+        yield f"{prefix}_{name}".upper() if name.removeprefix("biss_").isupper() else f"{prefix}_{name}"
+
+
+def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
+    """The names of members, arguments and locals, as C spells them, and the part of the spec that each comes from."""
+    for parameter in device.parameters:
+        yield c_name(parameter.name), ("parameters", parameter.name)
+    places: list[tuple[Path, Layout]] = [
+        (("interfaces", interface.name, "layouts", layout.name), layout) for interface, layout in device.layouts()
+    ]
+    places += [(("registers", register.name), register.layout) for register in device.registers]
+    for path, layout in places:
+        yield from ((c_name(field.name), path) for field in layout.fields)
+        yield from ((c_name(run.name), path) for field in layout.fields for run in field.runs)
+        yield from ((c_name(join.name), path) for join in layout.joins)
+    for register in device.registers:
+        yield c_name(register.name), ("registers", register.name)
+    for procedure in device.procedures:
+        yield from ((c_name(item.name), ("procedures", procedure.name)) for item in procedure.arguments)
+
+
+def clashes(headers: Iterable[tuple[Device, Names]], shared: Iterable[str]) -> Iterator[tuple[Device, Clash]]:
+    """Every clash within these headers, with what all families share (``shared``), and between families."""
+    taken: dict[str, Path] = dict.fromkeys(shared, ())
+    for device, names in headers:
+        for clash in names.clashes:
+            yield device, clash
+        for name, path in names.paths.items():
+            if name in taken:
+                yield device, Clash(name, path or ("device",), taken[name])
+            taken[name] = ("device", device.name)
+        for name, path in inner_names(device):
+            if name in taken:
+                yield device, Clash(name, path, ())

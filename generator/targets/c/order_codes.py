@@ -1,0 +1,165 @@
+"""Order codes with open parts, and labels that are written otherwise, as a table of patterns that C can look through.
+
+The regular expression of an open part is written out: ``[0-9]`` becomes the mark ``#``, ``[A-Z]`` ``@``, both together
+``%``, a digit that may be missing ``~``. Whatever else a regular expression can say is not, and the header says which
+parts it knows only as listed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ...model import CodePart, Device, Spelling, Variant
+from ...reference.order_codes import filled, spelled, without_blanks
+
+_ATOM = re.compile(r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?")
+_CLASSES = {
+    "[0-9]": "#",
+    r"\d": "#",
+    "[A-Z]": "@",
+    "[A-Za-z]": "@",
+    "[A-Z0-9]": "%",
+    "[0-9A-Z]": "%",
+    "[A-Za-z0-9]": "%",
+}
+_FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
+#: An open part of more patterns than this is left out.
+_MOST = 16
+
+
+@dataclass(frozen=True)
+class OpenCode:
+    """A pattern for labels; ``code`` is the index of the order code that it stands for, or None where it is refused."""
+
+    pattern: str
+    code: int | None
+    unlisted: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """What may stand for a part: a listed text, or a pattern that the manual leaves open.
+
+    ``label`` is what stands on the label where that is another text.
+    """
+
+    text: str
+    is_open: bool
+    label: str = ""
+
+    @property
+    def shown(self) -> str:
+        return self.label or self.text
+
+
+def written_out(expression: str) -> tuple[str, ...]:
+    """The patterns of an open part, the longest first; empty where they cannot be written out."""
+    found: list[str] = []
+    for alternative in expression.split("|"):
+        atoms, at = [], 0
+        while at < len(alternative):
+            match = _ATOM.match(alternative, at)
+            if match is None:
+                return ()
+            atoms.append(_repeated(match, match.end() == len(alternative)))
+            at = match.end()
+        found += ["".join(parts) for parts in itertools.product(*atoms)] if all(atoms) else []
+        if not all(atoms) or len(found) > _MOST:
+            return ()
+    return tuple(sorted(found, key=len, reverse=True))
+
+
+def _repeated(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
+    """One unit with its repetitions; empty where it is of a kind that has no mark."""
+    unit = match["unit"]
+    mark = _CLASSES.get(unit, unit[-1] if len(unit) == 1 or (unit[0] == "\\" and not unit[1].isalnum()) else "")
+    least = 0 if match["maybe"] else int(match["least"] or 1)
+    most = 1 if match["maybe"] else int(match["most"] or least)
+    if not mark or most > _MOST:
+        return ()
+    if mark == "#" and is_last:
+        return ("#" * least + "~" * (most - least),)
+    return tuple(mark * count for count in range(most, least - 1, -1))
+
+
+def unknown_parts(device: Device) -> tuple[str, ...]:
+    """The open parts that the table does not know."""
+    return tuple(part.name for part in device.order_code.parts if part.open and not written_out(part.open))
+
+
+def open_codes(device: Device) -> tuple[OpenCode, ...]:
+    """What order codes with open parts, and labels that are written otherwise, look like; the first that fits decides.
+
+    A pattern with an open part fits listed values as well. Where those are of no order code in this combination, a
+    pattern that is refused comes before it.
+    """
+    code = device.order_code
+    rows = _rows(device, code.pattern, [_choices(part) for part in code.parts], is_listed=True)
+    for spelling in code.also_written:
+        own = {item.part for item in spelling.values}
+        choices = [_spelled_choices(part, spelling) if part.name in own else _choices(part) for part in code.parts]
+        for then in written_out(spelling.then) if spelling.then else ("",):
+            rows += _rows(device, spelling.pattern + then, choices, is_listed=False)
+    return tuple(rows)
+
+
+def _rows(device: Device, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
+    """The rows of one way to write the code; where it is that of the list, codes without open parts are found there."""
+    names = [part.name for part in device.order_code.parts]
+    combinations = [dict(zip(names, values, strict=True)) for values in itertools.product(*choices)]
+    found = [(chosen, _stands_for(device, chosen)) for chosen in combinations]
+    allowed = [chosen for chosen, code in found if code is not None and any(item.is_open for item in chosen.values())]
+    rows = []
+    for chosen, code in found:
+        unlisted = tuple(name for name, item in chosen.items() if item.is_open)
+        wanted = bool(unlisted) or not is_listed
+        if (code is not None and wanted) or (code is None and any(_covers(other, chosen) for other in allowed)):
+            shown = {name: item.shown for name, item in chosen.items()}
+            text = filled(without_blanks(pattern), shown)
+            rows.append(OpenCode(text, code, unlisted))
+    return sorted(rows, key=lambda row: len(row.unlisted))
+
+
+def _spelled_choices(part: CodePart, spelling: Spelling) -> list[_Choice]:
+    return [_Choice(value, False, text) for text, value in spelled(part, spelling).items()]
+
+
+def _choices(part: CodePart) -> list[_Choice]:
+    return [
+        *(_Choice(value.text, False) for value in part.values),
+        *(_Choice(text, True) for text in written_out(part.open) if part.open),
+    ]
+
+
+def _stands_for(device: Device, chosen: Mapping[str, _Choice]) -> int | None:
+    """The first order code that goes with the listed parts, where the open ones may be open."""
+    for index, variant in enumerate(device.variants):
+        if all(item.is_open or variant.parts[name] == item.text for name, item in chosen.items()) and all(
+            _open_here(device.order_code.parts, chosen, variant)
+        ):
+            return index
+    return None
+
+
+def _open_here(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
+    for part in parts:
+        if chosen[part.name].is_open:
+            yield from (
+                chosen[other].is_open or variant.parts[other] in allowed
+                for other, allowed in part.open_only_with.items()
+            )
+
+
+def _covers(pattern: Mapping[str, _Choice], chosen: Mapping[str, _Choice]) -> bool:
+    """Whether a label of the codes ``chosen`` would fit ``pattern``, which has more open parts."""
+    for name, item in pattern.items():
+        other = chosen[name]
+        if item == other:
+            continue
+        expression = "".join(_FITS.get(letter, re.escape(letter)) for letter in item.text)
+        if not item.is_open or other.is_open or re.fullmatch(expression, other.text, re.IGNORECASE) is None:
+            return False
+    return True

@@ -1,0 +1,132 @@
+"""What makes the C folder a package: for CMake, pkg-config, PlatformIO and Zephyr, and programs that show its use."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, TypedDict
+
+from ...model import Device, Manufacturer
+from .. import has_biss
+from .comments import ascii_text
+from .crcs import CrcCode
+from .device import DeviceView
+from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
+from .procedures import ProcedureCode
+from .reserved import c_name
+
+#: Each file beside headers and programs, and its template; ``{package}`` is the package's name. The folder is laid out
+#: as it is installed.
+FILES = {
+    "README.md": "README.md.jinja",
+    "MISRA.md": "MISRA.md.jinja",
+    "CMakeLists.txt": "CMakeLists.txt.jinja",
+    "share/cmake/{package}/{package}-config.cmake": "config.cmake.jinja",
+    "share/cmake/{package}/{package}-config-version.cmake": "config-version.cmake.jinja",
+    "share/pkgconfig/{package}.pc": "pkgconfig.pc.jinja",
+    "library.json": "library.json.jinja",
+    "zephyr/module.yml": "zephyr_module.yml.jinja",
+    "zephyr/CMakeLists.txt": "zephyr_CMakeLists.txt.jinja",
+    "zephyr/Kconfig": "zephyr_Kconfig.jinja",
+}
+
+Render = Callable[[str, Mapping[str, object]], str]
+
+
+class Package(TypedDict):
+    package: Annotated[str, "the name of the package, such as acme-encoders"]
+    namespace: Annotated[str, "the folder of the headers below include"]
+    option: Annotated[str, "the name of the package in capitals, for settings"]
+    version: Annotated[str, "its version"]
+    title: Annotated[str, "what it is, in a line of plain letters"]
+    guide: Annotated[Guide | None, "the family and program that the README shows"]
+    makers: Annotated[list[Manufacturer], "the manufacturers"]
+    with_biss: Annotated[list[str], "the names of those that have biss.h"]
+    devices: Annotated[list[Device], "the families"]
+    with_tables: Annotated[list[str], "the names, in capitals, of manufacturers with a CRC that can take a table"]
+    with_bitwise: Annotated[list[str], "the same of those with a CRC that can do without its table"]
+    longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
+    examples: Annotated[list[str], "the names of the programs"]
+
+
+def package_files(
+    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]], views: Mapping[str, DeviceView], render: Render
+) -> dict[str, str]:
+    """The files of the package beside the headers, by their path in the C folder."""
+    programs = [example for _, devices in makers for device in devices for example in example_codes(views[device.name])]
+    names = [maker.name for maker, _ in makers]
+    package = "-".join((*names, "encoders"))
+    values: Package = {
+        "package": package,
+        "namespace": "-".join(names),
+        "option": package.replace("-", "_").upper(),
+        "version": max((maker.version for maker, _ in makers), key=_order),
+        "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker, _ in makers)}"),
+        "guide": guide(programs),
+        "makers": [maker for maker, _ in makers],
+        "with_biss": [maker.name for maker, devices in makers if has_biss(devices)],
+        "devices": [device for _, devices in makers for device in devices],
+        "with_tables": _with_crcs(makers, views, lambda crc: crc.is_fold and bool(crc.table)),
+        "with_bitwise": _with_crcs(makers, views, lambda crc: crc.by_bits),
+        "longest": max(
+            (item for view in views.values() for item in view.procedures if item.arguments),
+            key=lambda item: item.count,
+            default=None,
+        ),
+        "examples": [item.name for item in programs],
+    }
+    files = {path.format(package=package): render(template, values) for path, template in FILES.items()}
+    for item in programs:
+        maker = item.view.maker
+        shown = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
+        files[f"examples/{item.name}.c"] = render("example.c.jinja", shown)
+    return files
+
+
+def _with_crcs(
+    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]],
+    views: Mapping[str, DeviceView],
+    wanted: Callable[[CrcCode], bool],
+) -> list[str]:
+    """The manufacturers, in capitals, some of whose CRCs are such ones."""
+    return [
+        maker.name.upper()
+        for maker, devices in makers
+        if any(wanted(crc) for device in devices for crc in views[device.name].crcs)
+    ]
+
+
+@dataclass(frozen=True)
+class Guide:
+    """What the README shows: names that exist, so that its code compiles."""
+
+    example: ExampleCode
+    reads: ShownRegister | None
+    runs: ShownRun | None
+
+    @property
+    def member(self) -> str:
+        """The first number of the frame."""
+        plan = self.example.struct.plan
+        names = (*(item.join.name for item in plan.wholes), *(item.field.name for item in plan.parts), "no_data")
+        return c_name(names[0])
+
+
+def guide(examples: Sequence[ExampleCode]) -> Guide | None:
+    """The family with the most interfaces, by the program whose procedure has the most steps."""
+    if not examples:
+        return None
+    example = max(examples, key=lambda item: (len(item.view.interfaces), item.run.code.count if item.run else 0))
+    whole = [item for item in example.reads if item.access.struct]
+    run = example.run if example.run is not None and not example.run.code.reads else None
+    return Guide(example, max(whole, key=lambda item: item.members, default=None), run)
+
+
+def _order(version: str) -> tuple[int, ...]:
+    return tuple(map(int, version.split(".")))
+
+
+def bare(text: str) -> str:
+    """``text`` with nothing in it that CMake, Kconfig or pkg-config would take for its own."""
+    return " ".join(re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text)).split())

@@ -1,0 +1,92 @@
+"""What a position means beside its counts: turns, degrees, micrometres, where it starts again, how far it has moved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ...model import Measurement, cite
+from ...model.expressions import Expression
+from ...plan.measure import measured
+from .context import Context
+from .expr import Cast, Expr, Number
+from .functions import Function, wide_number_of
+from .names import Declared
+
+
+@dataclass(frozen=True, slots=True)
+class AnglePositions:
+    """Positions within a turn. They start again after ``turns``, if the manual says so; ``one_turn`` is a single one.
+
+    ``over`` says in words for which interface, empty where positions mean the same for all.
+    """
+
+    prefix: str
+    over: str
+    where: str
+    per_turn: Function
+    turns: Expr | None
+    one_turn: bool
+
+    @property
+    def names(self) -> Iterator[str]:
+        """The functions, by their ends."""
+        rolling = ("modulus", "position_difference") if self.turns is not None else ()
+        yield from ("steps_per_turn", *rolling, "turns", "degrees")
+
+    def declared(self) -> Iterator[Declared]:
+        yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
+
+
+@dataclass(frozen=True, slots=True)
+class LengthPositions:
+    """Positions along a scale. They start again after ``modulus``, where the manual says so."""
+
+    prefix: str
+    over: str
+    where: str
+    modulus: Function | None
+    step: Expr
+    step_varies: bool
+
+    @property
+    def names(self) -> Iterator[str]:
+        """The functions, by their ends."""
+        rolling = ("modulus", "position_difference") if self.modulus is not None else ()
+        yield from (*rolling, "micrometres", "millimetres")
+
+    def declared(self) -> Iterator[Declared]:
+        yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
+
+
+Positions = AnglePositions | LengthPositions
+
+
+def positions(context: Context) -> Iterator[Positions]:
+    """The functions of each interface; one set where all interfaces measure alike."""
+    for group in measured(context.device):
+        if group.everywhere:
+            yield from _positions(context, context.prefix, "", group.measurement)
+            continue
+        for interface in group.interfaces:
+            own = context.device.measurement_of(interface.name) or group.measurement
+            yield from _positions(context, f"{context.prefix}_{interface.name}", f" over {interface.title}", own)
+
+
+def _positions(context: Context, prefix: str, over: str, measurement: Measurement) -> Iterator[Positions]:
+    scope, where = context.scope, f"[{cite(measurement.source)}]"
+    steps, turns, step = measurement.steps_per_turn, measurement.turns, measurement.step_um
+    if steps is not None:
+        about = f"Counts of one revolution{over} {where}."
+        per_turn = wide_number_of(scope, f"{prefix}_steps_per_turn", steps, about)
+        one_turn = turns == Expression(1)
+        yield AnglePositions(prefix, over, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
+    elif step is not None:
+        wide = Number(step.constant, signed=True) if step.is_constant else Cast("int64_t", scope.of(step))
+        modulus = None
+        if measurement.steps is not None:
+            about = f"The position{over} starts again at 0 after so many counts {where}."
+            if measurement.highest is not None:
+                about += f" An offset moves all positions up, to {measurement.highest.render()} at most."
+            modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.steps, about)
+        yield LengthPositions(prefix, over, where, modulus, wide, not step.is_constant)

@@ -1,0 +1,296 @@
+"""A procedure in C: a list of steps, constant or written for given arguments, and a function that carries it out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ...model import Piece, Procedure, Register, assert_never
+from ...plan.refusals import TooWide
+from ...plan.steps import (
+    ArgumentRefusal,
+    AsMember,
+    AsNumber,
+    Beyond,
+    Given,
+    InField,
+    Operation,
+    Polls,
+    Reads,
+    Sends,
+    Stated,
+    Undecodable,
+    Waits,
+    Writes,
+    field_refusals,
+    run_of,
+)
+from .. import TargetError
+from .about import about_procedure, about_run, note_of_read, note_of_step
+from .context import Context
+from .expr import Cast, Expr, Name, Number, left, masked, right
+from .names import Declared
+from .registers import RegisterCode
+from .reserved import c_name
+from .types import size_of, unsigned
+
+#: What the generated functions call their own arguments and locals.
+_TAKEN = frozenset(
+    ("variant", "steps", "capacity", "count", "index", "result", "address", "transport", "out", "failure", "bytes")
+)
+
+
+_ZERO = Number(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """An elementary step, the one ``at`` this place of the list: one byte of a register, a wait, a request."""
+
+    at: int
+    op: Operation
+    note: str
+    address: int = 0
+    mask: int = 0
+    value: Expr = _ZERO
+
+
+@dataclass(frozen=True, slots=True)
+class Filled:
+    """The struct of a register that an argument is put into: its local, and that of the bytes it is encoded to."""
+
+    code: RegisterCode
+    argument: str
+    member: str
+    local: str
+    bytes: str
+
+    @property
+    def needs_setter(self) -> bool:
+        """Whether others repeat the member, so that a function sets it."""
+        return self.code.codec is not None and self.member in self.code.codec.set_names
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """The bytes of a register whose number an argument is, and the struct that they are decoded to."""
+
+    code: RegisterCode
+    local: str
+    bytes: str
+    values: tuple[Expr, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FilledRows:
+    """The steps from this place of the list on that write such bytes."""
+
+    at: int
+    filled: Filled
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class ArgumentCode:
+    """An argument, and why it is refused."""
+
+    given: Given
+    type: str
+    name: str
+    refusals: tuple[ArgumentRefusal, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadMember:
+    """The member that takes so many of the bytes that are read, from the ``first`` on."""
+
+    name: str
+    first: int
+    length: int
+    note: str
+
+
+class ProcedureCode:
+    """``function`` carries the procedure out, ``steps`` gives the list of its steps."""
+
+    def __init__(
+        self, context: Context, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
+    ) -> None:
+        self.context = context
+        self.registers = registers
+        self.run = run = run_of(context.device, procedure)
+        self.function = f"{context.prefix}_{procedure.name}"
+        self.steps = f"{self.function}_steps"
+        self.count_macro = f"{self.steps}_count".upper()
+        self._names = {item.argument.name: c_name(item.argument.name, _TAKEN) for item in run.arguments}
+        self._filled = dict(self._fill())
+        self._wholes = dict(self._whole())
+        self._teaching = {item.register.name for item in run.operations if isinstance(item, Writes) and item.teaches}
+        self.arguments = [self._argument(item) for item in run.arguments]
+        self.rows = list(self._rows())
+        self.count = sum(len(item.pieces) if isinstance(item, (Writes, Reads, Polls)) else 1 for item in run.operations)
+        self.reads = list(self._reads())
+        self.about = about_procedure(context.device, procedure, self._names)
+        self.run_about = about_run(context.device, run, read_state)
+
+    @property
+    def filled(self) -> list[Filled]:
+        return list(self._filled.values())
+
+    @property
+    def read_type(self) -> str:
+        """The struct for what is read; empty where nothing is."""
+        return f"{self.function}_read" if self.reads else ""
+
+    @property
+    def read_bytes(self) -> int:
+        return sum(item.length for item in self.reads)
+
+    @property
+    def wholes(self) -> list[Whole]:
+        return list(self._wholes.values())
+
+    def whole(self, argument: ArgumentCode, register: Register) -> Whole:
+        return self._wholes[argument.given.argument.name, register.name]
+
+    @property
+    def variant(self) -> str:
+        """What functions are given as the variant: where limits follow from what is written before, a copy."""
+        return "&written" if self._teaching else "variant"
+
+    def taker(self, item: Filled | Whole) -> str:
+        """The function by which the copy follows what is written; empty where no limit does."""
+        name = item.code.register.name
+        return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
+
+    def is_late(self, refusal: ArgumentRefusal) -> bool:
+        """Whether it has to be looked at once the copy has followed."""
+        varies = isinstance(refusal, Beyond) and any(not bound.is_constant for _, bound in refusal.limits.binding)
+        return varies and bool(self._teaching)
+
+    @property
+    def needs_variant(self) -> bool:
+        refusals = [refusal for item in self.arguments for refusal in item.refusals]
+        limits = (refusal.limits for refusal in refusals if isinstance(refusal, Beyond))
+        decoded = any(isinstance(refusal, Undecodable) for refusal in refusals)
+        varying = any(not bound.is_constant for item in limits for _, bound in item.binding)
+        return bool(self._filled) or decoded or varying or bool(self._teaching)
+
+    def declared(self) -> Iterator[Declared]:
+        names = (self.steps, self.count_macro, self.function, self.read_type)
+        yield from ((name, ("procedures", self.run.procedure.name)) for name in names if name)
+
+    # -- arguments
+
+    def _argument(self, given: Given) -> ArgumentCode:
+        refusals = [*given.refusals, *(refusal for item in given.written for refusal in self._of_byte(item))]
+        kept = (item for index, item in enumerate(refusals) if item not in refusals[:index] and not _is_held(item))
+        kind = self._type(given.written[0]) if given.written else "uint64_t"
+        return ArgumentCode(given, kind, self._names[given.argument.name], tuple(kept))
+
+    def _of_byte(self, item: Writes) -> Iterator[ArgumentRefusal]:
+        """Why an argument is refused that is all of a register of one byte, which nothing encodes."""
+        match item.value:
+            case AsMember(argument, member) if self.registers[item.register.name].is_plain:
+                yield from field_refusals(
+                    self.context.device, item.register, item.register.layout.field(member), argument
+                )
+
+    def _type(self, item: Writes) -> str:
+        match item.value:
+            case InField(field=field):
+                return unsigned(field.widest)
+            case AsMember(member=member) if not self.registers[item.register.name].is_plain:
+                return self.registers[item.register.name].struct.member_type(member)
+            case AsMember() | AsNumber() | Stated():
+                return unsigned(8 * item.register.length)
+            case _:
+                assert_never(item.value)
+
+    def _fill(self) -> Iterator[tuple[tuple[str, str], Filled]]:
+        """The structs that arguments are put into, by argument and register."""
+        for given in self.run.arguments:
+            argument = given.argument.name
+            members = {
+                item.register.name: item.value.member for item in given.written if isinstance(item.value, AsMember)
+            }
+            coded = {name: member for name, member in members.items() if not self.registers[name].is_plain}
+            for index, (register, member) in enumerate(coded.items()):
+                stem = argument if index == 0 else f"{argument}_{register}"
+                local, data = (c_name(f"{stem}_{what}", self._names) for what in ("register", "bytes"))
+                filled = Filled(self.registers[register], self._names[argument], member, local, data)
+                yield (argument, register), filled
+
+    def _whole(self) -> Iterator[tuple[tuple[str, str], Whole]]:
+        """The registers of which an argument is the number, where their decoder or a later limit has a say."""
+        for given in self.run.arguments:
+            refusing = {refusal.register.name for refusal in given.refusals if isinstance(refusal, Undecodable)}
+            for item in given.written:
+                if isinstance(item.value, AsNumber) and (item.register.name in refusing or item.teaches):
+                    stem = f"{given.argument.name}_{item.register.name}"
+                    local, data = (c_name(f"{stem}_{what}", self._names) for what in ("held", "sent"))
+                    values = tuple(self._bits(item, piece) for piece in item.pieces)
+                    code = self.registers[item.register.name]
+                    yield (given.argument.name, item.register.name), Whole(code, local, data, values)
+
+    # -- steps
+
+    def _rows(self) -> Iterator[Row | FilledRows]:
+        at = 0
+        for item in self.run.operations:
+            note = note_of_step(self.context.device, item)
+            if isinstance(item, (Waits, Sends)):
+                yield Row(at, item, note)
+                at += 1
+                continue
+            filled = self._filled_by(item)
+            if filled is not None:
+                yield FilledRows(at, filled, note)
+            elif not item.pieces:
+                raise TargetError(f"'{_place(item)}' moves with the order code; the C target cannot reach it alone")
+            else:
+                for index, piece in enumerate(item.pieces):
+                    address, mask = item.register.address + piece.byte, piece.mask << piece.right
+                    value = self._bits(item, piece)
+                    yield Row(at + index, item, note if index == 0 else "", address, mask, value)
+            at += len(item.pieces)
+
+    def _filled_by(self, item: Writes | Reads | Polls) -> Filled | None:
+        if isinstance(item, Writes) and isinstance(item.value, AsMember):
+            return self._filled.get((item.value.argument.name, item.register.name))
+        return None
+
+    def _bits(self, item: Writes | Reads | Polls, piece: Piece) -> Expr:
+        """What a step writes to a byte or waits for there."""
+        if isinstance(item, Reads):
+            return Number(0)
+        value = Stated(item.step.value) if isinstance(item, Polls) else item.value
+        if isinstance(value, Stated):
+            return Number((value.number >> piece.left & piece.mask) << piece.right, hexadecimal=True)
+        bits = right(Name(self._names[value.argument.name]), piece.left)
+        if isinstance(value, AsNumber) and len(item.pieces) == 1:
+            return bits
+        return Cast("uint8_t", left(masked(bits, piece.mask), piece.right) if piece.mask != 0xFF else bits)
+
+    def _reads(self) -> Iterator[ReadMember]:
+        names: list[str] = []
+        first = 0
+        for item in self.run.reads:
+            length = len(item.pieces)
+            stem = item.register.name
+            if length != item.register.length and item.field is not None:
+                stem += f"_{item.field.name}"
+            base = c_name(stem)
+            numbered = (f"{base}_{number}" for number in range(2, len(names) + 3))
+            names.append(next(name for name in (base, *numbered) if name not in names))
+            yield ReadMember(names[-1], first, length, note_of_read(self.context.device, item))
+            first += length
+
+
+def _is_held(refusal: ArgumentRefusal) -> bool:
+    """Whether the type of an argument keeps it from being so."""
+    return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
+
+
+def _place(item: Writes | Reads | Polls) -> str:
+    return f"{item.register.name}.{item.field.name if item.field is not None else ''}"

@@ -1,0 +1,169 @@
+"""One register in C: the places of its fields, its limits, and what decodes, encodes, reads and writes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from ...model import Choice, Constant, Field, Flag, Number, Register, RegisterMeaning, Text
+from ...model.expressions import Expression
+from ...plan.limits import limits_of
+from ...plan.refusals import outside
+from ...say.name import title, words
+from .about import about_member, about_register, table
+from .access import Access
+from .codec import StructCodec
+from .comments import Paragraph
+from .context import Context
+from .expr import Expr
+from .expr import Number as NumberExpr
+from .functions import Function, number_of
+from .names import Declared
+from .structs import Struct
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """The limits that are the same for all order codes, with their names, and the others."""
+
+    macros: tuple[tuple[str, Expr], ...]
+    functions: tuple[Function, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Explained:
+    """The bits of a register that tell why a field of another one is set."""
+
+    name: str
+    bits: int
+    register: str
+
+
+class RegisterCode:
+    """What the templates print for a register. ``codec`` is None where the byte itself says all."""
+
+    def __init__(self, context: Context, register: Register) -> None:
+        self.context = context
+        self.device = context.device
+        self.scope = context.scope
+        self.register = register
+        self.layout = register.layout
+        self.name = f"{context.prefix}_reg_{register.name}"
+        self.stem = self.name.upper()
+        self.struct = Struct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
+        self.enumerations = context.enumerations.of("registers", register.name)
+        refused = outside(self.struct.plan, limits_of(self.device, register))
+        refusals = (refused,) if refused is not None else ()
+        self.codec = None if self.is_plain else StructCodec(self.struct, (), refusals)
+        self.access = Access(self.struct, self.codec is not None, refusals)
+        #: Its own, and those of the things that it can mean.
+        self.limits = tuple(self._limits(item) for item in (None, *register.meanings))
+        self.explained = tuple(self._explained())
+
+    def declared(self) -> Iterator[Declared]:
+        yield from ((name, ("registers", self.register.name)) for name in self._names())
+        if self.codec is not None:
+            yield from self.codec.declared()
+
+    def _names(self) -> Iterator[str]:
+        register = self.register
+        yield from (f"{self.stem}_{ending}" for ending in ("ADDRESS", "LENGTH", "ACCESS"))
+        if register.default is not None:
+            yield f"{self.stem}_DEFAULT"
+        if self.expected is not None:
+            yield f"{self.stem}_EXPECTED"
+        if register.wait_at_least_ms is not None:
+            yield f"{self.stem}_WAIT_AT_LEAST_MS"
+        for field in self.masked:
+            endings = ("MASK",) if isinstance(field.kind, Flag) else ("SHIFT", "MASK")
+            yield from (f"{self.name}_{field.name}_{ending}".upper() for ending in endings)
+        for field in self.moving:
+            yield from (f"{self.name}_{field.name}_{ending}" for ending in ("shift", "mask"))
+        yield from (item.name for item in self.explained)
+        for bounds in self.limits:
+            yield from (name for name, _ in bounds.macros)
+            yield from (item.name for item in bounds.functions)
+        yield from filter(None, (self.access.read, self.access.write))
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the byte itself says all, so that it needs no struct."""
+        return len(self.layout.fields) == self.register.length == 1 and _is_byte(self.layout.fields[0])
+
+    @property
+    def expected(self) -> int | None:
+        """What the manual states that the byte holds."""
+        equals = self.layout.fields[0].equals if self.is_plain else None
+        return equals if isinstance(equals, int) else None
+
+    @property
+    def about(self) -> list[Paragraph]:
+        about = about_register(self.device, self.register)
+        if self.is_plain:
+            return [*about, about_member(self.struct, self.layout.fields[0])]
+        return [*about, *table(self.struct)] if len(self.masked) < len(self.layout.fields) else about
+
+    # -- where its fields are
+
+    @cached_property
+    def _with_masks(self) -> tuple[Field, ...]:
+        """The fields that are picked out of the register as one number; a register's only field is the number."""
+        fields = self.layout.fields
+        if self.is_plain or self.register.length > 8 or (len(fields) == 1 and not isinstance(fields[0].kind, Choice)):
+            return ()
+        return tuple(item for item in fields if not isinstance(item.kind, (Constant, Text)))
+
+    @property
+    def masked(self) -> tuple[Field, ...]:
+        """Those at the same place for every order code."""
+        return tuple(item for item in self._with_masks if item.is_fixed)
+
+    @property
+    def moving(self) -> tuple[Field, ...]:
+        return tuple(item for item in self._with_masks if item not in self.masked)
+
+    def _explained(self) -> Iterator[Explained]:
+        for field in self.layout.fields:
+            bits: dict[str, int] = {}
+            for place in field.explained_by:
+                name, _, bit = place.partition(".")
+                other = self.device.register(name).layout.field(bit)
+                bits[name] = bits.get(name, 0) | other.mask_in_place
+            for name, mask in bits.items():
+                yield Explained(f"{self.stem}_{field.name}_IN_{name}".upper(), mask, title(self.device.register(name)))
+
+    # -- limits
+
+    def _limits(self, meaning: RegisterMeaning | None) -> Bounds:
+        limits = limits_of(self.device, self.register, meaning)
+        bounded = self.register.limits_of if meaning is None else words(meaning.name)
+        stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
+        sides = (("min", "Least", limits.low), ("max", "Greatest", limits.high))
+        macros = tuple(
+            (f"{stem}_{side}".upper(), NumberExpr(limit.constant, signed=limits.signed))
+            for side, _, limit in sides
+            if limit is not None and limit.is_constant
+        )
+        functions = tuple(
+            self._function(f"{stem}_{side}", f"{word} {bounded}: {limit.render()}.", limit, limits.signed)
+            for side, word, limit in sides
+            if limit is not None and not limit.is_constant
+        )
+        return Bounds(macros, functions)
+
+    def _function(self, name: str, about: str, limit: Expression, signed: bool) -> Function:
+        if signed:
+            return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
+        mine = (item for item in self.device.variants if item.interface == self.register.interface)
+        largest = max((limit.value(item.parameters) for item in mine), default=0)
+        return number_of(self.scope, name, limit, largest, about)
+
+
+def _is_byte(field: Field) -> bool:
+    """Whether a field is no more and no less than the number in a byte."""
+    return (
+        isinstance(field.kind, (Choice, Number))
+        and field.width == Expression(8)
+        and not (field.number.signed or field.number.zero_means or field.number.power_of_two)
+    )

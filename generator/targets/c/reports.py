@@ -1,0 +1,135 @@
+"""What frames report, in C: an enumeration and texts of all that a family can report, and functions of each frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ...model import Device, Layout, Unused, Verdict, cite
+from ...plan.codec import Part, Reserved
+from ...plan.reports import Judgement, Report, Reporting, Speaks, reportings, reports_of
+from ...say.name import title
+from ...say.report import alarm_of, meaning, remedy, source
+from ...say.text import BY_TITLE as S
+from ...say.text import said
+from ...spec.problems import Path
+from .. import TargetError
+from .enumerations import Entry, Enumeration
+from .expr import Cast, Either, Expr, Name, Number, Operation, joined, masked
+from .names import Declared
+from .reserved import c_name
+from .types import unsigned
+
+_UNUSED = Name("frame->unused")
+
+
+class FrameReports:
+    """The functions ``verdict`` and ``reports`` of a frame; the name of one that it does not have is empty."""
+
+    def __init__(self, family: Reports, reporting: Reporting, frame: str) -> None:
+        self.family, self.reporting, self.frame = family, reporting, frame
+        self.judgement = reporting.judgement
+        self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
+        self.reports = f"{frame}_reports" if reporting.told else ""
+        self._every_unused = sum(_bits(op) for op in reporting.codec.reserved)
+
+    def names(self) -> Iterator[str]:
+        """What it declares at file scope."""
+        return filter(None, (self.verdict, self.reports))
+
+    @property
+    def told(self) -> Iterator[Expr]:
+        """What the mask of its reports is made of."""
+        for told in self.reporting.told:
+            yield Either(self._says(told.by), self.family.constant(told.report), Number(0))
+
+    def _says(self, by: Part | Reserved) -> Expr:
+        return self._differ([by]) if isinstance(by, Reserved) else Name(_flag(by))
+
+    @property
+    def worse(self) -> Iterator[tuple[Expr, Verdict]]:
+        """When the position is worth less than ``otherwise``, the worst first."""
+        judgement = self.judgement or Judgement((), (), Verdict.NOT_TOLD)
+        levels = {Verdict.NOT_USABLE: judgement.not_usable, Verdict.USABLE_WITH_WARNING: judgement.with_warning}
+        for verdict, speaking in levels.items():
+            if speaking:
+                yield self._any(speaking), verdict
+
+    def _any(self, speaking: Sequence[Speaks]) -> Expr:
+        """That one of these speaks; unused bits are looked at together."""
+        unused = [item.by for item in speaking if isinstance(item.by, Reserved)]
+        flags = [(item.by, item.unless) for item in speaking if isinstance(item.by, Part)]
+        said = [joined("&&", (Name(_flag(by)), *(Name(f"!{_flag(one)}") for one in unless))) for by, unless in flags]
+        return joined("||", (*said, *([self._differ(unused)] if unused else [])))
+
+    def _differ(self, unused: Sequence[Reserved]) -> Expr:
+        """That some of these bits are not as the manual has them."""
+        mask = sum(map(_bits, unused))
+        return Operation("!=", (_UNUSED if mask == self._every_unused else masked(_UNUSED, mask), Number(0)))
+
+
+class Reports:
+    """All that a family can report. ``mask`` is the type that has a bit for each."""
+
+    def __init__(self, device: Device, prefix: str) -> None:
+        self.all = reports_of(device)
+        if len(self.all) > 64:
+            wrong = f"the frames have {len(self.all)} flags and fields of unused bits to report"
+            raise TargetError(f"{wrong}; the C target has a bit for 64 at most", ("interfaces",))
+        self.mask = unsigned(max(len(self.all), 32))
+        self.text = f"{prefix}_report_text"
+        self.texts = tuple(_texts(device, item) for item in self.all)
+        stem = f"{prefix}_report".upper()
+        entries = (Entry(f"{stem}_{item.name.upper()}", 1 << item.number, _note(device, item)) for item in self.all)
+        about = "What frames report of the encoder; their functions _reports() give a mask of these bits."
+        digits = (len(self.all) + 3) // 4
+        self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
+        self._by_frame = {item.codec.layout.name: item for item in reportings(device)}
+
+    def declared(self) -> Iterator[Declared]:
+        """What it declares at file scope."""
+        if self.all and self.enumeration.is_enum:
+            yield self.enumeration.type, ()
+        if self.all:
+            yield self.text, ()
+        for report, entry in zip(self.all, self.enumeration.entries, strict=True):
+            yield entry.name, self._path(report)
+
+    def of(self, layout: Layout, frame: str) -> FrameReports | None:
+        """The functions of a frame, if it tells anything."""
+        reporting = self._by_frame.get(layout.name)
+        return FrameReports(self, reporting, frame) if reporting is not None else None
+
+    def constant(self, report: Report) -> Expr:
+        """The bit of a report."""
+        name = Name(self.enumeration.entries[report.number].name)
+        return Cast(self.mask, name) if self.enumeration.is_enum else name
+
+    def _path(self, report: Report) -> Path:
+        """The first frame that makes it."""
+        first = next(
+            item for item in self._by_frame.values() if any(told.report.number == report.number for told in item.told)
+        )
+        return ("interfaces", first.interface.name, "layouts", first.codec.layout.name)
+
+
+def _texts(device: Device, report: Report) -> tuple[str, ...]:
+    """The members of its text."""
+    field = report.field
+    alarm = alarm_of(device, field)
+    return (report.name, field.printed_name, meaning(field, alarm), remedy(alarm), cite(source(field, alarm)))
+
+
+def _note(device: Device, report: Report) -> str:
+    """What the manual calls it, and where it says what it means."""
+    field = report.field
+    unused = ", unused" if isinstance(field.kind, Unused) else ""
+    return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
+
+
+def _bits(op: Reserved) -> int:
+    """Those of ``unused`` that are the field's."""
+    return ((1 << op.bits.widest) - 1) << op.place
+
+
+def _flag(part: Part) -> str:
+    return f"frame->{c_name(part.field.name)}"

@@ -1,0 +1,60 @@
+"""Parameters that registers hold at run time: what takes them over into the variant from the bytes of a register."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...plan.held import Held, HeldBy
+from ...say.name import title
+from .. import TargetError
+from .access import Access
+from .bits import of_bytes
+from .context import Context
+from .expr import Expr, Name, Number, Operation, joined
+from .names import Declared
+from .reserved import c_name
+from .types import unsigned
+
+#: What the function that reads the registers calls its own arguments and locals.
+_TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
+
+
+class HeldValue:
+    """A parameter, and the local that it is taken into."""
+
+    def __init__(self, context: Context, held: Held) -> None:
+        parameter, field = held.parameter, held.field
+        if not field.pieces:
+            wrong = f"'{parameter.read_from}' moves with the order code; the C target cannot read a parameter from it"
+            raise TargetError(wrong)
+        self.held = held
+        self.local = c_name(parameter.name, ("bytes", "length", "variant"))
+        self.member = c_name(parameter.name)
+        self.member_type = context.member_type(parameter)
+        self.raw_type, self.raw = of_bytes(held.bits.pieces)
+        zero_means = field.number.zero_means
+        self.type = unsigned(max(field.widest, zero_means.bit_length())) if zero_means else self.raw_type
+
+    @property
+    def is_outside(self) -> Expr | None:
+        """Whether the value is none that the parameter can have."""
+        name, low, high = Name(self.local), self.held.low, self.held.high
+        sides = (("<", low), (">", high))
+        found = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)
+        return joined("||", found) if found else None
+
+
+class Taker:
+    """The function that takes over what a register holds."""
+
+    def __init__(self, context: Context, held: HeldBy, access: Access) -> None:
+        register = held.register
+        self.name = f"{context.prefix}_take_{register.name}"
+        names = ", ".join(item.parameter.name for item in held.parameters)
+        self.about = f"Takes over into the variant what the register {title(register)} holds: {names}."
+        self.values = tuple(HeldValue(context, item) for item in held.parameters)
+        self.bytes = c_name(register.name, _TAKEN)
+        self.access = access
+
+    def declared(self) -> Iterator[Declared]:
+        yield self.name, ()

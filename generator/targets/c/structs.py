@@ -1,0 +1,103 @@
+"""A layout in C: the struct of a frame or of the bytes of a register, with the names and types of its members."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...model import Field, Flag, Layout, Register, Text
+from ...plan.codec import Codec, characters, codec_of
+from .. import TargetError
+from .bits import Reader
+from .context import Context
+from .enumerations import Enumeration
+from .expr import Cast, Expr, Name, Number, Operation, joined
+from .types import signed, unsigned
+from .unused import Unused
+
+
+class Struct:
+    """One layout, its names and its types; a register of one plain byte has one as well, but it is not printed."""
+
+    def __init__(
+        self, context: Context, layout: Layout, name: str, length_macro: str, register: Register | None = None
+    ) -> None:
+        self.context = context
+        self.device = context.device
+        self.scope = context.scope
+        self.layout = layout
+        self.name = name
+        self.length_macro = length_macro
+        self.register = register
+        self.plan: Codec = codec_of(context.device, layout)
+        self.reader = Reader(self.plan, context.scope)
+        self.unused = Unused(self.reader)
+        if self.plan.by_word and layout.widest > 64:
+            wrong = f"'{layout.name}' has {layout.widest} bits and fields that move"
+            raise TargetError(f"{wrong}; the C target can place them in 64 bits only", self.path)
+        if self.plan.alternatives and register is not None:
+            wrong = f"'{layout.name}' depends on what the manual leaves open"
+            raise TargetError(f"{wrong}; the C target has an argument for it in frames only", self.path)
+        if self.unused.width > 64:
+            wrong = f"'{layout.name}' has unused bits in {-(-self.unused.width // 8)} bytes"
+            raise TargetError(f"{wrong}; the C target holds those of 8 bytes at most", self.path)
+        for item in (part.field for part in self.plan.parts):
+            if not isinstance(item.kind, Text):
+                self.type_of(item)
+            elif not characters(item):
+                wrong = f"the text '{item.name}' does not begin at a byte, which the C target cannot express"
+                raise TargetError(wrong, (*self.path, "fields", item.name))
+
+    @property
+    def path(self) -> tuple[str, ...]:
+        """Where the layout stands in the spec."""
+        if self.register is not None:
+            return ("registers", self.register.name)
+        (kind,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
+        return ("interfaces", kind, "layouts", self.layout.name)
+
+    @property
+    def crc_function(self) -> str:
+        assert self.plan.crc is not None
+        return self.context.crc_name(self.plan.crc.crc, self.layout.carried_as)
+
+    # -- members
+
+    def choice(self, field: Field) -> Enumeration | None:
+        owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
+        return self.context.choices.get((owner, field.name))
+
+    def enumeration(self, field: Field) -> Enumeration | None:
+        """Its enumeration, where that is a type."""
+        choice = self.choice(field)
+        return choice if choice is not None and choice.is_enum else None
+
+    def type_of(self, field: Field) -> str:
+        if isinstance(field.kind, Flag):
+            return "bool"
+        choice = self.enumeration(field)
+        if choice is not None:
+            return choice.type
+        if field.number.signed:
+            return signed(field.widest)
+        return unsigned(max(field.widest, field.number.zero_means.bit_length()))
+
+    def member_type(self, name: str) -> str:
+        """The type of the member that a field or join has, by its name in the spec."""
+        whole = next((item for item in self.plan.wholes if item.join.name == name), None)
+        return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
+
+    def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
+        """Whether ``name`` is none of these values.
+
+        ``is_raw`` says that it is the bits as read, a number rather than one of the field's enumeration.
+        """
+        choice = self.choice(field)
+        kind = self.reader.value(self.plan.bits_of(field.name))[0] if is_raw and self.enumeration(field) else ""
+
+        def written(value: int) -> Expr:
+            if choice is None or value not in choice.names:
+                return Number(value, hexadecimal=True)
+            entry = Name(choice.names[value])
+            return Cast(kind, entry) if kind else entry
+
+        return joined("&&", tuple(Operation("!=", (name, written(value))) for value in values))

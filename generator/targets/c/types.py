@@ -1,0 +1,46 @@
+"""Types and constants of C."""
+
+from __future__ import annotations
+
+from .. import TargetError
+
+_PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
+
+
+def string(text: object) -> str:
+    """``text`` as a string literal."""
+    return (
+        '"' + "".join(chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in str(text).encode("utf-8")) + '"'
+    )
+
+
+def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
+    """``value`` as an unsigned constant."""
+    text = f"0x{value:0{digits}X}" if hexadecimal else str(value)
+    return f"UINT64_C({text})" if value > 0xFFFFFFFF or (hexadecimal and digits > 8) else f"{text}U"
+
+
+def signed_number(value: int) -> str:
+    text = f"INT64_C({abs(value)})" if abs(value) > 0x7FFF else str(abs(value))
+    return f"(-{text})" if value < 0 else text
+
+
+def mask(width: int) -> str:
+    """A constant of ``width`` ones."""
+    return number((1 << width) - 1, hexadecimal=True)
+
+
+def size_of(bits: int) -> int:
+    """The bits of the smallest unsigned type for ``bits`` bits."""
+    if bits > 64:
+        raise TargetError(f"a number of {bits} bits; the C target holds numbers in 64 bits at most")
+    return next(size for size in (8, 16, 32, 64) if bits <= size)
+
+
+def signed(bits: int) -> str:
+    return f"int{size_of(bits)}_t"
+
+
+def unsigned(bits: int) -> str:
+    """The smallest unsigned type for ``bits`` bits."""
+    return f"uint{size_of(bits)}_t"

@@ -1,0 +1,186 @@
+"""The unused bits of a layout in C: one member for all of them, which a decoder gathers and an encoder puts back.
+
+In bytes each bit keeps its place in its byte, so that whole bytes are moved and nothing in them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from ...model import Field
+from ...plan.codec import Reserved
+from .bits import Reader
+from .expr import Cast, Expr, Name, Number, Operation, joined, left, masked, right
+from .types import size_of, unsigned
+
+_GIVEN = Name("in->unused")
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """Unused bits that go together: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word without one.
+
+    ``mask``, and ``value``, which the manual has, are as they stand in the member.
+    """
+
+    byte: int | None
+    shift: int
+    mask: int
+    value: int
+
+
+class Unused:
+    """The member ``unused`` of a struct; it is none where the layout has no such bits."""
+
+    def __init__(self, reader: Reader) -> None:
+        self.reader, self.plan = reader, reader.plan
+        self.width = self.plan.layout.unused_width
+        #: Where one of them moves or is wider with another order code, each is taken alone.
+        self.single = () if all(op.bits.are_fixed for op in self.plan.reserved) else self.plan.reserved
+        fixed = () if self.single else self.plan.reserved
+        self.moved = tuple(_together(item for op in fixed for item in _moved(op, self.plan.by_word)))
+
+    def __bool__(self) -> bool:
+        return bool(self.plan.reserved)
+
+    @property
+    def type(self) -> str:
+        return unsigned(self.width)
+
+    @property
+    def depends(self) -> bool:
+        """Whether an encoder needs the variant for it."""
+        return bool(self.single)
+
+    # -- decoding
+
+    @property
+    def gathered(self) -> Expr:
+        """The member, out of the word, or out of bytes where the fields are taken one by one."""
+        parts = (*map(self._taken, self.moved), *map(self._taken_alone, self.single))
+        return Cast(self.type, _turned(joined("|", parts), _documented(sum(item.value for item in self.moved))))
+
+    def at_place(self, item: Moved, byte: Expr) -> Expr:
+        """A byte, moved to where its bits are in the member."""
+        return left(Cast(self.work, byte), -item.shift) if item.shift else byte
+
+    def told(self, bits: Expr) -> Expr:
+        """The member, of bytes that are at their places."""
+        mask, value = sum(item.mask for item in self.moved), sum(item.value for item in self.moved)
+        found = _turned(masked(bits, mask), _documented(value))
+        return found if self.type == self.work else Cast(self.type, found)
+
+    @property
+    def work(self) -> str:
+        """The type in which a decoder puts bytes together."""
+        return unsigned(max(self.width, 32))
+
+    def _taken(self, item: Moved) -> Expr:
+        word = self.reader.lower(item.mask.bit_length() + item.shift)
+        if item.shift >= 0:
+            return masked(right(word, item.shift), item.mask)
+        return left(masked(word, item.mask >> -item.shift), -item.shift)
+
+    def _taken_alone(self, op: Reserved) -> Expr:
+        bits = _turned(self.reader.value(op.bits)[1], self._documented(op))
+        return left(Cast(self.work, bits), op.place) if op.place else bits
+
+    # -- encoding
+
+    @property
+    def refused(self) -> Expr | None:
+        """That the member has a bit which is none of the unused ones; None where its type has no such bit."""
+        varying = [op for op in self.single if not op.bits.width.is_constant]
+        fixed = sum(_ones(op) for op in self.plan.reserved if op.bits.width.is_constant)
+        if not varying:
+            others = fixed ^ ((1 << size_of(self.width)) - 1)
+            return Operation("!=", (masked(_GIVEN, others), Number(0))) if fixed and others else None
+        masks = [left(self.reader.scope.mask(op.bits.width), op.place) for op in varying]
+        masks += [Number(fixed, hexadecimal=True)] if fixed else []
+        return Operation("!=", (Operation("&", (_GIVEN, joined("|", tuple(masks)))), _GIVEN))
+
+    @property
+    def in_word(self) -> Iterator[Expr]:
+        """What a word has of it."""
+        is_all = len(self.moved) + len(self.single) == 1
+        for item in self.moved:
+            bits = _turned(_GIVEN if is_all else masked(_GIVEN, item.mask), _documented(item.value))
+            yield _shifted(Cast("uint64_t", bits), -item.shift)
+        for op in self.single:
+            bits = _turned(_GIVEN, self._documented(op)) if is_all else self._given(op)
+            low = op.bits.low
+            yield left(Cast("uint64_t", bits), low.constant if low.is_constant else self.reader.scope.of(low))
+
+    @property
+    def in_bytes(self) -> Iterator[tuple[int, Expr]]:
+        """What bytes have of it."""
+        for item in self.moved:
+            assert item.byte is not None
+            mask, value = item.mask >> -item.shift, item.value >> -item.shift
+            yield item.byte, _turned(_in_byte(right(_GIVEN, -item.shift), mask), _documented(value))
+        for op in self.single:
+            for piece in op.bits.pieces:
+                yield piece.byte, _shifted(_in_byte(right(self._given(op), piece.left), piece.mask), -piece.right)
+
+    def given(self, field: Field) -> Expr:
+        """The bits of one field."""
+        return next(self._given(op) for op in self.plan.reserved if op.field is field)
+
+    def _given(self, op: Reserved) -> Expr:
+        return _turned(right(masked(_GIVEN, _ones(op)), op.place), self._documented(op))
+
+    # -- both
+
+    def _documented(self, op: Reserved) -> Expr | None:
+        """The same of a field that may be narrower with this order code."""
+        value = _documented(op.value)
+        if value is None or op.bits.width.is_constant:
+            return value
+        return Operation("&", (value, self.reader.scope.mask(op.bits.width)))
+
+
+def _moved(op: Reserved, by_word: bool) -> Iterator[Moved]:
+    """The bits of a field, in the word or byte by byte."""
+    if by_word:
+        yield Moved(None, op.bits.low.constant - op.place, _ones(op), op.value << op.place)
+        return
+    for piece in op.bits.pieces:
+        place = op.place + piece.left
+        mask = piece.mask << place
+        yield Moved(piece.byte, piece.right - place, mask, op.value << op.place & mask)
+
+
+def _together(items: Iterable[Moved]) -> Iterator[Moved]:
+    """The same, those that go the same way as one."""
+    ways: dict[tuple[int | None, int], Moved] = {}
+    for item in items:
+        known = ways.get((item.byte, item.shift), replace(item, mask=0, value=0))
+        mask, value = known.mask | item.mask, known.value | item.value
+        ways[item.byte, item.shift] = replace(item, mask=mask, value=value)
+    yield from ways.values()
+
+
+def _in_byte(bits: Expr, mask: int) -> Expr:
+    """These bits of a number; those above a byte are cut off with it."""
+    return bits if mask == 0xFF else masked(bits, mask)
+
+
+def _ones(op: Reserved) -> int:
+    """The bits of the member that a field can have."""
+    return ((1 << op.bits.widest) - 1) << op.place
+
+
+def _documented(value: int) -> Expr | None:
+    """What the manual has; None where that is 0."""
+    return Number(value, hexadecimal=True) if value else None
+
+
+def _turned(bits: Expr, by: Expr | None) -> Expr:
+    """The bits but for those turned round that ``by`` has."""
+    return Operation("^", (bits, by)) if by is not None else bits
+
+
+def _shifted(of: Expr, by: int) -> Expr:
+    """``of`` shifted to the right, or by less than 0 to the left."""
+    return left(of, -by) if by < 0 else right(of, by)

@@ -1,0 +1,159 @@
+"""Tables of a page about a device, layouts apart: rows whose cells are Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from ...model import (
+    Biss,
+    Crc,
+    CrcExample,
+    Device,
+    Document,
+    Example,
+    FrameExample,
+    Interface,
+    MeasureExample,
+    Procedure,
+    ProcedureExample,
+    RegisterExample,
+    Timing,
+    assert_never,
+)
+from ...say.crc import sent
+from ...say.field import value
+from ...say.interface import settings
+from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.place import hexadecimal
+from ...say.procedure import step
+from ...say.timing import bounds
+from ...say.words import counted, number
+from .layouts import errata_links, named
+
+_SEVERITY = {
+    "wrong_data": "wrong bytes or bits on the wire",
+    "wrong_limit": "a wrong limit or order code",
+    "omission": "something missing",
+    "wording": "wording only",
+}
+_STATUS = {
+    "settled": "settled by the manual's own evidence or by arithmetic",
+    "open": "open: only hardware or the maker could decide",
+}
+
+
+def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
+    """Fact, value, source."""
+    for item in settings(device, interface):
+        yield text(item.label), STYLE.phrase(item), cited(item.source)
+
+
+def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
+    """Number, what to do, why, source."""
+    for index, part in enumerate(item.steps, 1):
+        source = cited(part.source) if part.source != item.source else ""
+        yield f"{index}", STYLE.sentence(step(device, part)), text(part.meaning), source
+
+
+def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
+    """A row for each time: name, meaning, how long, source."""
+    for item in timings:
+        yield joined([code(item.name), text(item.symbol)]), text(item.meaning), bounds(item), cited(item.source)
+
+
+def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
+    """The parameters and every spelling of the polynomial that masters ask for."""
+    full = crc.poly_with_top_bit
+    yield "Polynomial", text(crc.polynomial)
+    yield "with its top bit", f"`0x{full:X}` = {full} = `{full:b}b`"
+    yield "without its top bit", f"`0x{crc.poly:02X}`"
+    if full & 1:
+        yield "without its last 1", f"`0x{full >> 1:X}`"
+    yield "Width", counted(crc.width, "bit")
+    yield "Start value", f"`0x{crc.init:X}`"
+    yield "Input, output reflected", f"{_yes(crc.refin)}, {_yes(crc.refout)}"
+    yield "XORed at the end", f"`0x{crc.xorout:X}` ({sent(crc)})"
+    if crc.is_xor:
+        yield "In short", "the XOR of the bytes before it"
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
+
+
+def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
+    yield from ((fact, said) for fact, said in _worked(example) if said)
+    links = [
+        link(code(example.erratum), f"#erratum-{example.erratum}") if example.erratum else "",
+        errata_links(device, f"examples.{example.name}"),
+    ]
+    if any(links):
+        yield "Errata", ", ".join(dict.fromkeys(", ".join(filter(None, links)).split(", ")))
+    if example.note:
+        yield "Note", text(example.note)
+    yield "Source", cited(example.source)
+
+
+def _worked(example: Example) -> Iterator[tuple[str, str]]:
+    """What an example shows: fact and value, empty where it does not say."""
+    match example:
+        case FrameExample():
+            yield "Frame", link(code(example.layout), f"#layout-{example.layout}") if example.layout else ""
+            yield "Order code", code(example.order_code)
+            yield "Sent by", f"the {example.sender}"
+            for name, answer in example.alternatives.items():
+                yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
+            yield from (_bytes(example.bytes), ("Bits", code(example.bits)), _values(example.values))
+            yield "Refused", f"for its {text(example.refused)}" if example.refused else ""
+        case RegisterExample():
+            yield "Register", link(code(example.register), f"#register-{example.register}")
+            yield from (("Order code", code(example.order_code)), _bytes(example.bytes), _values(example.values))
+        case CrcExample():
+            yield "CRC", link(code(example.crc), f"#crc-{example.crc}")
+            yield from (_bytes(example.bytes), ("Check value", f"`{hexadecimal(example.check)}`"))
+        case ProcedureExample():
+            yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
+            yield "Order code", code(example.order_code)
+            for name, value in example.arguments.items():
+                yield f"Argument {code(name)}", number(value) + (f" ({hexadecimal(value)})" if value > 9 else "")
+            yield "Writes", ", ".join(f"`{item.address:02X}h: {item.value:02X}`" for item in example.writes)
+        case MeasureExample():
+            yield "Order code", code(example.order_code)
+            yield "Length", f"{number(example.counts)} counts are {number(example.micrometres)} µm"
+        case _:
+            assert_never(example)
+
+
+def _bytes(data: bytes) -> tuple[str, str]:
+    return "Bytes", f"`{data.hex(' ').upper()}`" if data else ""
+
+
+def _values(values: Mapping[str, int | str | bool]) -> tuple[str, str]:
+    return "Values", ", ".join(f"{code(name)} = {_value(value)}" for name, value in values.items())
+
+
+def _value(value: int | str | bool) -> str:
+    if isinstance(value, bool):
+        return _yes(value)
+    return number(value) if isinstance(value, int) else code(value)
+
+
+def status(value: str) -> str:
+    return _STATUS[value]
+
+
+def severity(value: str) -> str:
+    return _SEVERITY[value]
+
+
+def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
+    """Key, title, address."""
+    return [(code(item.key), text(item.title), f"<{item.url}>" if item.url else "") for item in documents]
+
+
+def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
+    """The fields of the BiSS control frame: name, bits, meaning, source."""
+    for item in interface.control_data:
+        values = [STYLE.phrase(value(one, item.bits)) for one in item.values]
+        crc = link(code(item.crc), f"#crc-{item.crc}") if item.crc else ""
+        yield named(item), f"{item.bits}", joined([text(item.meaning), crc, *values]), cited(item.source)

@@ -1,0 +1,460 @@
+"""The documentation: a Markdown page for each device with pictures of its layouts, and an index."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Annotated, Any, TypedDict
+
+from ...masters.sheet import shipped_masters
+from ...model import Biss, Device, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
+from ...reference.parameters import follows_registers
+from ...render import Templates, our_templates
+from ...say import alarm, hardware_input, markdown
+from ...say import layout as say_layout
+from ...say import procedure as say_procedure
+from ...say import register as say_register
+from ...say.alternative import needs
+from ...say.markdown import cited, code, joined, link, text
+from ...say.name import full_title, title, words
+from ...say.place import addresses
+from ...say.text import Code
+from ...say.words import language, sentence
+from .. import NO_OPTIONS, Library, Options, Target, TargetError
+from . import codes, facts, layouts, usable
+from . import masters as masters_page
+
+#: Rows of a table; its cells are Markdown.
+Rows = list[tuple[str, ...]]
+#: A section of a page, by what the template calls its parts.
+Section = dict[str, Any]
+
+
+class Index(TypedDict):
+    rows: Annotated[Rows, "a row for each family"]
+    usable_page: Annotated[str, "the page that says whether a position is usable"]
+    pattern_rows: Annotated[Rows, "a row for each interface of a family, with its order codes"]
+    trademarks: Annotated[list[str], "notices on trademarks"]
+
+
+class Codes(TypedDict):
+    manual_rows: Annotated[Rows, "the manual: title, revision, language, publisher"]
+    part_rows: Annotated[Rows, "the parts of an order code and what each value stands for"]
+    spelling_rows: Annotated[Rows, "labels that are written otherwise"]
+    parameter_rows: Annotated[Rows, "the quantities that follow from an order code"]
+    run_time_rows: Annotated[Rows, "the quantities that registers hold"]
+    code_tables: Annotated[list[Section], "the listed order codes: title, head, rows"]
+    measurement_rows: Annotated[Rows, "what a position counts"]
+
+
+class Wiring(TypedDict):
+    inputs: Annotated[list[Section], "the inputs: input, title, rows"]
+    connectors: Annotated[list[Section], "connectors and cables: connector, interfaces, head, rows"]
+    led_rows: Annotated[Rows, "the LEDs and what each state means"]
+    characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
+
+
+class Evidence(TypedDict):
+    examples: Annotated[list[Section], "the worked examples: example, rows"]
+    errata_summary: Annotated[str, "how many errata there are, and how many are open"]
+    erratum_rows: Annotated[Rows, "the errata in short, each with a link"]
+    errata_list: Annotated[list[Section], "the errata in full: erratum, rows"]
+    lost_rows: Annotated[Rows, "the figures that were not available"]
+    document_rows: Annotated[Rows, "the documents that sources name"]
+    history_rows: Annotated[Rows, "the revisions of the manual"]
+
+
+class DevicePage(Codes, Wiring, Evidence):
+    device: Annotated[Device, "the family"]
+    usable_page: Annotated[str, "the page that says whether a position is usable"]
+    alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, reasons, frames"]
+    has_masters: Annotated[bool, "whether there is a page of master settings"]
+    errata_links: Annotated[Callable[..., str], "links to the errata of a path into the spec, or of several paths"]
+    contents: Annotated[list[tuple[str, str]], "title and anchor of each section"]
+    interfaces: Annotated[list[Section], "the interfaces with their layouts, data IDs, cables and control frames"]
+    crcs: Annotated[list[Section], "the CRCs: crc, rows"]
+    registers: Annotated[list[Section], "the registers with their fields, values and facts"]
+    register_rows: Annotated[Rows, "the registers in short"]
+    procedures: Annotated[list[Section], "the procedures: procedure, interface, rows, arguments"]
+    alarms: Annotated[list[Section], "errors and warnings: alarm, title, rows"]
+
+
+def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
+    """``docs/README.md`` and ``docs/usable-or-not.md``.
+
+    For each device ``docs/<device>.md``, its pictures and ``docs/<device>-masters.md``.
+    """
+    try:
+        masters = shipped_masters()
+    except ValueError as error:
+        raise TargetError(str(error)) from None
+    files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library)}
+    for device in library.devices:
+        own = library.own_templates
+        files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", _device_values(device), own))
+        if masters_page.has_masters(device):
+            values = masters_page.page_values(device, masters)
+            files[f"docs/{device.name}-masters.md"] = _tidy(TEMPLATES.render("masters.md.jinja", values, own))
+        files |= {f"docs/{device.name}/{name}.svg": picture for name, picture in _pictures(device).items()}
+    return files
+
+
+def _tidy(made: str) -> str:
+    """No line ends in spaces, no two empty lines follow each other, and one line end closes the file."""
+    lines: list[str] = []
+    for line in made.splitlines():
+        if line.strip() or (lines and lines[-1]):
+            lines.append(line.rstrip())
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _index(library: Library) -> str:
+    rows: Rows = []
+    for device in library.devices:
+        page, maker = link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title)
+        titles = ", ".join(item.title for item in device.interfaces)
+        masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
+        manual = f"{text(device.manual.title)}, revision {_revision(device.manual)}"
+        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
+    patterns: Rows = [
+        (
+            ", ".join(code(item.code) for item in device.variants if item.interface == part.name),
+            link(part.title, f"{device.name}.md#interface-{part.name}"),
+        )
+        for device in library.devices
+        for part in device.interfaces
+    ]
+    trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
+    values: Index = {"rows": rows, "usable_page": usable.PAGE, "pattern_rows": patterns, "trademarks": trademarks}
+    return _tidy(TEMPLATES.render("index.md.jinja", values, library.own_templates))
+
+
+def _usable(library: Library) -> str:
+    return _tidy(TEMPLATES.render("usable.md.jinja", usable.page_values(library.devices), library.own_templates))
+
+
+def _revision(manual: Manual) -> str:
+    return text(manual.revision) + (f" of {manual.date}" if manual.date else "")
+
+
+def _pictures(device: Device) -> dict[str, str]:
+    made = {layout.name: layouts.layout_picture(device, interface, layout) for interface, layout in device.layouts()}
+    made |= {
+        name: layouts.group_picture(device, name)
+        for interface in device.interfaces
+        for name in layouts.used_groups(interface)
+    }
+    return made | {
+        f"register-{item.name}": layouts.register_picture(device, item)
+        for item in device.registers
+        if layouts.has_picture(item)
+    }
+
+
+def _device_values(device: Device) -> DevicePage:
+    return {
+        "device": device,
+        "usable_page": usable.PAGE,
+        "alternatives": codes.alternatives(device),
+        "has_masters": masters_page.has_masters(device),
+        "errata_links": partial(layouts.errata_links, device),
+        "contents": _contents(device),
+        **_identity(device),
+        "interfaces": [_interface(device, item) for item in device.interfaces],
+        "crcs": [{"crc": item, "rows": facts.crc_rows(item)} for item in device.crcs],
+        "registers": [_register(device, item) for item in device.registers],
+        "register_rows": [_register_row(device, item) for item in device.registers],
+        "procedures": [
+            {
+                "procedure": item,
+                "interface": device.interface(item.interface).title,
+                "about": list(say_procedure.about(item)),
+                "rows": facts.step_rows(device, item),
+                "arguments": [(part.name, say_procedure.argument(device, part)) for part in item.arguments],
+            }
+            for item in device.procedures
+        ],
+        "alarms": [
+            {"alarm": item, "title": full_title(item), "facts": alarm.facts(device, item)} for item in device.alarms
+        ],
+        **_wiring(device),
+        **_evidence(device),
+    }
+
+
+def _table_rows(table: Table) -> Rows:
+    """The rows of a table of the manual."""
+    return [tuple(map(text, row)) for row in table.rows]
+
+
+def _contents(device: Device) -> list[tuple[str, str]]:
+    parts: list[tuple[str, str, object]] = [
+        ("Order codes", "order-codes", True),
+        ("What the manual leaves open", "alternatives", device.alternatives),
+        *((item.title, f"interface-{item.name}", True) for item in device.interfaces),
+        ("CRCs", "crcs", device.crcs),
+        ("Registers", "registers", device.registers),
+        ("Procedures", "procedures", device.procedures),
+        ("Errors and warnings", "alarms", device.alarms),
+        ("Times of the device", "timings", device.timings),
+        ("Inputs", "inputs", device.inputs),
+        ("Connectors and cables", "connectors", device.connectors),
+        ("LEDs", "leds", device.leds),
+        ("Characteristics, mounting, safety", "characteristics", device.characteristics),
+        *((item.title, f"table-{item.name}", True) for item in device.tables),
+        ("Worked examples", "examples", device.examples),
+        ("Errata", "errata", device.errata),
+        ("Figures that were not available", "lost-figures", device.lost_figures),
+        ("Sources", "documents", True),
+    ]
+    return [(title, name) for title, name, there in parts if there]
+
+
+def _identity(device: Device) -> Codes:
+    manual = device.manual
+    rows = [
+        ("Manual", text(manual.title)),
+        ("Revision", _revision(manual)),
+        ("Language", text(language(manual.language))),
+        ("Publisher", text(manual.publisher)),
+        ("Read", _times_read(device.times_read)),
+        ("Manufacturer", text(device.manufacturer.title)),
+    ]
+    for item in manual.editions:
+        about = [text(language(item.language)), text(item.title), f"revision {text(item.revision)}", item.date]
+        rows.append(("Other edition", joined(about, ", ")))
+    return {
+        "manual_rows": [row for row in rows if row[1]],
+        "part_rows": list(codes.part_rows(device)),
+        "spelling_rows": list(codes.spelling_rows(device)),
+        "parameter_rows": list(codes.parameter_rows(device)),
+        "run_time_rows": list(codes.run_time_rows(device)),
+        "code_tables": codes.code_tables(device),
+        "measurement_rows": list(codes.measurement_rows(device)),
+    }
+
+
+def _times_read(counts: TimesRead | None) -> str:
+    """How many facts a second reader found alike; empty where there was none."""
+    if counts is None:
+        return ""
+    every = counts.twice + counts.explained + counts.once
+    otherwise = f", {counts.explained} otherwise for reasons that the errata give" if counts.explained else ""
+    return f"By two readers who did not know of each other: {counts.twice} of {every} facts alike{otherwise}"
+
+
+#: What an interface says of itself, by which its errata are found.
+_FACTS = (
+    "clock",
+    "cable_lengths",
+    "timeout",
+    "network",
+    "port",
+    "profile",
+    "alignment",
+    "output_code",
+    "signals",
+    "description_file",
+)
+
+
+def _interface(device: Device, interface: Interface) -> Section:
+    groups = {item.name: item for item in device.field_groups}
+    place = f"interfaces.{interface.name}"
+    return {
+        "interface": interface,
+        "rows": list(facts.interface_rows(device, interface)),
+        "paths": [f"{place}.{name}" for name in _FACTS],
+        "timing_paths": [f"{place}.{item.name}" for item in interface.timings] + [f"{place}.timings"],
+        "data_id_rows": _data_id_rows(interface) if isinstance(interface, Rs485) else [],
+        "layouts": [_layout(device, interface, item) for item in interface.layouts],
+        "groups": [
+            {
+                "group": groups[name],
+                "title": _group_title(groups[name]),
+                "frames": layouts.frames_with(interface, name),
+                "rows": layouts.group_rows(device, name),
+            }
+            for name in layouts.used_groups(interface)
+        ],
+        "memory_rows": _memory_rows(interface) if isinstance(interface, Rs485) else [],
+        "control_rows": list(facts.control_rows(interface)) if isinstance(interface, Biss) else [],
+    }
+
+
+def _data_id_rows(interface: Rs485) -> Rows:
+    return [
+        (
+            f"{item.id:X}",
+            code(item.name),
+            f"`{item.control:02X}h`",
+            text(item.purpose),
+            text(item.meaning),
+            cited(item.source),
+        )
+        for item in interface.data_ids
+    ]
+
+
+def _memory_rows(interface: Rs485) -> Rows:
+    return [
+        (
+            text(item.access),
+            f"{item.busy}",
+            text(item.address),
+            text(item.data),
+            text(item.meaning),
+            cited(item.source),
+        )
+        for item in interface.memory_access
+    ]
+
+
+def _group_title(group: FieldGroup) -> str:
+    """Our name, and in parentheses the manual's own in each language."""
+    own = [group.printed_name, *(f"{key}: {name}" for key, name in group.names.items())]
+    return words(group.name).capitalize() + (f" ({', '.join(filter(None, own))})" if any(own) else "")
+
+
+def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
+    return {
+        "layout": layout,
+        "head": say_layout.head(interface, layout, title(layout)),
+        "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
+        "rows": list(layouts.field_rows(device, layout)),
+        "placements": layouts.placement_table(device, layout, interface.name),
+        "delivered": follows_registers(device, layout),
+    }
+
+
+def _register(device: Device, register: Register) -> Section:
+    fields = register.layout.fields
+    rows = list(layouts.field_rows(device, register.layout))
+    is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
+    return {
+        "register": register,
+        "title": full_title(register),
+        "head": say_register.head(device, register, Code(register.name)),
+        "facts": say_register.facts(device, register),
+        "has_picture": layouts.has_picture(register),
+        "rows": [] if is_plain else rows,
+        "value_tables": [
+            {"field": code(item.name), "rows": list(layouts.value_rows(item)), "alone": len(fields) == 1}
+            for item in fields
+            if layouts.has_value_table(item)
+        ],
+        "joins": say_layout.joins(register.layout),
+        "placements": layouts.placement_table(device, register.layout, register.interface),
+    }
+
+
+def _register_row(device: Device, register: Register) -> tuple[str, ...]:
+    data = register.default_bytes()
+    return (
+        "" if register.bank is None else f"{register.bank}",
+        addresses(register),
+        link(code(register.name), f"#register-{register.name}"),
+        say_register.access(register),
+        f"`{data.hex(' ').upper()}`" if data is not None else "",
+        device.interface(register.interface).title,
+        cited(register.source),
+    )
+
+
+def _wiring(device: Device) -> Wiring:
+    titles = {item.name: item.title for item in device.interfaces}
+    return {
+        "inputs": [
+            {"input": item, "title": full_title(item), "facts": hardware_input.facts(device, item)}
+            for item in device.inputs
+        ],
+        "connectors": [
+            {
+                "connector": item,
+                "interfaces": ", ".join(titles.get(kind, kind) for kind in item.interfaces) or "all interfaces",
+                "head": {"cable": "Wire"}.get(item.kind, "Pin"),
+                "rows": [(text(part.contact), text(part.signal), code(part.only)) for part in item.contacts],
+            }
+            for item in device.connectors
+        ],
+        "led_rows": [
+            (
+                text(item.title) if index == 0 else "",
+                text(state.state),
+                text(state.meaning),
+                cited(item.source) if index == 0 else "",
+            )
+            for item in device.leds
+            for index, state in enumerate(item.states)
+        ],
+        "characteristic_rows": [
+            (code(item.name), text(item.value), code(item.only), cited(item.source)) for item in device.characteristics
+        ],
+    }
+
+
+def _evidence(device: Device) -> Evidence:
+    is_open = [item for item in device.errata if item.status == "open"]
+    return {
+        "examples": [{"example": item, "rows": facts.example_facts(device, item)} for item in device.examples],
+        "errata_summary": f"{len(device.errata)} places where the manual cannot be taken literally; "
+        f"{len(is_open)} of them are open.",
+        "erratum_rows": [
+            (
+                link(code(item.name), f"#erratum-{item.name}"),
+                text(item.printed),
+                text(item.used),
+                item.status,
+                facts.severity(item.severity),
+            )
+            for item in device.errata
+        ],
+        "errata_list": [
+            {
+                "erratum": item,
+                "rows": [
+                    ("Printed", text(item.printed)),
+                    ("Used", text(item.used)),
+                    ("Why", text(item.why)),
+                    ("Status", facts.status(item.status)),
+                    ("Literally", facts.severity(item.severity)),
+                    ("Affects", ", ".join(map(code, item.affects))),
+                    ("Source", cited(item.source)),
+                ],
+            }
+            for item in device.errata
+        ],
+        "lost_rows": [(text(item.content), cited(item.source)) for item in device.lost_figures],
+        "document_rows": facts.document_rows(device.documents),
+        "history_rows": [
+            (text(item.revision), item.date, text(item.changes), text(item.hardware), text(item.software))
+            for item in device.manual.history
+        ],
+    }
+
+
+TEMPLATES = Templates(
+    our_templates("docs"),
+    values={
+        "index.md.jinja": Index,
+        "device.md.jinja": DevicePage,
+        "masters.md.jinja": masters_page.MastersPage,
+        "usable.md.jinja": usable.UsablePage,
+    },
+    filters={
+        "md": markdown.text,
+        "paragraph": markdown.paragraph,
+        "code": markdown.code,
+        "cited": markdown.cited,
+        "anchor": markdown.anchor,
+        "sentence": sentence,
+        "said": markdown.STYLE.sentence,
+    },
+    functions={"table": markdown.table, "timing_rows": facts.timing_rows, "table_rows": _table_rows},
+)
+TARGET = Target(
+    name="docs",
+    summary="Markdown pages with pictures of every frame, and the settings of BiSS and SSI masters",
+    files=generate,
+    templates=TEMPLATES,
+)

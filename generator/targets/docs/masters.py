@@ -1,0 +1,193 @@
+"""A page for each device: what BiSS and SSI masters have to be told about its order codes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, TypedDict
+
+from ...masters.record import NoRecord, Record, record
+from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
+from ...masters.text import bound, facts, legend, mark
+from ...model import Device, Interface
+from ...say.markdown import code, link, text
+from .facts import document_rows
+
+Row = tuple[str, ...]
+Table = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Order codes that are the same to every master."""
+
+    codes: tuple[str, ...]
+    record: Record
+
+    @property
+    def label(self) -> str:
+        return ", ".join(map(code, self.codes))
+
+
+#: Groups, each with its rows by key.
+Columns = Sequence[tuple[Group, Sequence[tuple[Any, Row]]]]
+#: What one master is told, group by group.
+Told = Sequence[tuple[Group, Sheet]]
+
+
+def has_masters(device: Device) -> bool:
+    return any(True for item in device.interfaces for _ in _records(device, item))
+
+
+class MastersPage(TypedDict):
+    device: Annotated[Device, "the family"]
+    legend: Annotated[str, "what the marks on the page mean"]
+    interfaces: Annotated[
+        list[dict[str, Any]], "its interfaces that masters take, each with the settings of each master"
+    ]
+
+
+def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
+    parts = [
+        (item, groups, [(master, [(group, sheet(master, group.record)) for group in groups]) for master in masters])
+        for item in device.interfaces
+        if (groups := _groups(device, item))
+    ]
+    sheets = [found for _, _, told in parts for _, rows in told for _, found in rows]
+    return {
+        "device": device,
+        "legend": text(legend(masters, sheets)),
+        "interfaces": [_interface(device, *part) for part in parts],
+    }
+
+
+def _groups(device: Device, interface: Interface) -> list[Group]:
+    found: dict[str, list[Record]] = {}
+    for item in _records(device, interface):
+        found.setdefault(repr(replace(item, code="")), []).append(item)
+    return [Group(tuple(item.code for item in alike), alike[0]) for alike in found.values()]
+
+
+def _records(device: Device, interface: Interface) -> Iterator[Record]:
+    for variant in device.variants:
+        if variant.interface == interface.name:
+            with suppress(NoRecord):
+                yield record(device, variant)
+
+
+def _interface(
+    device: Device, interface: Interface, groups: Sequence[Group], told: Sequence[tuple[Master, Told]]
+) -> dict[str, Any]:
+    same, tables = _split(
+        [(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups]
+    )
+    codes = [] if tables else [("Order codes", ", ".join(group.label for group in groups))]
+    return {
+        "title": interface.title,
+        "anchor": interface.name,
+        "facts": [*codes, *((text(name), value) for name, value in same)],
+        "tables": tables,
+        "cable_errata": ", ".join(
+            link(code(name), f"{device.name}.md#erratum-{name}") for name in groups[0].record.cables.errata
+        ),
+        "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
+        "masters": [_master(master, sheets) for master, sheets in told if interface.name in master.takes],
+        "silent": [text(master.title) for master, _ in told if interface.name not in master.takes],
+    }
+
+
+def _split(columns: Columns) -> tuple[list[Row], list[Table]]:
+    """Rows that are the same for every group, and tables of the others; what follows from the supply has its own.
+
+    Each column is a group with its rows by key; the first cell of a row names it, the second is its value.
+    """
+    keys = list(dict.fromkeys(key for _, rows in columns for key, _ in rows))
+    by_key = [(group, dict(rows)) for group, rows in columns]
+    same, other = [], []
+    for key in keys:
+        found = {rows.get(key) for _, rows in by_key}
+        only = found.pop()
+        if found or only is None:
+            other.append(key)
+        else:
+            same.append(only)
+    by_supply = [key for key in other if _follows_supply(key, by_key)]
+    parts = ([key for key in other if key not in by_supply], by_supply)
+    return same, [_table(keys, by_key) for keys in parts if keys]
+
+
+def _follows_supply(key: Any, columns: Sequence[tuple[Group, dict[Any, Row]]]) -> bool:
+    found: dict[tuple[int | None, int | None], set[Row | None]] = {}
+    for group, rows in columns:
+        numbers = group.record.numbers
+        found.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(key))
+    return all(len(rows) == 1 for rows in found.values())
+
+
+def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]]) -> Table:
+    """The heads, and a row for all groups with the same values."""
+    heads = [next(rows[key][0] for _, rows in columns if key in rows) for key in keys]
+    found: dict[Row, list[str]] = {}
+    for group, rows in columns:
+        found.setdefault(tuple(rows[key][1] if key in rows else "–" for key in keys), []).append(group.label)
+    return {"head": ["Order codes", *heads], "rows": [[", ".join(labels), *cells] for cells, labels in found.items()]}
+
+
+def _master(master: Master, sheets: Told) -> dict[str, Any]:
+    taken = [(group, item) for group, item in sheets if not item.refusals]
+    columns = [(group, [((item.name, item.at), _row(item)) for item in found.settings]) for group, found in taken]
+    same, tables = _split(columns)
+    return {
+        "name": master.name,
+        "title": text(master.title),
+        "settings": same,
+        "tables": tables,
+        "row_notes": _row_notes(columns, {row[0] for row in same}),
+        "refused": list(_refused(sheets)),
+        "notes": list(_notes(taken)),
+        "documents": document_rows(master.documents),
+    }
+
+
+def _row(item: Setting) -> Row:
+    """Name with place, value, note, source."""
+    name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
+    value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
+    return name, value, text(item.note), text(item.source)
+
+
+def _mark(rule: Setting | Refusal) -> str:
+    """The mark, outside of what somebody copies."""
+    found = text(mark(rule))
+    return f" {found}" if found else ""
+
+
+def _row_notes(columns: Columns, same: set[str]) -> list[str]:
+    """The notes and sources of settings that differ between order codes."""
+    rows = [row for _, found in columns for _, row in found if row[0] not in same]
+    notes = dict.fromkeys(f"{name}: {note}" for name, _, note, _ in rows if note)
+    sources = dict.fromkeys(f"{name} \\[{source}\\]" for name, _, _, source in rows)
+    return [*notes, f"Sources: {', '.join(sources)}"]
+
+
+def _notes(taken: Told) -> Iterator[str]:
+    """What else is to be known; a note that is not about all order codes names its own."""
+    found: dict[str, list[str]] = {}
+    for group, item in taken:
+        for note in item.notes:
+            found.setdefault(text(note), []).append(group.label)
+    for note, labels in found.items():
+        yield note if len(labels) == len(taken) else f"{', '.join(labels)}: {note}"
+
+
+def _refused(sheets: Told) -> Iterator[str]:
+    found: dict[str, list[str]] = {}
+    for group, item in sheets:
+        if item.refusals:
+            reasons = " ".join(
+                f"{text(reason.reason)}{_mark(reason)} \\[{text(reason.source)}\\]" for reason in item.refusals
+            )
+            found.setdefault(reasons, []).append(group.label)
+    for reasons, labels in found.items():
+        yield f"{', '.join(labels)}: {reasons}"

@@ -1,0 +1,122 @@
+"""The page that says, for each frame of every family, what its position is worth and what the encoder reports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, TypedDict
+
+from ...model import Device, Field, Flag, Interface, Layout, Unused, Verdict
+from ...plan.reports import reportings, reports_of
+from ...say.field import short
+from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
+from ...say.name import own_names
+from ...say.report import alarm_of, meaning, remedy, source
+from ...say.text import Code, listed, said
+
+#: No family can be called so.
+PAGE = "usable-or-not.md"
+Row = tuple[str, ...]
+
+
+class UsablePage(TypedDict):
+    decides_rows: Annotated[list[Row], "for each frame, what makes the position what, and by which source"]
+    frame_rows: Annotated[list[Row], "for each frame, what it can report"]
+    report_rows: Annotated[list[Row], "what each report of a family means, and what to do"]
+
+
+def page_values(devices: Sequence[Device]) -> UsablePage:
+    return {
+        "decides_rows": [row for device in devices for row in _of_family(device, _decides(device), device.name)],
+        "frame_rows": [row for device in devices for row in _of_family(device, _frames(device))],
+        "report_rows": [row for device in devices for row in _of_family(device, _reports(device))],
+    }
+
+
+def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[Row]:
+    """The rows after the family, which is named once; ``name`` is what links lead to."""
+    family = (anchor(name) if name else "") + link(text(device.title), f"{device.name}.md")
+    for index, row in enumerate(rows):
+        yield family if index == 0 else "", *row
+
+
+def _decides(device: Device) -> Iterator[Row]:
+    """Interface, frames, what speaks, when, what the position is then, source, errata."""
+    found: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
+    for item in reportings(device):
+        if item.judgement is not None:
+            layout = item.codec.layout
+            rows = tuple(_speaking(device, item.interface, layout))
+            last = ("none of these" if rows else "nothing", "", code(item.judgement.otherwise.value), "", "")
+            found.setdefault((item.interface.title, (*rows, last)), []).append(layout)
+    for (title, rows), layouts in found.items():
+        for index, row in enumerate(rows):
+            yield *((title, _links(device, layouts)) if index == 0 else ("", "")), *row
+
+
+def _speaking(device: Device, interface: Interface, layout: Layout) -> Iterator[Row]:
+    """What speaks in a frame, the worst first."""
+    for verdict in Verdict:
+        for field in layout.fields:
+            match field.kind:
+                case Flag(makes_position=worth, active_low=low) if worth is verdict:
+                    when = f"{0 if low else 1}" + _unless(field, layout)
+                case Unused(value=value, makes_position=worth) if worth is verdict:
+                    when = f"{1 - value}" if field.widest == 1 else f"not {short(value)}"
+                case _:
+                    continue
+            yield (
+                _named(field),
+                when,
+                code(verdict.value),
+                _cited(device, field),
+                _errata(device, interface, layout, field),
+            )
+
+
+def _unless(field: Field, layout: Layout) -> str:
+    """The flags of the frame that a flag sums up: while one of these is active it is silent."""
+    names = field.kind.sums_up if isinstance(field.kind, Flag) else ()
+    here = [Code(name) for name in names if any(item.name == name for item in layout.fields)]
+    return f", with {STYLE.phrase(said(*listed(here)))} inactive" if here else ""
+
+
+def _frames(device: Device) -> Iterator[Row]:
+    """Interface, frames, what they can report."""
+    told = {item.codec.layout.name: item.told for item in reportings(device)}
+    found: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
+    for interface, layout in device.layouts():
+        if layout.sender == "encoder":
+            names = tuple(item.report.name for item in told.get(layout.name, ()))
+            found.setdefault((interface.title, names), []).append(layout)
+    for (title, names), layouts in found.items():
+        yield title, _links(device, layouts), ", ".join(map(code, names)) or "nothing"
+
+
+def _reports(device: Device) -> Iterator[Row]:
+    """Report, meaning, what to do, source."""
+    for item in reports_of(device):
+        alarm = alarm_of(device, item.field)
+        name = joined([code(item.name), text(own_names(item.field))])
+        yield name, text(meaning(item.field, alarm)), text(remedy(alarm)), cited(source(item.field, alarm))
+
+
+def _named(field: Field) -> str:
+    return joined([code(field.name), text(own_names(field))])
+
+
+def _cited(device: Device, field: Field) -> str:
+    return cited(source(field, alarm_of(device, field)))
+
+
+def _links(device: Device, layouts: Sequence[Layout]) -> str:
+    return ", ".join(link(code(item.name), f"{device.name}.md#layout-{item.name}") for item in layouts)
+
+
+def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
+    """Those that are about the very field, and of a flag also those about the group that it belongs to."""
+    paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
+    if field.group and isinstance(field.kind, Flag):
+        paths.add(f"field_groups.{field.group}")
+    about = (item for item in device.errata if not paths.isdisjoint(item.affects))
+    found = (item.name for item in about if item.severity != "wording")
+    return ", ".join(link(code(name), f"{device.name}.md#erratum-{name}") for name in found)

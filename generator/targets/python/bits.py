@@ -1,0 +1,106 @@
+"""How the bits of a frame or register are read: out of one number, or out of its bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby, pairwise
+
+from ...model import Piece
+from ...model.expressions import Expression
+from ...plan.codec import Bits, Codec, Reserved
+from .expr import Atom, Expr, Operation, Scope, call, joined, mask, moved, number
+
+
+class Reader:
+    """What stands for bits in ``decode``: in ``number`` or ``word``, or in the bytes of ``data`` one by one."""
+
+    def __init__(self, scope: Scope, codec: Codec) -> None:
+        self.scope, self.codec = scope, codec
+        self.source = "number" if codec.in_bytes else "word"
+
+    def bits(self, bits: Bits) -> Expr:
+        if not self.codec.by_word:
+            return self.of_bytes(bits.pieces)
+        shifted = moved(Atom(self.source), ">>", self.scope.of(bits.low))
+        on_top = bits.low + bits.width == self.codec.layout.bits
+        return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
+
+    def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
+        return from_pieces(pieces, self.codec.length)
+
+    def bit(self, bits: Bits) -> Expr:
+        """What is not 0 where the bit is set."""
+        place: Expr = Atom(self.source)
+        if not self.codec.by_word:
+            place, low = Atom(f"data[{bits.pieces[0].byte}]"), Expression(bits.pieces[0].right)
+        else:
+            low = bits.low
+        if low.is_constant:
+            return Operation(place, "&", Atom(f"0x{1 << low.constant:02X}"))
+        return Operation(moved(place, ">>", self.scope.of(low)), "&", number(1))
+
+    def unused(self) -> Expr:
+        """Which unused bits are not as the manual has them, each at its place in one number."""
+        moving = [self._reserved(item) for item in self.codec.reserved if not item.bits.are_fixed]
+        runs = sorted(run for item in self.codec.reserved if item.bits.are_fixed for run in self._runs(item))
+        # What lies in one byte, or as far from its place as its neighbour does, is taken out at once.
+        groups = (list(group) for _, group in groupby(runs, key=lambda run: run[:2]))
+        fixed = [self._taken(*group[0][:2], *(sum(run[at] for run in group) for at in (2, 3))) for group in groups]
+        return joined("|", [*fixed, *moving])
+
+    def _runs(self, item: Reserved) -> Iterator[tuple[int, int, int, int]]:
+        """Bits side by side: their byte, how far above their place they lie, and there what they are and should be."""
+        if self.codec.by_word:
+            ones = (1 << item.bits.width.constant) - 1
+            yield 0, item.bits.low.constant - item.place, ones << item.place, (item.value & ones) << item.place
+        else:
+            for piece in item.bits.pieces:
+                place, value = item.place + piece.left, item.value >> piece.left & piece.mask
+                yield piece.byte, piece.right - place, piece.mask << place, value << place
+
+    def _taken(self, byte: int, above: int, ones: int, value: int) -> Expr:
+        source = Atom(self.source if self.codec.by_word else f"data[{byte}]")
+        down, up = max(above, 0), max(-above, 0)
+        found = moved(source, ">>", number(down))
+        if self.codec.by_word or ones >> up != 0xFF:
+            found = Operation(found, "&", mask(ones >> up))
+        if value:
+            found = Operation(found, "^", mask(value >> up))
+        return moved(found, "<<", number(up))
+
+    def _reserved(self, item: Reserved) -> Expr:
+        """The same of bits that lie elsewhere with another order code."""
+        found = moved(Atom(self.source), ">>", self.scope.of(item.bits.low))
+        found = Operation(found, "^", mask(item.value)) if item.value else found
+        return moved(Operation(found, "&", self.scope.ones(item.bits.width)), "<<", number(item.place))
+
+    def characters(self, bits: Bits) -> str:
+        """The bytes that are a text as they stand, as a slice of ``data``; empty where none are."""
+        places = [piece.byte for piece in reversed(bits.pieces) if not piece.right and piece.mask == 0xFF]
+        if self.codec.by_word or len(places) < len(bits.pieces) or not _ascend(places):
+            return ""
+        return f"data[{places[0]}:{places[-1] + 1}]"
+
+
+def _ascend(places: Sequence[int]) -> bool:
+    """Whether each byte is the one after the one before."""
+    return all(after - before == 1 for before, after in pairwise(places))
+
+
+def from_pieces(pieces: Sequence[Piece], length: int = 0) -> Expr:
+    """The number that the pieces make; ``length`` is how many bytes there are, where that is known."""
+    places = [piece.byte for piece in pieces]
+    low_first = places[0] <= places[-1]
+    ascending = places if low_first else places[::-1]
+    if len(pieces) > 3 and _ascend(ascending) and all(not piece.right and piece.mask == 0xFF for piece in pieces):
+        first, end = ascending[0], ascending[-1] + 1
+        part = "data" if (first, end) == (0, length) else f"data[{first}:{end}]"
+        return call("int.from_bytes", part, '"little"' if low_first else '"big"')
+    return joined("|", map(_from_piece, pieces if low_first else reversed(pieces)))
+
+
+def _from_piece(piece: Piece) -> Expr:
+    found = moved(Atom(f"data[{piece.byte}]"), ">>", number(piece.right))
+    if piece.mask << piece.right & 0xFF != 0xFF >> piece.right << piece.right:
+        found = Operation(found, "&", mask(piece.mask))
+    return moved(found, "<<", number(piece.left))

@@ -1,0 +1,319 @@
+"""The class of a frame or register: its names, its attributes, and what of it differs with the order code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from ...model import Choice, Decimal, Digits, Fault, Field, Flag, Layout, Number, Register, Text, Unused
+from ...model.expressions import Expression
+from ...plan.codec import AtMost, IsOneOf, Part, Whole, ZerosAbove, codec_of
+from ...plan.crcs import Carrier
+from ...plan.limits import Limits, limits_of
+from ...say.words import sentence
+from . import text
+from .bits import Reader
+from .context import Asked, Context
+from .encode import Maker
+from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
+from .literals import quoted
+from .names import ClassNames, interface_name, meaning_limits
+from .reports import FrameReports
+
+#: The longest frame whose CRC is written out as one XOR of bytes.
+_UNROLLED = 16
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """An attribute of a frame or register; ``default`` is its value where none is given, if it can be left out."""
+
+    name: str
+    type: str
+    meaning: str
+    default: str = ""
+
+
+@dataclass(frozen=True)
+class LimitsFunction:
+    """The function that gives the limits of a register; ``when`` is the meaning that it has then, if it has several."""
+
+    name: str
+    when: str
+    low: Expr
+    high: Expr
+    takes_variant: bool
+
+
+class Coder:
+    """The class of one layout, as its template asks for it."""
+
+    def __init__(self, context: Context, interface: str, layout: Layout, register: Register | None = None) -> None:
+        self.context, self.layout, self.register = context, layout, register
+        self.plan = codec_of(context.device, layout)
+        self.name = context.frames[layout.name] if register is None else context.registers[register.name]
+        self.interface = interface_name(interface)
+        self.names = ClassNames(layout, register, context.crcs.values())
+        self.read = Reader(context.scope, self.plan)
+        self.make = Maker(context.scope, self.plan, self.names)
+
+    def number(self, value: Expression) -> Expr:
+        return self.context.scope.of(value)
+
+    # -- what it depends on
+
+    @cached_property
+    def takes_variant(self) -> bool:
+        """Whether anything of it differs with the order code."""
+        stated = [item.equals for item in self.expected if isinstance(item.equals, Expression)]
+        limited = self.limits is not None and differ(self.limits)
+        return self.plan.depends or limited or not all(item.is_constant for item in stated)
+
+    @property
+    def encode_takes_variant(self) -> bool:
+        return self.takes_variant and (self.make.depends or bool(self.limited))
+
+    @cached_property
+    def asked(self) -> list[Asked]:
+        """What the manual leaves open, and the caller has to say."""
+        return self.context.asked_of(self.layout)
+
+    @property
+    def given(self) -> list[tuple[str, str]]:
+        """What belongs to it besides its fields: the encoder, and answers; each with its type."""
+        return [
+            *([("variant", "Variant")] if self.takes_variant else []),
+            *((item.name, item.kind) for item in self.asked),
+        ]
+
+    @property
+    def finds_constants(self) -> bool:
+        """Whether ``decode`` may find that a constant or a parity bit is another."""
+        return Fault.CONSTANT in self.plan.faults()
+
+    @property
+    def finds_ranges(self) -> bool:
+        """Whether it may find a value without meaning; one is looked up among the named ones even if all are."""
+        return Fault.RANGE in self.plan.faults() or any(part.field.values for part in self.plan.parts)
+
+    # -- attributes
+
+    @cached_property
+    def attributes(self) -> list[Attribute]:
+        return _with_defaults([item for part in self.plan.parts for item in self._of_part(part.field)] + self._unused)
+
+    @property
+    def _unused(self) -> list[Attribute]:
+        return [Attribute("unused", "int", text.OF_UNUSED, "0")] if self.plan.reserved else []
+
+    def others(self, whole: Whole) -> list[Attribute]:
+        """The attributes that are no part of a join."""
+        parts = (part.field for part in self.plan.parts if part.field not in whole.fields)
+        return _with_defaults([item for field in parts for item in self._of_part(field)] + self._unused)
+
+    def _of_part(self, field: Field) -> Iterator[Attribute]:
+        name = self.names.attribute
+        if isinstance(field.kind, Decimal):
+            yield from (Attribute(name(run.name), "int", self._of_run(field, run)) for run in field.runs)
+        else:
+            variants = () if field.width.is_constant else self.context.device.variants
+            missing = any(field.width.value(item.parameters) == 0 for item in variants)
+            yield Attribute(name(field.name), self._type(field), self.about(field, missing), self._usual(field))
+
+    def _of_run(self, field: Field, run: Digits) -> str:
+        """What is said of a run of digits: of the field, where the run is named after it."""
+        return self.about(field) if run.name == field.name else text.of_run(run)
+
+    def about(self, field: Field, may_be_missing: bool = False) -> str:
+        return text.of_field(self.context.device, field, may_be_missing)
+
+    def _type(self, field: Field) -> str:
+        match field.kind:
+            case Flag():
+                return "bool"
+            case Choice():
+                return self.context.enum(field)
+            case Text():
+                return "str"
+            case _:
+                return "int"
+
+    def _usual(self, field: Field) -> str:
+        """The value that an attribute usually has: a flag is not set, a number of a frame is what the manual states."""
+        match field.kind:
+            case Flag():
+                return "False"
+            case Number(signed=False, zero_means=0) if self.register is None and isinstance(field.equals, int):
+                return "" if self.selects(field) else coded(field.equals)
+            case _:
+                return ""
+
+    # -- names
+
+    def enum(self, field: Field) -> str:
+        return self.context.enum(field)
+
+    def selects(self, field: Field) -> bool:
+        return field.name == self.layout.selector
+
+    @cached_property
+    def named(self) -> set[str]:
+        """The fields whose bits a check of ``decode`` has given a name."""
+        return {
+            item.field.name
+            for item in self.plan.checks
+            if isinstance(item, (ZerosAbove, AtMost))
+            or (isinstance(item, IsOneOf) and len(item.values) > 1 and self.selects(item.field))
+        }
+
+    def is_padded(self, field: Field) -> bool:
+        """Whether a check has looked at what lies above the field already."""
+        return any(isinstance(item, ZerosAbove) and item.field is field for item in self.plan.checks)
+
+    def value(self, part: Part) -> Expr:
+        """The bits of a field after all checks."""
+        named = part.field.name in self.named
+        return Atom(self.names.local(part.field.name)) if named else self.read.bits(part.bits)
+
+    @property
+    def crc_name(self) -> str:
+        """The function of the CRC that ends the frame."""
+        carrier = Carrier.BYTES if self.plan.in_bytes else Carrier.BITS
+        return self.context.crc_name(self.plan.crc.crc, carrier) if self.plan.crc is not None else ""
+
+    @property
+    def fold_name(self) -> str:
+        """The function that folds the word down to the remainder."""
+        return f"_remainder_{self.plan.crc.crc.name}_{self.layout.widest}" if self.plan.crc is not None else ""
+
+    @property
+    def crc_is_unrolled(self) -> bool:
+        crc = self.plan.crc
+        return crc is not None and crc.crc.is_xor and self.plan.length - crc.crc.width // 8 <= _UNROLLED
+
+    @property
+    def gray_when(self) -> str:
+        """The member of the variant that tells whether Gray code is sent."""
+        return self.context.parameters[self.plan.gray.when] if self.plan.gray is not None else ""
+
+    # -- joins, and what the manual states
+
+    def whole_width(self, whole: Whole) -> Expr:
+        return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
+
+    @property
+    def expected(self) -> list[Field]:
+        """The fields whose value the manual states."""
+        return [item for item in self.layout.fields if item.equals is not None]
+
+    @property
+    def decimals(self) -> list[Field]:
+        """The fields in decimal digits that no run of digits is named after."""
+        decimals = (part.field for part in self.plan.parts if part.field.runs)
+        return [item for item in decimals if item.name not in {run.name for run in item.runs}]
+
+    @property
+    def is_strict(self) -> bool:
+        """Whether it is as documented only without unused bits that differ; a register is known by its values alone."""
+        return bool(self.plan.reserved) and self.register is None
+
+    @property
+    def expected_in_words(self) -> str:
+        stated = [f"{item.name} {_in_words(item.equals)}" for item in self.expected]
+        return ", ".join([*stated, *(["no unused bit differs"] if self.is_strict else [])])
+
+    def stated(self, field: Field) -> Expr:
+        match field.equals:
+            case Expression() as value:
+                return Scope(self.context.parameters, "self.variant").of(value)
+            case str(characters):
+                return Atom(quoted(characters))
+            case value:
+                return Atom(coded(value or 0))
+
+    @cached_property
+    def reports(self) -> FrameReports | None:
+        """What a frame of the encoder tells of it."""
+        if self.register is not None or self.layout.sender != "encoder":
+            return None
+        return FrameReports(self.context.reportings.get(self.layout.name), self.plan, self.names)
+
+    # -- limits of registers
+
+    @cached_property
+    def limits(self) -> Limits | None:
+        register = self.register
+        if register is None or (register.min is None and register.max is None):
+            return None
+        return limits_of(self.context.device, register)
+
+    @property
+    def limited(self) -> str:
+        """The attribute that the limits of the register bound, if it is one."""
+        member = self.limits.member if self.limits is not None else ""
+        return self.names.attribute(member) if member else ""
+
+    @property
+    def limits_functions(self) -> Iterator[LimitsFunction]:
+        if self.limits is not None:
+            yield LimitsFunction("limits", "", *between(self.context.scope, self.limits), self.takes_variant)
+        for meaning in self.register.meanings if self.register is not None else ():
+            if self.register is not None and (meaning.min is not None or meaning.max is not None):
+                limits = limits_of(self.context.device, self.register, meaning)
+                when = meaning.name.replace("_", " ")
+                low, high = between(self.context.scope, limits)
+                yield LimitsFunction(meaning_limits(meaning), when, low, high, differ(limits))
+
+    # -- docstrings
+
+    @property
+    def doc(self) -> str:
+        device = self.context.device
+        if self.register is not None:
+            about, of = text.of_register(device, self.register), "register"
+        else:
+            interface = next(item for item, layout in device.layouts() if layout is self.layout)
+            about, of = text.of_layout(device, interface, self.layout), "frame"
+        attributes = [(item.name, sentence(item.alternative.meaning)) for item in self.asked]
+        attributes += [(item.name, item.meaning) for item in self.attributes]
+        checked = [item for item in self.layout.fields if not item.carries_data and not item.padding_of]
+        checked = [item for item in checked if not isinstance(item.kind, Unused)]
+        bits = [(text.of_unused(item.field, item.place), self.about(item.field)) for item in self.plan.reserved]
+        other = ("Checked by decode()", [(item.name, self.about(item)) for item in checked])
+        return text.of_class(about, of if self.takes_variant else "", attributes, ("Bits of unused", bits), other)
+
+
+def _in_words(value: Expression | int | str | None) -> str:
+    if isinstance(value, Expression):
+        return value.render()
+    return repr(value) if isinstance(value, str) else coded(value or 0)
+
+
+def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
+    """The lowest and the highest value; where a limit is not given, what fits."""
+    low: Expr = number(0)
+    high: Expr = Operation(scope.power(limits.width), "-", number(1))
+    if limits.zero_means:
+        low, high = number(1), number(limits.zero_means)
+    if limits.signed:
+        half = scope.power(limits.width - Expression(1))
+        low, high = Negative(half), Operation(half, "-", number(1))
+    return (
+        scope.of(limits.low) if limits.low is not None else low,
+        scope.of(limits.high) if limits.high is not None else high,
+    )
+
+
+def differ(limits: Limits) -> bool:
+    """Whether they differ with the order code."""
+    given = [item for item in (limits.low, limits.high) if item is not None]
+    return not all(item.is_constant for item in (*given, *([limits.width] if len(given) < 2 else [])))
+
+
+def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
+    """The attributes; one has a default only if all that follow have one."""
+    made: list[Attribute] = []
+    for item in reversed(attributes):
+        made.insert(0, item if all(other.default for other in made) else replace(item, default=""))
+    return made

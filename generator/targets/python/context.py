@@ -1,0 +1,126 @@
+"""The names of everything in a device module, given once; every part of the module takes them from here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from ...model import Alternative, Choice, Crc, Device, Field, Layout, Register
+from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
+from ...plan.reports import Reporting, reportings
+from ...say.words import sentence
+from .expr import Scope
+from .names import (
+    BISS,
+    CLASS_NAMES,
+    IMPORTED,
+    LOCAL_NAMES,
+    MODULE_NAMES,
+    SHARED,
+    VARIANT_NAMES,
+    Names,
+    attribute,
+    camel,
+)
+
+_Values = tuple[str, tuple[tuple[str, int], ...]]
+
+
+def byte_order(owner: Layout | Register) -> str:
+    """The byte order as Python calls it."""
+    return "little" if owner.byte_order == "low_byte_first" else "big"
+
+
+def is_one_choice(register: Register) -> bool:
+    """Whether a register is one of its named values, and nothing else."""
+    only = register.layout.fields[0]
+    return bool(register.values) and isinstance(only.kind, Choice) and only.width == register.layout.bits
+
+
+def _values(field: Field) -> _Values:
+    return field.name, tuple((value.name, value.value) for value in field.values)
+
+
+def _runs(field: Field) -> list[str]:
+    return [run.name for run in field.runs]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the manual leaves open, as an argument ``name`` that takes the members of the Enum ``kind``.
+
+    ``members`` are the parameters that an answer sets, and what they are called in the Enum.
+    """
+
+    alternative: Alternative
+    kind: str
+    name: str
+    members: tuple[tuple[str, str], ...]
+
+    @property
+    def about(self) -> str:
+        """What it is for, where several frames may be meant."""
+        return f"{sentence(self.alternative.meaning)} Only the frames that depend on it need it."
+
+
+class Context:
+    """A device, and the names of its module, in the order in which they are given out."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.module = attribute(device.name, (*SHARED, BISS))
+        self.parameters = {item.name: attribute(item.name, VARIANT_NAMES) for item in device.parameters}
+        names = Names([*MODULE_NAMES, *IMPORTED])
+        self.crcs = {item.name: names.take(f"crc_{item.name}", "_") for item in device.crcs}
+        self.frames = {layout.name: names.take(camel(layout.name), "Frame") for _, layout in device.layouts()}
+        self.registers = {item.name: names.take(camel(item.name), "Register") for item in device.registers}
+        self.procedures = {item.name: names.take(attribute(item.name), "_steps") for item in device.procedures}
+        self.asked = {item.name: self._asked(item, names) for item in device.alternatives}
+        answered = {name: f"{item.name}.{member}" for item in self.asked.values() for name, member in item.members}
+        self.scope = Scope({**self.parameters, **answered})
+        self._enums = {key: names.take(camel(item.name), "Value") for key, item in self.choices.items()}
+
+    def _asked(self, item: Alternative, names: Names) -> Asked:
+        layouts = [layout for layout in self.coded_layouts() if item in self.device.alternatives_of(layout)]
+        taken = {name for layout in layouts for field in layout.fields for name in (field.name, *_runs(field))}
+        taken |= {join.name for layout in layouts for join in layout.joins}
+        members = [(name, attribute(name, ("name", "value"))) for name in item.answers[0].sets]
+        name = attribute(item.name, (*taken, *CLASS_NAMES, *LOCAL_NAMES, "frame"))
+        return Asked(item, names.take(camel(item.name), "Alternative"), name, tuple(members))
+
+    def asked_of(self, layout: Layout) -> list[Asked]:
+        """What has to be decided before a frame of this layout can be read or written."""
+        return [self.asked[item.name] for item in self.device.alternatives_of(layout)]
+
+    @cached_property
+    def choices(self) -> dict[_Values, Field]:
+        """The fields with named values; those of the same name and values share an IntEnum."""
+        found: dict[_Values, Field] = {}
+        for layout in self.coded_layouts():
+            for item in layout.fields:
+                if isinstance(item.kind, Choice):
+                    found.setdefault(_values(item), item)
+        return found
+
+    def coded_layouts(self) -> Iterator[Layout]:
+        """The layouts that have a class: all but those of registers that are an IntEnum."""
+        yield from (layout for _, layout in self.device.layouts())
+        yield from (item.layout for item in self.device.registers if not is_one_choice(item))
+
+    @cached_property
+    def reportings(self) -> dict[str, Reporting]:
+        """What frames tell of the encoder, by the name of the frame."""
+        return {item.codec.layout.name: item for item in reportings(self.device)}
+
+    def enum(self, field: Field) -> str:
+        return self._enums[_values(field)]
+
+    @cached_property
+    def crc_functions(self) -> dict[str, CrcFunction]:
+        """What computes CRCs, by name."""
+        return {self.crc_name(item.crc, item.carrier): item for item in crc_functions(self.device)}
+
+    def crc_name(self, crc: Crc, carrier: Carrier) -> str:
+        several = carrier is Carrier.BITS and len(carriers(self.device, crc)) > 1
+        return self.crcs[crc.name] + ("_of_bits" if several else "")

@@ -1,0 +1,138 @@
+"""What a frame or register is made of when it is encoded: the terms of its number, and what is refused."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from ...model import Decimal, Digits, Field, Flag, Number, Text
+from ...model.expressions import Expression
+from ...plan.codec import Codec, Fixed, Given, ParityOf, Term, Turned, Whole
+from ...plan.refusals import DigitsDisagree, Refusal, WholeDisagrees, depends, refusals
+from .expr import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
+from .names import ClassNames
+
+
+class Maker:
+    """The expressions of ``encode``, over the attributes and locals of a class."""
+
+    def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
+        self.scope, self.codec, self.names = scope, codec, names
+        # Nothing can disagree: no number is kept twice.
+        self.refusals: list[Refusal] = [
+            item for item in refusals(codec) if not isinstance(item, (DigitsDisagree, WholeDisagrees))
+        ]
+
+    @property
+    def depends(self) -> bool:
+        """Whether anything of it differs with the order code."""
+        crc = self.codec.crc
+        return (
+            self.codec.gray is not None
+            or any(map(depends, self.refusals))
+            or any(term.depends for term in self.codec.terms if not _is_absent(term))
+            or not all(item.bits.are_fixed for item in self.codec.reserved)
+            or (crc is not None and not self.codec.in_bytes and not crc.steps and not crc.covered.is_constant)
+        )
+
+    @cached_property
+    def terms(self) -> list[Expr]:
+        """The parts of the number; high byte first, a CRC that follows is no part of it."""
+        crc = self.codec.crc if self.codec.in_bytes else None
+        cut = crc.crc.width if crc is not None and self.codec.layout.byte_order == "high_byte_first" else 0
+        fixed = sum(
+            term.value.number << (term.bits.low.constant - cut)
+            for term in self.codec.terms
+            if isinstance(term.value, Fixed) and term.bits.low.is_constant
+        )
+        moving = (
+            moved(self._value(term), "<<", self.scope.of(term.bits.low - Expression(cut)))
+            for term in self.codec.terms
+            if not _is_absent(term)
+        )
+        return [*([mask(fixed)] if fixed else []), *moving] or [number(0)]
+
+    def _value(self, term: Term) -> Expr:
+        match term.value:
+            case Fixed(value):
+                return mask(value)
+            case Given(field):
+                return self._given(field)
+            case ParityOf(of, odd):
+                ones = Operation(Atom(f"{self._given(of).operand}.bit_count()"), "&", number(1))
+                return Operation(ones, "^", number(1)) if odd else ones
+            case Turned(value, place):
+                found = moved(Atom("unused"), ">>", number(place))
+                found = Operation(found, "^", mask(value)) if value else found
+                return Operation(found, "&", self.scope.ones(term.field.width))
+
+    @property
+    def unused(self) -> Expr:
+        """Ones for all unused bits, at their places in one number."""
+        reserved = self.codec.reserved
+        fixed = sum(((1 << item.bits.widest) - 1) << item.place for item in reserved if item.bits.are_fixed)
+        moving = [item for item in reserved if not item.bits.are_fixed]
+        ones = (moved(self.scope.ones(item.bits.width), "<<", number(item.place)) for item in moving)
+        return joined("|", [*([mask(fixed)] if fixed else []), *ones])
+
+    def _given(self, field: Field) -> Expr:
+        """The bits of a field, checked."""
+        return self._bits(field, Atom(self.names.local(field.name)))
+
+    def _bits(self, field: Field, number: Expr) -> Expr:
+        """The bits of a field; ``number`` is its number, if it is one."""
+        own = Atom(f"self.{self.names.attribute(field.name)}")
+        match field.kind:
+            case Flag(active_low=active_low):
+                return Not(own) if active_low else call("bool", own)
+            case Decimal():
+                return self.digits(field)
+            case Text():
+                return call("text_number", f'"{field.name}"', own, str(field.width.constant // 8))
+            case Number(signed=True):
+                return Operation(number, "&", self.scope.ones(field.width))
+            case _:
+                return number
+
+    def digits(self, field: Field) -> Expr:
+        """The number that runs of decimal digits make."""
+        return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
+
+    # -- joins
+
+    def whole(self, whole: Whole) -> Expr:
+        parts = [moved(self._unchecked(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
+        return joined("|", reversed(parts))
+
+    def _unchecked(self, field: Field) -> Expr:
+        number, zero_means = self._index(field.name), field.number.zero_means
+        if not zero_means:
+            return self._bits(field, number)
+        return Atom(f"(0 if self.{self.names.attribute(field.name)} == {zero_means} else {number})")
+
+    def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
+        """The fields of a join, most significant first, and how the bits of each are taken out of its number."""
+        name, found = Atom(self.names.attribute(whole.join.name)), []
+        for field, low in whole.from_low:
+            shifted = moved(name, ">>", self.scope.of(low))
+            top = field is whole.fields[0]
+            found.append((field, shifted if top else Operation(shifted, "&", self.scope.ones(field.width))))
+        return found[::-1]
+
+    @staticmethod
+    def whole_depends(whole: Whole) -> bool:
+        """Whether the number of a join is made in another way with another order code."""
+        return whole.depends or not all(item.width.is_constant for item in whole.fields if item.number.signed)
+
+    def _index(self, name: str) -> Expr:
+        return call("index", f"self.{self.names.attribute(name)}")
+
+
+def digit(value: Expr, field: Field, run: Digits) -> Expr:
+    """A run of decimal digits out of the number of its field."""
+    found = value if run.divisor == 1 else Operation(value, "//", number(run.divisor))
+    return found if run is field.runs[0] else Operation(found, "%", number(run.modulus))
+
+
+def _is_absent(term: Term) -> bool:
+    """Whether it adds nothing of its own: it is 0, or among the constants that are one number."""
+    return isinstance(term.value, Fixed) and (term.bits.low.is_constant or not term.value.number)

@@ -1,0 +1,161 @@
+"""Expressions of Python as trees that print themselves, in parentheses where Python or a reader needs them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import reduce
+
+from ...model.expressions import Expression, Factor, Term
+
+#: How tightly operators bind, the loosest first; arithmetic as an operand of an operator of bits is put in parentheses.
+_LEVELS = {"not": 0, "|": 1, "^": 2, "&": 3, "<<": 4, ">>": 4, "+": 5, "-": 5, "*": 6, "//": 6, "%": 6}
+_ARITHMETIC, _ATOM = 5, 7
+
+
+class Expr:
+    """An expression; ``str`` gives its text."""
+
+    __slots__ = ()
+
+    @property
+    def level(self) -> int:
+        return _ATOM
+
+    @property
+    def operand(self) -> str:
+        """Its text beside any operator."""
+        return str(self) if self.level == _ATOM else f"({self})"
+
+    def beside(self, operator: str, after: bool = False) -> str:
+        """Its text as an operand of ``operator``."""
+        outer = _LEVELS[operator]
+        looser = self.level <= outer if after else self.level < outer
+        return self.operand if looser or outer < _ARITHMETIC <= self.level else str(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Atom(Expr):
+    """A name, a number, a call, or a part of something with a name."""
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, slots=True)
+class Negative(Expr):
+    of: Expr
+
+    @property
+    def level(self) -> int:
+        return _LEVELS["*"]
+
+    def __str__(self) -> str:
+        return f"-{self.of.beside('*')}"
+
+
+@dataclass(frozen=True, slots=True)
+class Not(Expr):
+    of: Expr
+
+    @property
+    def level(self) -> int:
+        return _LEVELS["not"]
+
+    def __str__(self) -> str:
+        return f"not {self.of.beside('not')}"
+
+
+@dataclass(frozen=True, slots=True)
+class Operation(Expr):
+    """Two operands and the operator between them."""
+
+    left: Expr
+    operator: str
+    right: Expr
+
+    @property
+    def level(self) -> int:
+        return _LEVELS[self.operator]
+
+    def __str__(self) -> str:
+        return f"{self.left.beside(self.operator)} {self.operator} {self.right.beside(self.operator, after=True)}"
+
+
+def call(function: str, *arguments: Expr | str) -> Expr:
+    return Atom(f"{function}({', '.join(map(str, arguments))})")
+
+
+def number(value: int) -> Expr:
+    return Atom(grouped(value))
+
+
+def mask(value: int) -> Expr:
+    """A number in hexadecimal."""
+    return Atom(f"0x{value:X}")
+
+
+def grouped(value: int) -> str:
+    """A decimal number, its digits in groups of three from five digits on."""
+    return f"{value:_}" if abs(value) >= 10_000 else str(value)
+
+
+def coded(value: int) -> str:
+    """A number that stands for something: decimal below ten."""
+    return str(value) if value < 10 else f"0x{value:X}"
+
+
+def joined(operator: str, operands: Iterable[Expr]) -> Expr:
+    """One operand or more, under an operator."""
+    return reduce(lambda left, right: Operation(left, operator, right), operands)
+
+
+def times(value: Expr, factor: int) -> Expr:
+    return value if factor == 1 else Operation(value, "*", number(factor))
+
+
+def moved(value: Expr, operator: str, by: Expr) -> Expr:
+    """``value`` shifted, if at all."""
+    return value if by == Atom("0") else Operation(value, operator, by)
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """How parameters are written: by their names in Python, as members of ``owner`` where a name has none itself."""
+
+    names: Mapping[str, str]
+    owner: str = "variant"
+
+    def of(self, value: Expression) -> Expr:
+        if value.is_constant:
+            return number(value.constant)
+        terms = [(term.sign, self._product(term)) for term in value.terms]
+        if value.constant:
+            constant = Atom(str(abs(value.constant)))
+            sign = 1 if value.constant > 0 else -1
+            # A sum begins with a number rather than with a sign.
+            terms.insert(0 if sign > terms[0][0] else len(terms), (sign, constant))
+        (sign, first), *others = terms
+        found: Expr = first if sign > 0 else Negative(first)
+        for sign, item in others:
+            found = Operation(found, "+" if sign > 0 else "-", item)
+        return found
+
+    def ones(self, width: Expression) -> Expr:
+        """The number of so many ones."""
+        if width.is_constant:
+            return mask((1 << width.constant) - 1)
+        return Operation(self.power(width), "-", number(1))
+
+    def power(self, width: Expression) -> Expr:
+        return Operation(number(1), "<<", self.of(width))
+
+    def _product(self, term: Term) -> Expr:
+        return joined("*", map(self._factor, term.factors))
+
+    def _factor(self, item: Factor) -> Expr:
+        name = self.names.get(item.parameter, item.parameter)
+        found = Atom(name if "." in name else f"{self.owner}.{name}")
+        return Operation(number(1), "<<", found) if item.power else found

@@ -1,0 +1,364 @@
+"""The facts of a device as records: what a module states besides frames and registers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ...model import (
+    Alarm,
+    Biss,
+    Clock,
+    Constant,
+    ControlField,
+    Crc,
+    Device,
+    Field,
+    Flag,
+    Interface,
+    Layout,
+    Manual,
+    Number,
+    OrderCode,
+    Register,
+    RegisterMeaning,
+    Rs485,
+    Spelling,
+    Ssi,
+    Timeout,
+    Unused,
+    assert_never,
+    cite,
+)
+from ...plan.reports import reports_of
+from ...say.lines import plain
+from ...say.report import alarm_of, meaning, remedy, source
+from .literals import Call, Code, Hex, Literal, call, quoted, record
+
+#: Tables that every module has, even empty.
+_ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of a module: what it holds, its name, the class of its rows, and these."""
+
+    comment: str
+    name: str
+    kind: str
+    rows: Sequence[Call]
+
+
+def _row(function: str, item: object, needed: str, optional: str = "", **made: Literal) -> Call:
+    """A record of members of ``item``, by name: those that it needs, and those that it has if they say something.
+
+    ``made`` has the values of those that are not as the member itself is; sources are cited.
+    """
+
+    def value(name: str) -> Literal:
+        found: Literal = made[name] if name in made else getattr(item, name)
+        return cite(getattr(item, name)) if name == "source" else found
+
+    return record(function, {n: value(n) for n in needed.split()}, **{n: value(n) for n in optional.split()})
+
+
+def _rows(function: str, items: Iterable[object], needed: str, optional: str = "") -> tuple[Call, ...]:
+    return tuple(_row(function, item, needed, optional) for item in items)
+
+
+# -- the device
+
+
+def family(device: Device) -> Call:
+    return call("Family", device.name, plain(device.title), device.movement, plain(device.manufacturer.title))
+
+
+def manual(manual: Manual) -> Call:
+    editions = (call("Edition", item.language, item.title, item.revision, date=item.date) for item in manual.editions)
+    history = (
+        call("Revision", item.revision, item.changes, date=item.date, hardware=item.hardware, software=item.software)
+        for item in manual.history
+    )
+    return _row(
+        "Manual",
+        manual,
+        "title revision date language",
+        "publisher editions history",
+        editions=tuple(editions),
+        history=tuple(history),
+    )
+
+
+def order_code(code: OrderCode) -> Call:
+    parts = (
+        _row(
+            "Part",
+            part,
+            "name meaning values",
+            "open open_only_with source",
+            values=_rows("PartValue", part.values, "text", "meaning source"),
+            open_only_with=_only(part.open_only_with),
+        )
+        for part in code.parts
+    )
+    return _row(
+        "OrderCode",
+        code,
+        "pattern parts",
+        "special note source also_written",
+        parts=tuple(parts),
+        also_written=tuple(map(_spelling, code.also_written)),
+    )
+
+
+def _only(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
+    """Which values of other parts go with one."""
+    items = ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items())
+    return Call("ReadOnly", (("", Code(f"{{{items}}}")),)) if allowed else None
+
+
+def _spelling(item: Spelling) -> Call:
+    values = tuple(call("SpelledValue", value.part, value.text, value.value) for value in item.values)
+    return _row("Spelling", item, "pattern where", "values then source", values=values)
+
+
+def tables(device: Device) -> list[Table]:
+    """The tables at the end of a module."""
+    lost = [call("LostFigure", item.content, source=cite(item.source)) for item in device.lost_figures]
+    documents = [call("Document", item.key, item.title, url=item.url) for item in device.documents]
+    inputs = "printed_name low high pulse_at_least_us inverts needs when_unused note names source"
+    made = (
+        Table(
+            "Errors and warnings: what they mean, whether they latch, how they are cleared.",
+            "ALARMS",
+            "Alarm",
+            _alarms(device),
+        ),
+        Table("Times that belong to the encoder as a whole.", "TIMINGS", "Timing", _timings(device)),
+        Table("Connectors and cables, contact by contact.", "CONNECTORS", "Connector", [*_connectors(device)]),
+        Table("Lights and what their states mean.", "LEDS", "Led", [*_leds(device)]),
+        Table("Hardware inputs.", "INPUTS", "Input", _rows("Input", device.inputs, "name meaning", inputs)),
+        Table(
+            "Tables of the manual.",
+            "TABLES",
+            "Table",
+            _rows("Table", device.tables, "name title columns rows", "note source"),
+        ),
+        Table(
+            "Further facts of the manual, as text.",
+            "CHARACTERISTICS",
+            "Characteristic",
+            _rows("Characteristic", device.characteristics, "name value", "only source"),
+        ),
+        Table("What only figures show that the text at hand does not contain.", "LOST_FIGURES", "LostFigure", lost),
+        Table(
+            "Where the manual cannot be taken literally, and what is used instead.",
+            "ERRATA",
+            "Erratum",
+            _rows("Erratum", device.errata, "name printed used why status severity", "affects source"),
+        ),
+        Table("Documents that sources cite by their key.", "DOCUMENTS", "Document", documents),
+    )
+    return [item for item in made if item.rows or item.name in _ALWAYS]
+
+
+def _alarms(device: Device) -> list[Call]:
+    more = "printed_name register field detected below_mv latch implemented remedy cleared_by names source"
+    return [_row("Alarm", item, "name meaning", more, implemented=_unless(item.implemented)) for item in device.alarms]
+
+
+def _unless(holds: bool) -> bool | None:
+    """False where something does not hold; nothing where it does, as usual."""
+    return None if holds else False
+
+
+def _timings(of: Device | Interface) -> tuple[Call, ...]:
+    return _rows("Timing", of.timings, "name meaning", "at_least_us typical_us at_most_us symbol source")
+
+
+def _connectors(device: Device) -> Iterator[Call]:
+    for item in device.connectors:
+        contacts = tuple(call("Contact", part.contact, part.signal, only=part.only) for part in item.contacts)
+        yield _row("Connector", item, "name kind title interfaces contacts", "mating note source", contacts=contacts)
+
+
+def _leds(device: Device) -> Iterator[Call]:
+    for item in device.leds:
+        states = tuple(call("LedState", state.state, state.meaning) for state in item.states)
+        yield _row("Led", item, "name title states", "source", states=states)
+
+
+def crc(item: Crc) -> Call:
+    return _row(
+        "Crc",
+        item,
+        "name width poly init refin refout xorout polynomial",
+        "note source",
+        poly=Hex(item.poly),
+        init=Hex(item.init),
+        xorout=Hex(item.xorout),
+    )
+
+
+def reports(device: Device) -> list[Call]:
+    """What the frames of the family report of the encoder."""
+    return [_report(item.name, item.field, alarm_of(device, item.field)) for item in reports_of(device)]
+
+
+def _report(name: str, item: Field, alarm: Alarm | None) -> Call:
+    worth = item.kind.makes_position if isinstance(item.kind, (Flag, Unused)) else None
+    return record(
+        "Report",
+        {"name": name, "printed_name": item.printed_name, "meaning": meaning(item, alarm)},
+        remedy=remedy(alarm),
+        makes_position=Code(f"Verdict.{worth.name}") if worth is not None else None,
+        source=cite(source(item, alarm)),
+    )
+
+
+# -- interfaces
+
+
+def interface(item: Interface) -> Call:
+    match item:
+        case Ssi():
+            return _ssi(item)
+        case Biss():
+            return _biss(item)
+        case Rs485():
+            return _rs485(item)
+        case _:
+            assert_never(item)
+
+
+def _clock(clock: Clock) -> Call:
+    return _row("Clock", clock, "min_hz max_hz", "source")
+
+
+def _ssi(item: Ssi) -> Call:
+    code = item.output_code
+    return _row(
+        "SsiFacts",
+        item,
+        "clock alignment",
+        "output_code signals cable_lengths alignment_source output_code_source timings note source",
+        clock=_clock(item.clock),
+        alignment=item.alignment.end,
+        output_code=code.code if code is not None else "",
+        cable_lengths=_rows("CableLength", item.cable_lengths, "shorter_than_m below_hz", "source"),
+        alignment_source=cite(item.alignment.source),
+        output_code_source=cite(code.source) if code is not None else "",
+        timings=_timings(item),
+    )
+
+
+def _biss(item: Biss) -> Call:
+    network, timeout = item.network, item.timeout
+    return _row(
+        "BissFacts",
+        item,
+        "clock",
+        "profile signals network timeout control_data control_data_note description_file bank_select timings note"
+        " source",
+        clock=_clock(item.clock),
+        network=_row("Network", network, "topology multiple_slaves", "source") if network is not None else None,
+        timeout=_timeout(timeout) if timeout is not None else None,
+        control_data=tuple(map(_control, item.control_data)),
+        timings=_timings(item),
+    )
+
+
+def _timeout(item: Timeout) -> Call:
+    printed = tuple(call("PrintedTimeout", entry.clock_hz, entry.timeout_ns) for entry in item.printed)
+    more = "half_clock_periods at_most_ns typical_ns printed source"
+    return _row("Timeout", item, "rule", more, printed=printed)
+
+
+def _control(item: ControlField) -> Call:
+    values = tuple(call("NamedValue", value.name, value.value, meaning=value.meaning) for value in item.values)
+    return _row("ControlField", item, "name bits", "meaning crc printed_name values source", values=values)
+
+
+def _rs485(item: Rs485) -> Call:
+    ids = (
+        _row("DataIdFacts", of, "name id control purpose", "meaning source", id=Hex(of.id), control=Hex(of.control))
+        for of in item.data_ids
+    )
+    memory = (
+        _row("MemoryAccess", of, "access busy address data meaning", "source", busy=bool(of.busy))
+        for of in item.memory_access
+    )
+    return _row(
+        "Rs485Facts",
+        item,
+        "port data_ids",
+        "memory_access timings note source",
+        port=_row("Port", item.port, "baud data_bits parity stop_bits flow_control", "source"),
+        data_ids=tuple(ids),
+        memory_access=tuple(memory),
+        timings=_timings(item),
+    )
+
+
+# -- fields and registers
+
+
+def _field(item: Field) -> Call:
+    flag = item.kind if isinstance(item.kind, Flag) else Flag()
+    active = ("low" if flag.active_low else "high") if isinstance(item.kind, Flag) else ""
+    return _row(
+        "FieldFacts",
+        item,
+        "name",
+        "printed_name meaning unit active when_active when_inactive default constant unused signed zero_means"
+        " power_of_two implemented reserved explained_by names note source",
+        active=active,
+        when_active=flag.when_active,
+        when_inactive=flag.when_inactive,
+        constant=item.kind.value if isinstance(item.kind, Constant) else None,
+        unused=item.kind.value if isinstance(item.kind, Unused) else None,
+        signed=item.number.signed or None,
+        zero_means=item.number.zero_means or None,
+        power_of_two=item.number.power_of_two or None,
+        implemented=_unless(item.implemented),
+    )
+
+
+def _fields(layout: Layout) -> tuple[Call, ...]:
+    """What the manual says of each field; nothing where a register is one number without a name of its own."""
+    first = layout.fields[0]
+    if len(layout.fields) == 1 and first.name == layout.name and isinstance(first.kind, Number):
+        return ()
+    return tuple(map(_field, layout.fields))
+
+
+def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
+    """What the fields of frames mean, by the name of the frame."""
+    return {layout.name: tuple(map(_field, layout.fields)) for _, layout in device.layouts()}
+
+
+def register_rows(device: Device) -> dict[str, Call]:
+    return {item.name: _register(item) for item in device.registers}
+
+
+def _register(item: Register) -> Call:
+    return _row(
+        "Register",
+        item,
+        "name printed_name address length access byte_order",
+        "default opened_by opened_by_field opened_by_value clears_itself wait_ms volatile bank above_max write_clears"
+        " meanings reserved fields names meaning note source",
+        address=Hex(item.address),
+        default=item.default_bytes(),
+        clears_itself=item.clears_itself or None,
+        wait_ms=item.wait_at_least_ms,
+        volatile=item.volatile or None,
+        meanings=tuple(map(_meaning, item.meanings)),
+        fields=_fields(item.layout),
+    )
+
+
+def _meaning(item: RegisterMeaning) -> Call:
+    low, high = ("" if limit is None else limit.render() for limit in (item.min, item.max))
+    more = {"meaning": item.meaning, "source": cite(item.source)}
+    return call("RegisterMeaning", item.name, item.when, item.value, min=low, max=high, **more)

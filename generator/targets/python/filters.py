@@ -1,0 +1,65 @@
+"""What the templates can ask of operations and how they write numbers, expressions and text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from ...model import kinds
+from ...plan import codec, steps
+from ...plan.refusals import Refusal
+from ...render import tests_for
+from ...say.words import sentence
+from .context import byte_order
+from .docstrings import docstring
+from .encode import digit
+from .expr import Expr, coded, grouped, mask
+from .lines import broken
+from .literals import constant, literal, quoted, table
+from .module import Enumeration
+from .names import interface_name
+from .text import of_answer, of_crc, of_value
+
+
+def operand(value: Expr) -> str:
+    """An expression beside an operator: in parentheses, unless it is a name, a number or a call."""
+    return value.operand
+
+
+def beside(value: Expr, operator: str) -> str:
+    """An expression beside ``operator``: in parentheses only where Python or a reader needs them."""
+    return value.beside(operator)
+
+
+FILTERS: Mapping[str, Callable[..., object]] = {
+    "beside": beside,
+    "broken": broken,
+    "byte_order": byte_order,
+    "coded": coded,
+    "digit": digit,
+    "grouped": grouped,
+    "interface": interface_name,
+    "mask": mask,
+    "operand": operand,
+    "sentence": sentence,
+}
+FUNCTIONS: Mapping[str, Callable[..., object]] = {
+    "constant": constant,
+    "docstring": docstring,
+    "literal": literal,
+    "of_crc": of_crc,
+    "of_answer": of_answer,
+    "of_value": of_value,
+    "quoted": quoted,
+    "table": table,
+}
+TESTS = tests_for(
+    kinds.Kind,
+    codec.Check,
+    Refusal,
+    steps.Operation,
+    steps.Stated,
+    steps.AsNumber,
+    steps.Beyond,
+    steps.Undecodable,
+    Enumeration,
+)

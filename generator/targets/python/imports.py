@@ -1,0 +1,193 @@
+"""What a device module imports and what it offers, by what its parts do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...model import Choice, Decimal, Flag, Form, Text
+from ...model.never import assert_never
+from ...plan.codec import AlwaysIs, AtMost, Check, IsOneOf, ParityIs, ParityOf, ZerosAbove
+from ...plan.crcs import Carrier
+from ...plan.refusals import (
+    DigitsDisagree,
+    DigitTooHigh,
+    NoPowerOfTwo,
+    NotOneOf,
+    NotSigned,
+    NotZeroFor,
+    OutsideLimits,
+    Refusal,
+    TooWide,
+    WholeDisagrees,
+)
+from ...plan.steps import AsNumber, Beyond, Operation, Polls, Reads, Sends, Stated, Undecodable, Waits, Writes
+from .codec import Coder
+from .literals import Call, functions
+from .module import Enumeration, Module
+from .names import PACKAGE, STANDARD
+from .procedures import Steps
+from .variants import Variants
+
+
+def imports(module: Module) -> list[list[tuple[str, list[str]]]]:
+    """The modules that a device module imports from, first those of Python, and the names."""
+    used = {name for names in _used(module) for name in names.split()}
+    used |= {name for item in _literals(module) for name in functions(item)}
+    groups = [{source: [n for n in names if n in used] for source, names in of.items()} for of in (STANDARD, PACKAGE)]
+    return [[(source, names) for source, names in group.items() if names] for group in groups]
+
+
+def _literals(module: Module) -> Iterator[Call]:
+    yield from (module.family, module.manual, module.order_code, *module.crcs, *module.register_rows.values())
+    yield from (section.facts for section in module.sections)
+    yield from (row for item in module.tables for row in item.rows)
+    yield from module.reports
+    yield from (row for rows in module.frame_rows.values() for row in rows)
+    yield from (record for _, record in module.codes.held)
+
+
+def _if(condition: object, names: str) -> str:
+    return names if condition else ""
+
+
+def _used(module: Module) -> Iterator[str]:
+    """Names, some with blanks between them."""
+    yield "ClassVar Final Interface Mapping MappingProxyType"
+    yield from (item.kind for item in module.tables)
+    yield _if(module.registers, "Register")
+    yield _if(module.crcs, "Crc")
+    yield _if(module.reports, "Reports")
+    yield _if(any("makes_position" in dict(row.arguments) for row in module.reports), "Verdict")
+    yield _if(module.enums, "IntEnum")
+    yield _if(module.alternatives, "Enum decided")
+    yield _if(module.identities, "Data agrees held_bytes")
+    yield from _of_variants(module.codes)
+    for function in module.context.crc_functions.values():
+        of_bytes = "crc_by_xor" if function.form is Form.XOR else "crc_of_bytes"
+        yield "crc_of_bits" if function.carrier is Carrier.BITS else of_bytes
+    for item in module.registers:
+        yield _if(isinstance(item, Enumeration), "IntEnum Data LengthError as_bytes choice")
+    for dispatcher in (item for section in module.sections for item in section.dispatchers):
+        yield "Data LengthError TypeAlias Union as_bytes wrong_encoder"
+        yield _if(dispatcher.asked, "cast")
+        yield _if(dispatcher.fallback is None, "RangeError")
+    for coder in module.coders:
+        yield from (*_of_coder(coder), *_of_operations(coder), *_of_joins(coder))
+    for steps in module.procedures:
+        yield "Step check_encoder"
+        refusals = [item for given in steps.arguments for item in given.refusals]
+        yield from ("check_width" if isinstance(item, TooWide) else _of(item) for item in refusals)
+        yield from (_of_step(item, steps) for item in steps.steps)
+
+
+def _of_variants(codes: Variants) -> Iterator[str]:
+    carried = {kind.in_bytes for kind in codes.frame_kinds}
+    yield _if(codes.sent, "FieldFacts TypeAlias Union")
+    yield _if(True in carried, "Data")
+    yield _if(False in carried, "Word")
+    yield _if(len(carried) == 2, "Any overload")
+    yield _if(codes.steps_per_turn.cases or codes.step_um.cases, "index")
+    yield _if(codes.modulus.cases, "unwrap")
+    yield _if(codes.held, "held_parameters held_text")
+    yield _if(any(kind.asked and not kind.dispatch for kind in codes.frame_kinds), "cast")
+
+
+def _of_coder(coder: Coder) -> Iterator[str]:
+    plan, reports = coder.plan, coder.reports
+    yield _if(reports is not None, "Report")
+    yield _if(reports is not None and reports.otherwise, "Verdict")
+    yield _if(plan.reserved, "check_bits")
+    yield "BitField NamedTuple by_class"
+    yield "Data LengthError as_bytes" if plan.in_bytes else "Word as_word too_long"
+    yield _if(coder.takes_variant or coder.attributes, "made")
+    yield _if(coder.takes_variant, "check_encoder wrong_encoder")
+    yield _if(plan.gray, "from_gray to_gray")
+    yield _if(plan.crc, "CrcError")
+    yield _if(coder.limited, "check_limits")
+
+
+def _of_operations(coder: Coder) -> Iterator[str]:
+    for op in (*coder.plan.checks, *coder.make.refusals):
+        if isinstance(op, (IsOneOf, NotOneOf)) and coder.selects(op.field):
+            yield "RangeError whole_number" if isinstance(op, NotOneOf) else "RangeError"
+        else:
+            yield _of(op)
+    for part in coder.plan.parts:
+        yield _if(isinstance(part.field.kind, Choice) and not coder.selects(part.field), "choice")
+        yield _if(part.field.number.signed, "signed")
+    for term in coder.plan.terms:
+        of = term.value.of if isinstance(term.value, ParityOf) else term.field
+        yield _if(isinstance(of.kind, Decimal), "index")
+        yield _if(isinstance(of.kind, Text), "text_number")
+
+
+def _of_joins(coder: Coder) -> Iterator[str]:
+    yield _if(coder.plan.wholes, "check_width")
+    for field in (field for whole in coder.plan.wholes for field in whole.fields):
+        yield _if(isinstance(field.kind, Text), "text_number")
+        yield _if(isinstance(field.kind, Choice), "choice")
+        yield _if(not isinstance(field.kind, (Flag, Text)), "index")
+
+
+def _of(op: Check | Refusal | Beyond | Undecodable) -> str:
+    match op:
+        case AlwaysIs() | ZerosAbove() | ParityIs():
+            return "ConstantError"
+        case AtMost():
+            return "RangeError"
+        case IsOneOf() | NotOneOf():
+            return "choice"
+        case TooWide(field):
+            return "choice" if isinstance(field.kind, Choice) else "check_width"
+        case NotSigned():
+            return "check_signed"
+        case NotZeroFor():
+            return "zero_for"
+        case NoPowerOfTwo():
+            return "check_power_of_two"
+        case DigitTooHigh() | OutsideLimits() | Beyond():
+            return "check_limits"
+        case Undecodable():
+            return "whole"
+        case DigitsDisagree() | WholeDisagrees():
+            return ""
+        case _:
+            assert_never(op)
+
+
+def _of_step(op: Operation, steps: Steps) -> str:
+    match op:
+        case Writes(field=None):
+            encoded = "" if isinstance(op.value, Stated) or op.register.name in steps.coders else "choice"
+            return "writes whole" if isinstance(op.value, AsNumber) else f"writes {encoded}"
+        case Writes():
+            return "Modify"
+        case Polls():
+            return "Poll"
+        case Reads():
+            return "Read"
+        case Waits():
+            return "Wait"
+        case Sends():
+            return "Send"
+        case _:
+            assert_never(op)
+
+
+def public(module: Module) -> list[str]:
+    """The names that a module offers, in order."""
+    names = {"FAMILY", "MANUAL", "ORDER_CODE", "VARIANTS", "Variant", "lookup", *module.context.crc_functions}
+    names |= {item.kind for item, _ in module.alternatives}
+    for item in (*module.enums, *module.registers, *module.coders, *module.procedures, *module.tables):
+        names.add(item.name)
+    for section in module.sections:
+        names |= {section.interface.name.upper(), *(name for d in section.dispatchers for name in (d.name, d.union))}
+    given = (
+        (module.crcs, "CRCS"),
+        (module.frame_rows, "FRAMES"),
+        (module.codes.sent, "Frame"),
+        (module.registers, "Address REGISTERS"),
+        (module.reports, "REPORTS"),
+        (module.identities, "identify"),
+    )
+    return sorted(names.union(*(_if(what, listed).split() for what, listed in given)))

@@ -1,0 +1,113 @@
+"""Data as literals of Python: strings, records and tables that text from a spec cannot break out of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from .expr import grouped
+from .lines import broken
+
+
+def quoted(text: str | bytes) -> str:
+    """A literal of one line in double quotes; every byte in hexadecimal."""
+    if isinstance(text, bytes):
+        return 'b"' + "".join(f"\\x{byte:02x}" for byte in text) + '"'
+    if text.isprintable() and '"' not in text and "\\" not in text:
+        return f'"{text}"'
+    shown = repr(text)
+    return shown if shown[0] == '"' else '"' + shown[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+
+
+@dataclass(frozen=True)
+class Code:
+    """Source that stands as it is."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Hex:
+    """A number in hexadecimal, in at least two digits."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class Call:
+    """A call; an argument without a name is positional, one without a value is left out."""
+
+    function: str
+    arguments: tuple[tuple[str, Literal], ...]
+
+    @cached_property
+    def flat(self) -> str:
+        """The call on one line."""
+        arguments = [f"{name}={literal(item)}" if name else literal(item) for name, item in self.arguments]
+        return f"{self.function}({', '.join(arguments)})"
+
+
+Literal = None | bool | int | str | bytes | Code | Hex | Call | Sequence["Literal"] | Mapping[str, str]
+
+
+def call(function: str, *positional: Literal, **optional: Literal) -> Call:
+    """A call with positional arguments, and with those optional ones that differ from their default of nothing."""
+    return Call(function, (*(("", value) for value in positional), *_given(optional)))
+
+
+def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
+    """A call with named arguments only."""
+    return Call(function, (*needed.items(), *_given(optional)))
+
+
+def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
+    return tuple(
+        (name, value)
+        for name, value in optional.items()
+        if value is not None and not (value in ("", ()) or (isinstance(value, Mapping) and not value))
+    )
+
+
+def functions(value: Literal) -> Iterator[str]:
+    """The functions that a literal calls."""
+    match value:
+        case Call(function, arguments):
+            yield function
+            for _, item in arguments:
+                yield from functions(item)
+        case Mapping():
+            yield "ReadOnly"
+        case tuple() | list():
+            for item in value:
+                yield from functions(item)
+
+
+def constant(name: str, value: Call) -> str:
+    """The statement that gives ``name`` its value."""
+    return broken(f"{name}: Final = {value.flat}")
+
+
+def table(name: str, kind: str, rows: Sequence[Call]) -> str:
+    """The statement that gives ``name`` a tuple of records, one a line."""
+    lines = [f"    {row.flat}," for row in rows]
+    return f"{name}: Final[tuple[{kind}, ...]] = " + ("\n".join(["(", *map(broken, lines), ")"]) if lines else "()")
+
+
+def literal(value: Literal) -> str:
+    """``value`` as source, on one line."""
+    if isinstance(value, (str, bytes)):
+        return quoted(value)
+    if isinstance(value, Code):
+        return value.text
+    if isinstance(value, Hex):
+        return f"0x{value.number:02X}"
+    if isinstance(value, Call):
+        return value.flat
+    if value is None or isinstance(value, bool):
+        return str(value)
+    if isinstance(value, int):
+        return grouped(value)
+    if isinstance(value, Mapping):
+        return "ReadOnly({" + ", ".join(f"{quoted(key)}: {quoted(item)}" for key, item in value.items()) + "})"
+    return f"({', '.join(map(literal, value))}{',' if len(value) == 1 else ''})"

@@ -1,0 +1,196 @@
+"""A device module: every part of it, as its template asks for them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from ...model import Device, Field, Interface, Register, Value
+from ...plan.frames import Dispatch, dispatches
+from ...plan.identity import identities
+from ...say.lines import plain
+from . import facts, text
+from .bits import from_pieces
+from .codec import Coder
+from .context import Asked, Context, is_one_choice
+from .docstrings import Block, Lines, docstring
+from .expr import Expr
+from .literals import Call
+from .names import LOCAL_NAMES, attribute, camel, interface_name
+from .procedures import Steps
+from .readme import Readme
+from .variants import FrameKind, Variants
+
+
+@dataclass(frozen=True)
+class Enumeration:
+    """A set of named values; that of a register codes itself."""
+
+    name: str
+    doc: str
+    values: tuple[Value, ...]
+    register: Register | None = None
+
+
+@dataclass(frozen=True)
+class Dispatcher:
+    """The function that tells apart what one side sends."""
+
+    plan: Dispatch
+    name: str
+    union: str
+    interface: str
+    coders: tuple[Coder, ...]
+    fallback: Coder | None
+
+    @property
+    def members(self) -> tuple[Coder, ...]:
+        return self.coders if self.fallback is None else (*self.coders, self.fallback)
+
+    @property
+    def local(self) -> str:
+        return attribute(self.plan.selector.name, LOCAL_NAMES)
+
+    @property
+    def value(self) -> Expr:
+        return from_pieces(self.plan.bits.pieces)
+
+    @property
+    def allowed(self) -> list[int]:
+        """Every value of the selector that tells a frame."""
+        return sorted(value for branch in self.plan.branches for value in branch.values)
+
+    @property
+    def asked(self) -> list[Asked]:
+        """What the manual leaves open of any of them."""
+        return list({item.name: item for coder in self.members for item in coder.asked}.values())
+
+    @property
+    def listed(self) -> list[tuple[str, str]]:
+        """The arguments for that, each with what it is for."""
+        return [(item.name, item.about) for item in self.asked]
+
+    @property
+    def told_by(self) -> str:
+        """What the selector is called."""
+        return plain(self.plan.selector.printed_name or self.plan.selector.name.replace("_", " "))
+
+
+@dataclass(frozen=True)
+class Section:
+    """One interface of a device."""
+
+    interface: Interface
+    facts: Call
+    notes: Sequence[str]
+    coders: tuple[Coder, ...]
+    dispatchers: tuple[Dispatcher, ...]
+
+
+class Module:
+    """Everything that a device module consists of."""
+
+    def __init__(self, device: Device) -> None:
+        self.device, self.context = device, Context(device)
+        self.name = self.context.module
+        self.sections = [self._section(item) for item in device.interfaces]
+        self.registers = [self._register(item) for item in device.registers]
+        coders = {item.register.name: item for item in self.registers if isinstance(item, Coder) and item.register}
+        self.by_register = coders
+        self.procedures = [Steps(self.context, coders, item) for item in device.procedures]
+        frames = tuple(item for section in self.sections for item in section.coders)
+        self.coders = (*frames, *coders.values())
+        kinds = tuple(self._frame_kinds())
+        self.codes = Variants(self.context, kinds, frames)
+        self.readme = Readme(self.context, kinds, coders, {item.procedure.name: item for item in self.procedures})
+        self.identities = list(identities(device))
+        self.family, self.manual, self.tables = facts.family(device), facts.manual(device.manual), facts.tables(device)
+        self.order_code = facts.order_code(device.order_code)
+        self.reports = facts.reports(device)
+        self.crcs = [facts.crc(item) for item in device.crcs]
+        self.register_rows, self.frame_rows = facts.register_rows(device), facts.frame_rows(device)
+
+    # -- what it says of itself
+
+    @property
+    def doc(self) -> str:
+        return text.of_module(self.device, self._example())
+
+    def _example(self) -> Iterable[Block]:
+        """A few lines that decode a frame and look at its verdict before they use it."""
+        for frame in self.readme.frames[:1]:
+            names = "Verdict, lookup" if frame.judged else "lookup"
+            start = (
+                f"from {self.device.manufacturer.python_package} import {names}",
+                f'encoder = lookup("{frame.code}")',
+            )
+            if frame.judged:
+                yield "A sound frame is not yet a usable position. Look at its verdict before you use the position:"
+            yield Lines((*start, f"frame = encoder.decode({frame.text})", *frame.lines))
+
+    @property
+    def alternatives(self) -> list[tuple[Asked, str]]:
+        """What the manual leaves open, each with its docstring."""
+        asked = self.context.asked.values()
+        return [(item, text.of_alternative(self.device, item.alternative)) for item in asked]
+
+    @property
+    def known_by(self) -> list[str]:
+        """The interfaces whose registers tell which encoder it is."""
+        return [f"Interface.{item.interface.upper()}" for item in self.identities]
+
+    # -- its parts
+
+    @cached_property
+    def enums(self) -> list[Enumeration]:
+        return [
+            Enumeration(self.context.enum(item), docstring(_about(item), indent=4), item.values)
+            for item in self.context.choices.values()
+        ]
+
+    @cached_property
+    def folds(self) -> dict[str, Coder]:
+        """A frame for each way in which words are folded, by the name of the function."""
+        folded = (item for item in self.coders if item.plan.crc is not None and item.plan.crc.steps)
+        return {item.fold_name: item for item in folded if not item.plan.in_bytes}
+
+    def _section(self, interface: Interface) -> Section:
+        coders = tuple(Coder(self.context, interface.name, item) for item in interface.layouts)
+        dispatchers = [self._dispatcher(interface, item, coders) for item in dispatches(interface.layouts)]
+        # What the master sends comes first.
+        dispatchers.sort(key=lambda item: item.plan.sender == "encoder")
+        notes = text.notes(self.device, interface)
+        return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))
+
+    def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
+        several = sum(any(item.selector for item in other.layouts) for other in self.device.interfaces) > 1
+        word = ("" if not several else f"{interface.name}_") + ("reply" if plan.sender == "encoder" else "request")
+        of = {item.layout.name: item for item in coders}
+        return Dispatcher(
+            plan,
+            f"decode_{word}",
+            camel(word),
+            interface_name(interface.name),
+            tuple(of[branch.layout.name] for branch in plan.branches),
+            of[plan.fallback.name] if plan.fallback is not None else None,
+        )
+
+    def _register(self, register: Register) -> Coder | Enumeration:
+        if not is_one_choice(register):
+            return Coder(self.context, register.interface, register.layout, register)
+        summary, blocks = text.of_register(self.device, register)
+        name = self.context.registers[register.name]
+        return Enumeration(name, docstring(summary, *blocks, indent=4), register.values, register)
+
+    def _frame_kinds(self) -> Iterator[FrameKind]:
+        for section in self.sections:
+            first = next((item for item in section.coders if item.layout.sender == "encoder"), None)
+            told = next((item for item in section.dispatchers if item.plan.sender == "encoder"), None)
+            if first is not None:
+                asked = told.asked if told is not None else first.asked
+                yield FrameKind(section.interface.name, first, told.name if told is not None else "", asked)
+
+
+def _about(choice: Field) -> str:
+    return text.of_value(choice) or f"Values of {choice.name}."

@@ -1,0 +1,152 @@
+"""Procedures in Python: functions that give the steps for an order code and arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from ...model import Argument, Decimal, Field, Procedure, Register
+from ...plan.refusals import NotOneOf, TooWide
+from ...plan.steps import (
+    ArgumentRefusal,
+    AsMember,
+    AsNumber,
+    Beyond,
+    Given,
+    Operation,
+    Polls,
+    Undecodable,
+    Writes,
+    run_of,
+)
+from . import text
+from .codec import Coder, between, differ
+from .context import Context
+from .encode import digit
+from .expr import Atom, Expr, moved
+from .names import PROCEDURE_NAMES, attribute, interface_name, meaning_limits
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Steps, and the arguments that are checked before them.
+
+    ``taught`` is the last of them where its register holds what the limits of later steps follow from.
+    """
+
+    arguments: Sequence[Given]
+    steps: Sequence[Operation]
+    taught: Writes | None
+
+
+class Steps:
+    """The function of one procedure; ``coders`` are the classes of registers that have one."""
+
+    def __init__(self, context: Context, coders: Mapping[str, Coder], procedure: Procedure) -> None:
+        self.context, self.coders, self.procedure = context, coders, procedure
+        self.run = run_of(context.device, procedure)
+        self.name = context.procedures[procedure.name]
+        self.interface = interface_name(procedure.interface)
+        self.scope = context.scope
+        self.steps = self.run.operations
+        self.arguments = self.run.arguments
+
+    @cached_property
+    def takes_variant(self) -> bool:
+        """Whether the steps differ with the order code; if not, the encoder is only checked."""
+        classes = {item.argument.of for item in self.arguments} & self.coders.keys()
+        touched = (item.field for item in self.steps if isinstance(item, (Writes, Polls)) and item.field is not None)
+        refusals = (item for given in self.arguments for item in given.refusals)
+        return (
+            any(self.coders[name].takes_variant for name in classes)
+            or not all(field.is_fixed for field in touched)
+            or any(segment.taught for segment in self.segments)
+            or any(map(self._differs, refusals))
+        )
+
+    def _differs(self, refusal: ArgumentRefusal) -> bool:
+        match refusal:
+            case Beyond():
+                return self._limits_differ(refusal)
+            case TooWide(width=width):
+                return not width.is_constant
+            case NotOneOf() | Undecodable():
+                return False
+
+    @property
+    def segments(self) -> Iterator[Segment]:
+        """The steps up to each one that changes limits, and those that are left."""
+        ends = [index + 1 for index, item in enumerate(self.steps) if isinstance(item, Writes) and item.teaches]
+        for start, end in pairwise((0, *ends, len(self.steps))):
+            last = self.steps[end - 1]
+            checked = [item for item in self.arguments if self.steps.index(item.written[0]) in range(start, end)]
+            yield Segment(checked, self.steps[start:end], last if isinstance(last, Writes) and last.teaches else None)
+
+    # -- names
+
+    @property
+    def can_be_odd(self) -> bool:
+        """Whether an argument may be a number that the decoder of its register refuses."""
+        return any(isinstance(item, Undecodable) for given in self.arguments for item in given.refusals)
+
+    @property
+    def listed(self) -> list[tuple[str, str]]:
+        arguments = (item.argument for item in self.arguments)
+        return [(self.argument(item), text.of_argument(self.context.device, item)) for item in arguments]
+
+    @property
+    def about(self) -> list[str]:
+        return text.of_procedure(self.context.device, self.procedure)
+
+    @staticmethod
+    def argument(argument: Argument) -> str:
+        return attribute(argument.name, PROCEDURE_NAMES)
+
+    def type(self, given: Given) -> str:
+        """The type of an argument: a register of several fields is given as an object or as one number."""
+        return f"{self.context.registers[given.argument.of]} | int" if self.is_object(given) else "int"
+
+    def is_object(self, given: Given) -> bool:
+        """Whether an object of the register's class is taken as well as a number."""
+        taken = {item.register.name for item in given.written if isinstance(item.value, AsNumber)}
+        return given.argument.of in taken
+
+    def register(self, register: Register) -> str:
+        return self.context.registers[register.name]
+
+    # -- numbers
+
+    def mask(self, field: Field) -> Expr:
+        if field.is_fixed:
+            return Atom(f"0x{field.mask_in_place:02X}")
+        return moved(self.scope.ones(field.width), "<<", self.scope.of(field.low))
+
+    def in_place(self, value: int | str, field: Field) -> Expr:
+        """A number or an argument where the field is."""
+        if isinstance(value, int) and field.low.is_constant:
+            return Atom(f"0x{value << field.low.constant:02X}")
+        return moved(Atom(str(value)), "<<", self.scope.of(field.low))
+
+    def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
+        """The attributes that an argument for one member of a register is, each with its value."""
+        coder, name = self.coders[register.name], Atom(self.argument(value.argument))
+        field = next((item for item in register.layout.fields if item.name == value.member), None)
+        if field is None or not isinstance(field.kind, Decimal):
+            return [(coder.names.attribute(value.member), name)]
+        return [(coder.names.attribute(run.name), digit(name, field, run)) for run in field.runs]
+
+    def joins(self, value: AsMember, register: Register) -> bool:
+        return any(item.name == value.member for item in register.layout.joins)
+
+    def limits(self, refusal: Beyond) -> str:
+        """Between which values an argument has to lie: what a function of the register's class gives, if it has one."""
+        if refusal.register.name not in self.coders:
+            return "({}, {})".format(*between(self.scope, refusal.limits))
+        name = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
+        return f"{self.register(refusal.register)}.{name}({'variant' if self._limits_differ(refusal) else ''})"
+
+    def _limits_differ(self, refusal: Beyond) -> bool:
+        coder = self.coders.get(refusal.register.name)
+        return coder.takes_variant if coder is not None and refusal.meaning is None else differ(refusal.limits)

@@ -1,0 +1,251 @@
+"""Examples for the README of the package: made-up frames of each interface, and the worked examples of the manuals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import prod
+
+from ...model import (
+    Choice,
+    CrcExample,
+    Decimal,
+    Field,
+    Flag,
+    Layout,
+    ModifyStep,
+    Number,
+    PlacedLayout,
+    PollStep,
+    ProcedureExample,
+    RegisterExample,
+    Text,
+    Variant,
+)
+from ...plan.measure import counts
+from ...reference import codec
+from .codec import Coder
+from .context import Context
+from .expr import grouped
+from .procedures import Steps
+from .variants import FrameKind
+
+#: How many registers and how many procedures are shown.
+_REGISTERS, _PROCEDURES = 3, 2
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An example in the README: what is called, and what comes out.
+
+    ``judged`` is a frame that tells what its position is worth; ``spoilt`` is the same frame with a position that is
+    not usable, and ``reported`` what it reports. Of a frame that is a string of bits there are their number and
+    ``digits``.
+    """
+
+    code: str
+    text: str
+    shown: str
+    result: str
+    judged: bool = False
+    spoilt: str = ""
+    reported: str = ""
+    bits: int = 0
+    digits: str = ""
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What shows the values of a frame: where one is the position, only after a look at what it is worth."""
+        if not self.judged:
+            return (f"print({self.shown})",)
+        return "if frame.verdict is not Verdict.NOT_USABLE:", f"    print({self.shown})"
+
+
+def start(readmes: Sequence[Readme]) -> Shown:
+    """The example to begin with: of a frame that can report an error, and one in bits, where any family has such."""
+    frames = [frame for readme in readmes for frame in readme.frames]
+    no_frame = Shown(readmes[0].device.variants[0].code, "", "", "")
+    return max(frames, key=lambda item: (bool(item.spoilt), bool(item.bits)), default=no_frame)
+
+
+class Readme:
+    """What the README shows of one module."""
+
+    def __init__(
+        self,
+        context: Context,
+        kinds: Sequence[FrameKind],
+        coders: Mapping[str, Coder],
+        procedures: Mapping[str, Steps],
+    ) -> None:
+        self.context, self.device = context, context.device
+        self._kinds, self._coders, self._procedures = kinds, coders, procedures
+
+    @cached_property
+    def frames(self) -> list[Shown]:
+        """One frame of each interface, its values made up, its bits from the model."""
+        found = [self._frame(kind.coder, self._example_variant(kind.interface)) for kind in self._kinds]
+        # The first example is the one that is copied: it shows a frame that can report an error, where there is one.
+        return sorted((item for item in found if item is not None), key=lambda item: not item.spoilt)
+
+    def _frame(self, coder: Coder, variant: Variant | None) -> Shown | None:
+        if variant is None:
+            return None
+        layout = coder.layout
+        placed = layout.place(variant.parameters)
+        values = {
+            item.name: _made_up(item.field, item.width, layout) for item in placed.fields if item.field.carries_data
+        }
+        number = codec.encode(self.device, placed, values)
+        plain = codec.from_gray(placed, number)
+        shown = {
+            item.name: values[item.name]
+            for item in placed.fields
+            if isinstance(item.field.kind, Number) and not coder.selects(item.field)
+        } | {join.name: codec.join_value(placed, join, plain) for join in layout.joins}
+        made = Shown(
+            variant.code,
+            _text(placed, number),
+            ", ".join(f"frame.{coder.names.attribute(name)}" for name in shown),
+            " ".join(map(str, shown.values())),
+            judged=coder.reports is not None and bool(coder.reports.otherwise),
+            bits=0 if layout.in_bytes else placed.bits,
+            digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
+        )
+        if not (made.judged and coder.reports is not None and layout.spoiling_flags):
+            return made
+        flag = layout.spoiling_flags[0]
+        spoilt = codec.encode(self.device, placed, {**values, flag.name: True})
+        return replace(made, spoilt=_text(placed, spoilt), reported=coder.reports.name_of(flag))
+
+    def _example_variant(self, kind: str) -> Variant | None:
+        """An order code of this interface: that of an example of the manual, else the one with the most bits."""
+        codes = [item.order_code for item in self.device.examples if not isinstance(item, CrcExample)]
+        names = [item.name for item in self.device.set_parameters]
+        candidates = [item for item in self.device.variants if item.interface == kind]
+        return max(
+            candidates,
+            key=lambda item: (item.code in codes, sum(item.parameters[name] for name in names)),
+            default=None,
+        )
+
+    @property
+    def registers(self) -> list[Shown]:
+        """A worked example of each of the first registers that have one."""
+        found: dict[str, Shown] = {}
+        for example in self.device.examples:
+            if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
+                coder = self._coders[example.register]
+                found.setdefault(coder.name, _register(example, coder))
+        return list(found.values())[:_REGISTERS]
+
+    @property
+    def procedures(self) -> list[Shown]:
+        found: list[Shown] = []
+        for example in self.device.examples:
+            if not isinstance(example, ProcedureExample) or len(found) == _PROCEDURES:
+                continue
+            steps = self._procedures[example.procedure]
+            if any(isinstance(item, (ModifyStep, PollStep)) for item in steps.procedure.steps):
+                continue
+            encoder = f'lookup("{example.order_code}")'
+            arguments = [*map(grouped, example.arguments.values())]
+            if steps.takes_variant or not arguments:
+                arguments.insert(0, encoder)
+            else:
+                arguments.append(f"variant={encoder}")
+            result = repr(bytes(item.value for item in example.writes).hex(" "))
+            found.append(Shown(f"{steps.name}({', '.join(arguments)})", "", "", result))
+        return found
+
+    @property
+    def run_time(self) -> list[Shown]:
+        """What a register does to an encoder whose frame follows it."""
+        for item in self.device.run_time_parameters:
+            register = self.device.register(item.register)
+            field = register.layout.field(item.field)
+            variant = self._example_variant(register.interface)
+            if variant is None or register.length > 1 or field.low.constant or field.widest != 8:
+                continue
+            name = self.context.parameters[item.name]
+            value = max(variant.parameters[item.name] - 4, item.min or 0)
+            return [Shown(variant.code, f"0x{register.address:02X}: 0x{value:02X}", f"encoder.{name}", str(value))]
+        return []
+
+    @property
+    def positions(self) -> list[Shown]:
+        """What a position means, and how it goes on where the count starts again."""
+        variant = self.device.variants[0]
+        measurement = self.device.measurement_of(variant.interface)
+        factors = [item.value(variant.parameters) for item in counts(measurement)] if measurement is not None else []
+        size = prod(factors) if factors else 0
+        if measurement is None or size < 8:
+            return []
+        shown = [Shown(variant.code, f"encoder.unwrap({size - 2}, 3)", "", str(size + 3))]
+        if measurement.steps_per_turn is not None:
+            quarter = measurement.steps_per_turn.value(variant.parameters) // 4
+            shown.insert(0, Shown(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
+        elif measurement.step_um is not None:
+            size_of_1000 = repr(measurement.step_um.value(variant.parameters) * 1000 / 1000)
+            shown.insert(0, Shown(variant.code, "encoder.millimetres(1000)", "", size_of_1000))
+        return shown
+
+    @property
+    def identified(self) -> list[Shown]:
+        """The worked examples of registers by which an encoder is known."""
+        known = {register.name for register, _ in self.device.identity}
+        read: dict[str, RegisterExample] = {}
+        for example in self.device.examples:
+            if isinstance(example, RegisterExample) and example.register in known:
+                read.setdefault(example.register, example)
+        code = next((item.order_code for item in read.values()), "")
+        if code not in {item.code for item in self.device.variants}:
+            return []
+        same = {name: item.bytes for name, item in read.items() if item.order_code == code}
+        return [Shown(code, ", ".join(f'"{name}": {_bytes(data)}' for name, data in same.items()), "", "True")]
+
+
+def _text(placed: PlacedLayout, number: int) -> str:
+    """A frame as Python has it."""
+    if placed.layout.in_bytes:
+        return _bytes(codec.number_to_bytes(placed.layout, number, placed.bits))
+    return f"{number:#x}"
+
+
+def _bytes(data: bytes) -> str:
+    return f'bytes.fromhex("{data.hex(" ").upper()}")'
+
+
+def _register(example: RegisterExample, coder: Coder) -> Shown:
+    variant = f', lookup("{example.order_code}")' if coder.takes_variant else ""
+    types = {item.name: item.type for item in coder.attributes}
+    shown, values = [], []
+    for name, value in example.values.items():
+        made = coder.names.attribute(name)
+        named = isinstance(value, str) and types.get(made) != "str"
+        shown.append(f"register.{made}" + (".name" if named else ""))
+        values.append(repr(value.upper() if named and isinstance(value, str) else value))
+    return Shown(f"{coder.name}.decode({_bytes(example.bytes)}{variant})", "", _tuple(shown), _tuple(values))
+
+
+def _made_up(item: Field, width: int, layout: Layout) -> int | str | bool:
+    """A value that shows something."""
+    if item.name == layout.selector:
+        return layout.selects[0]
+    if isinstance(item.kind, Flag):
+        return False
+    if isinstance(item.kind, Choice):
+        return item.values[0].value
+    if isinstance(item.kind, Text):
+        return "A" * (width // 8)
+    if isinstance(item.kind, Decimal):
+        return 1
+    if item.number.power_of_two:
+        return 1 << width // 2
+    bits = width - 1 if item.number.signed else width
+    return max(123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1), 1 if item.number.zero_means else 0)
+
+
+def _tuple(items: Sequence[str]) -> str:
+    return f"({', '.join(items)})" if len(items) != 1 else items[0]

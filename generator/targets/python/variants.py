@@ -1,0 +1,168 @@
+"""Order codes in a device module: the table of parts, the variants, what registers hold, and what positions measure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from ...model import Interface, Measurement, Register, Variant
+from ...model.expressions import Expression
+from ...plan.held import Held, held_parameters
+from ...plan.measure import Cases, by_interface, counts
+from . import text
+from .codec import Coder
+from .context import Asked, Context, byte_order
+from .expr import Atom, Expr, Operation, Scope, joined, number
+from .literals import Call, Code, Literal, record
+from .names import attribute
+
+
+@dataclass(frozen=True)
+class FrameKind:
+    """What the encoder sends over an interface: frames that the function ``dispatch`` tells apart, or of one kind."""
+
+    interface: str
+    coder: Coder
+    dispatch: str
+    asked: Sequence[Asked] = ()
+
+    @property
+    def in_bytes(self) -> bool:
+        return self.coder.plan.in_bytes
+
+
+class Variants:
+    """What the template asks of the order codes of one module."""
+
+    def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
+        self.context, self.device = context, context.device
+        self.frame_kinds = frame_kinds
+        self.sent = [item for item in coders if item.layout.sender == "encoder"]
+        #: Whether any of it has a position, and tells what that is worth.
+        self.judged = any(item.reports is not None and item.reports.otherwise for item in coders)
+        self._scope = Scope(context.parameters, "self")
+        self.rows = [self._row(item) for item in self.device.variants]
+
+    def _row(self, variant: Variant) -> Call:
+        parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
+        given: tuple[Literal, ...] = (variant.code, Code(f"Interface.{variant.interface.upper()}"), parts)
+        set_here = (
+            (self.context.parameters[item.name], variant.parameters[item.name]) for item in self.device.set_parameters
+        )
+        return Call("Variant", (*(("", item) for item in given), *set_here))
+
+    # -- the class of the variants
+
+    @property
+    def asked(self) -> list[Asked]:
+        """What ``decode`` may have to be told, because the manual leaves it open."""
+        return list({item.name: item for kind in self.frame_kinds for item in kind.asked}.values())
+
+    @property
+    def listed(self) -> list[tuple[str, str]]:
+        """The arguments for that, each with what it is for."""
+        return [(item.name, item.about) for item in self.asked]
+
+    def asked_of(self, in_bytes: bool) -> list[Asked]:
+        """The same of the interfaces that carry bytes, or of those that carry bits."""
+        kinds = [kind for kind in self.frame_kinds if kind.in_bytes is in_bytes]
+        return [item for item in self.asked if any(item in kind.asked for kind in kinds)]
+
+    @property
+    def doc(self) -> str:
+        return text.of_variant(self.device, self.context.parameters)
+
+    @property
+    def derived(self) -> list[tuple[str, str, Expr]]:
+        """Parameters that follow from others: name, meaning, value."""
+        return [
+            (self.context.parameters[item.name], text.of_parameter(self.device, item), self._scope.of(item.equals))
+            for item in self.device.parameters
+            if item.equals is not None
+        ]
+
+    # -- what positions measure
+
+    @cached_property
+    def measured(self) -> str:
+        """What the position is called whose counts are turned into turns or lengths."""
+        found = next((item for item in map(self._measurement, self.device.interfaces) if item is not None), None)
+        return attribute(found.of, ("previous", "self", "unwrap")) if found is not None else ""
+
+    def _measurement(self, interface: Interface) -> Measurement | None:
+        return self.device.measurement_of(interface.name)
+
+    def _of(self, value: Expression | None) -> Expr | None:
+        return self._scope.of(value) if value is not None else None
+
+    def _cases(self, value: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
+        def of(interface: Interface) -> Expr | None:
+            measurement = self._measurement(interface)
+            return value(measurement) if measurement is not None else None
+
+        return by_interface(self.device, of)
+
+    @cached_property
+    def steps_per_turn(self) -> Cases[Expr]:
+        return self._cases(lambda item: self._of(item.steps_per_turn))
+
+    @cached_property
+    def step_um(self) -> Cases[Expr]:
+        return self._cases(lambda item: self._of(item.step_um))
+
+    @cached_property
+    def modulus(self) -> Cases[Expr]:
+        """The count at which the position starts again."""
+
+        def whole(item: Measurement) -> Expr | None:
+            factors = [*map(self._scope.of, counts(item))]
+            return joined("*", factors) if factors else None
+
+        return self._cases(whole)
+
+    @cached_property
+    def highest(self) -> Cases[Expr] | None:
+        """The highest number sent, where an offset can move the positions above ``modulus``."""
+        usual = Operation(Atom("self.modulus"), "-", number(1))
+        found = self._cases(lambda item: self._of(item.highest) or usual)
+        return found if any(value != usual for value, _ in found.cases) else None
+
+    @cached_property
+    def frame_bits(self) -> Cases[Expr]:
+        """How long the encoder's frame is, where that is a string of bits."""
+        first = {item.interface: item.coder.layout.bits for item in self.frame_kinds if not item.in_bytes}
+        return by_interface(self.device, lambda item: self._of(first.get(item.name)))
+
+    # -- what registers hold
+
+    @cached_property
+    def held(self) -> list[tuple[str, Call]]:
+        """The parameters that registers hold at run time: name and record."""
+        return [
+            (self.context.parameters[item.parameter.name], self._held(by.register, item))
+            for by in held_parameters(self.device)
+            for item in by.parameters
+        ]
+
+    @property
+    def holding(self) -> str:
+        """The registers that hold them."""
+        registers = (item.register for item in held_parameters(self.device))
+        return ", ".join(f"{item.name} at {item.address:02X}h" for item in registers)
+
+    def _held(self, register: Register, held: Held) -> Call:
+        parameter, width = held.parameter, held.field.widest
+        zero_means = held.field.number.zero_means
+        needed: dict[str, Literal] = {
+            "parameter": self.context.parameters[parameter.name],
+            "interface": Code(f"Interface.{register.interface.upper()}"),
+            "address": Code(f"Address.{register.name.upper()}"),
+            "default": register.default_bytes() or bytes(register.length),
+            "order": byte_order(register),
+            "low": held.field.low.constant,
+            "width": width,
+            "min": parameter.min or 0,
+            "max": parameter.max if parameter.max is not None else max((1 << width) - 1, zero_means),
+        }
+        return record("Held", needed, zero_means=zero_means or None)

@@ -1,0 +1,143 @@
+"""All targets, ours and registered ones, and the guard behind which they run: a mistake in one is told in one line."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from importlib import import_module
+from typing import TYPE_CHECKING, TypeVar
+
+from ..render import TemplateFault
+from . import Library, Options, Target, TargetError, TargetProblem
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+#: Ours, in the order in which they are listed and run. They run by default; a registered one runs when asked for.
+BUILT_IN = ("python", "c", "biss", "docs")
+GROUP = "codewheel.targets"
+_Given = TypeVar("_Given")
+
+
+def target_names() -> list[str]:
+    """The names of all targets: ours, then registered ones."""
+    return [*BUILT_IN, *(name for name in _registered() if name not in BUILT_IN)]
+
+
+def load_target(name: str) -> Target:
+    """The target of that name; the module of no other one is imported.
+
+    Raises:
+        LookupError: There is no such target.
+        TargetError: It cannot be loaded, or is no target.
+    """
+    if name in BUILT_IN:
+        return _loaded(name, lambda: import_module(f"{__package__}.{name}.files").TARGET)
+    entries = _registered()[name]  # A KeyError is a LookupError.
+    if len(entries) > 1:
+        raise TargetError(f"the target '{name}' is registered by {' and by '.join(map(_owner, entries))}; remove one")
+    return _loaded(name, entries[0].load)
+
+
+def files_of(target: Target, library: Library, options: Options) -> Mapping[str, str]:
+    """The files of a target, by path.
+
+    Args:
+        target: The target.
+        library: The devices, and the folder in which each target has a folder of the user's templates.
+        options: The value of every option.
+
+    Raises:
+        TargetError: The target cannot express something, or fails.
+        TemplateFault: A template of the user's is at fault.
+    """
+    own = library.own_templates / target.name if library.own_templates is not None else None
+    files = _guarded(target.name, lambda: target.files(replace(library, own_templates=own), options))
+    if fault := _fault_of_files(files):
+        raise TargetError(f"the target '{target.name}' has to give text by path; {fault}")
+    return files
+
+
+def problems_of(target: Target, library: Library) -> list[TargetProblem]:
+    """What a target cannot express.
+
+    Raises:
+        TargetError: The target fails.
+    """
+    found = _guarded(target.name, lambda: list(target.problems(library)))
+    for problem in found:
+        if fault := _fault_of_problem(problem, library):
+            raise TargetError(f"the target '{target.name}' has to give problems as TargetProblem; {fault}")
+    return found
+
+
+def _fault_of_problem(problem: object, library: Library) -> str:
+    """What keeps ``problem`` from being one of a device of the library, or nothing."""
+    if not isinstance(problem, TargetProblem):
+        return f"this is {_kind(problem)}"
+    if problem.device.name not in {device.name for device in library.devices}:
+        return f"the device '{problem.device.name}' is not one that it was given"
+    texts = (problem.rule, problem.message, *problem.place, *problem.other)
+    wrong = [item for item in texts if not isinstance(item, (str, int))]
+    return f"a part of it is {_kind(wrong[0])}" if wrong else ""
+
+
+def _fault_of_files(files: object) -> str:
+    """What keeps ``files`` from being text by path, or nothing."""
+    if not isinstance(files, Mapping):
+        return f"this is {_kind(files)}"
+    for path, text in files.items():
+        if not isinstance(path, str) or not isinstance(text, str):
+            return f"{path!r} is {_kind(text)}" if isinstance(path, str) else f"{path!r} is no path"
+        try:
+            (path + text).encode()
+        except UnicodeEncodeError as error:
+            return f"{path!r} holds U+{ord(error.object[error.start]):04X}, which is no character"
+    return ""
+
+
+def _kind(value: object) -> str:
+    return "nothing" if value is None else type(value).__name__
+
+
+def _registered() -> dict[str, list[EntryPoint]]:
+    """The entry points by name; two packages may have taken the same one."""
+    from importlib.metadata import entry_points
+
+    found: dict[str, list[EntryPoint]] = {}
+    for entry in entry_points(group=GROUP):
+        found.setdefault(entry.name, []).append(entry)
+    return dict(sorted(found.items()))
+
+
+def _owner(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist is not None else entry.value
+
+
+def _loaded(name: str, load: Callable[[], object]) -> Target:
+    try:
+        found = load()
+    except Exception as error:
+        raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
+    if not isinstance(found, Target):
+        raise TargetError(f"the target '{name}' has to be a codewheel.targets.Target; this is {_kind(found)}")
+    if found.name != name:
+        raise TargetError(f"the target '{name}' calls itself '{found.name}'; both names have to be one")
+    return found
+
+
+def _guarded(name: str, work: Callable[[], _Given]) -> _Given:
+    try:
+        return work()
+    except (TargetError, TemplateFault):
+        raise
+    except Exception as error:
+        raise TargetError(f"the target '{name}' fails: {_told(error)}") from error
+
+
+def _told(error: Exception) -> str:
+    """An error in one line, with the place where it arose."""
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}{place}"

@@ -1,0 +1,279 @@
+"""The page of templates: what each one is for, what it can use, and how a user changes it.
+
+``python -m codewheel.targets.templates_page FILE [TARGET...]`` writes it, of our targets where none is named;
+``make templates-page`` writes ``docs/templates.md``. All but the introduction comes from the targets: the first comment
+of each template, the classes of its values, the docstrings of filters, tests and functions.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, get_args, get_origin, get_type_hints
+
+from jinja2 import Environment, meta, nodes
+
+from ..render import COMMON_FILTERS, Templates, environment
+from ..say.markdown import code, paragraph, table, text
+from . import Target
+from .registry import BUILT_IN, load_target
+
+_ABOUT = re.compile(r"\{#-? (.+?) -?#\}", re.DOTALL)
+_INTRODUCTION = """\
+<!-- Made from the targets and their templates by: make templates-page -->
+
+# Templates
+
+Every file that `codewheel generate` writes, pictures and full XML apart, comes from a template of
+[Jinja](https://jinja.palletsprojects.com/templates/). To change one, put a template of the same name into a folder of
+your own, below the name of its target, and name the folder. Yours comes first, file by file; all others stay as they
+are. In yours, `shipped/NAME` is the template that it stands for.
+
+For example, an index page with a line of your own at its end. Write this into `house/docs/index.md.jinja`:
+
+```jinja
+{% include "shipped/index.md.jinja" %}
+
+Families: {{ rows|length }}. Questions: drives@example.com
+```
+
+Then run:
+
+```
+codewheel generate my_encoder.yaml --target docs --templates house
+```
+
+The page `generated/docs/README.md` now ends with:
+
+```
+Families: 1. Questions: drives@example.com
+```
+
+A mistake in a template is told with its file and line. A template that no output uses is told as well, since its name
+is misspelt or it lies in the wrong folder. An undefined name is a mistake, not empty text. A line that holds nothing
+but a statement leaves nothing behind. Values hold text from specs, which can be anything; the filters of a target make
+it harmless in its language.
+
+All templates have the filters of Jinja and these:
+"""
+
+
+def templates_page(targets: Iterable[Target]) -> str:
+    """The page of these targets; one without templates has no section."""
+    lines = [_INTRODUCTION, _callables("Filter", {_filter(name, item): item for name, item in COMMON_FILTERS.items()})]
+    model: set[type] = set()
+    for target in targets:
+        if target.templates is not None:
+            kinds = _kinds(target.templates)
+            of_model = {kind for kind in kinds if ".model." in kind.__module__}
+            model |= of_model
+            lines += [*_section(target, target.templates), *_types(f"Types of {target.name}", kinds - of_model)]
+    return "\n".join([*lines, *_types("Types of the model", model)]) + "\n"
+
+
+def faults(templates: Templates) -> Iterator[str]:
+    """A line for everything that would make the page wrong or leave a gap in it; the tests ask for them."""
+    parts, used, declared = set[str](), set[str](), set[str]()
+    for template, shape in templates.values.items():
+        tree = _tree(templates, template)
+        names, values = _used(templates, *tree), get_type_hints(shape, include_extras=True)
+        known = {*values, *templates.functions, *environment(templates).globals}
+        yield from (f"{template} uses '{name}', which {shape.__name__} lacks" for name in sorted(names - known))
+        yield from (f"{shape.__name__}.{name} has no line" for name in values if not _line(values[name]))
+        parts.update(tree)
+        used |= names
+        declared |= values.keys()
+    yield from (f"no template uses the value '{name}'" for name in sorted(declared - used))
+    yield from (f"no template uses {name}" for name in templates.names if name not in parts)
+    yield from (
+        f"{name} does not begin with a comment on it" for name in templates.names if not _about(templates, name)
+    )
+    made = {**templates.filters, **templates.functions}
+    yield from (f"'{name}' has no docstring" for name, item in made.items() if not _first_line(item))
+
+
+def _section(target: Target, templates: Templates) -> Iterator[str]:
+    yield from ("", f"## {target.name}", "", paragraph(text(f"{target.summary[0].upper()}{target.summary[1:]}.")), "")
+    rows = [_row(target, templates, template) for template in templates.names]
+    yield table(["Template", "What it is", "Its values", "Values that it uses", "Its macros"], rows)
+    if templates.filters:
+        yield from ("", _callables("Filter", {_filter(name, item): item for name, item in templates.filters.items()}))
+    if templates.tests:
+        asked = {f"... is {name}": kind for name, kind in sorted(templates.tests.items())}
+        yield from ("", _callables("Test", asked))
+    if templates.functions:
+        named = {f"{name}{_signature(item)}": item for name, item in templates.functions.items()}
+        yield from ("", _callables("Function", named))
+    shapes = sorted(set(templates.values.values()), key=lambda item: (len(get_type_hints(item)), item.__name__))
+    for index, shape in enumerate(shapes):
+        yield from _values(shape, shapes[:index])
+
+
+def _row(target: Target, templates: Templates, template: str) -> tuple[str, ...]:
+    """What a template is for, gets, uses and gives."""
+    made, colon, about = _about(templates, template).partition(": ")
+    about = f"{code(made)}: {text(about)}" if made.startswith(f"{target.name}/") else text(f"{made}{colon}{about}")
+    shape = templates.values.get(template)
+    users = [name for name in templates.names if template in _referred(_parsed(templates, name))]
+    gets = code(shape.__name__) if shape is not None else f"those of {_list(users)}"
+    uses = _used(templates, *(_tree(templates, template) if shape is not None else [template]))
+    macros = _parsed(templates, template).find_all(nodes.Macro)
+    named = (f"{item.name}({', '.join(argument.name for argument in item.args)})" for item in macros)
+    others = {*templates.functions, *environment(templates).globals} - (
+        get_type_hints(shape).keys() if shape else set()
+    )
+    return code(template), about, gets, _list(uses - others), _list(named)
+
+
+def _values(shape: type, smaller: Iterable[type]) -> Iterator[str]:
+    """The values of a class; those of another one that are all among them are not told again."""
+    hints = get_type_hints(shape, include_extras=True)
+    inside = [item for item in smaller if get_type_hints(item).items() <= get_type_hints(shape).items()]
+    told = {name for item in inside for name in get_type_hints(item)}
+    rows = [(code(name), code(_shown(kind)), text(_line(kind))) for name, kind in hints.items() if name not in told]
+    more = f", and those of {_list(item.__name__ for item in inside)}" if inside else ""
+    yield from ("", f"Values of {code(shape.__name__)}{more}:", "", table(["Value", "Type", "What it is"], rows))
+
+
+def _list(names: Iterable[str]) -> str:
+    return ", ".join(map(code, sorted(names)))
+
+
+def _callables(head: str, items: Mapping[str, Callable[..., object]]) -> str:
+    rows = [(code(name), text(_first_line(item))) for name, item in items.items()]
+    return table([head, "What it is" if head == "Test" else "What it gives"], rows)
+
+
+def _filter(name: str, item: Callable[..., object]) -> str:
+    """A filter as one writes it: its first argument stands before the bar."""
+    arguments = _signature(item, 1)
+    return f"{name}{arguments}" if arguments != "()" else name
+
+
+def _signature(item: Callable[..., object], leave_out: int = 0) -> str:
+    """The arguments without their types."""
+    parameters = list(inspect.signature(item).parameters.values())[leave_out:]
+    bare = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in parameters]
+    return str(inspect.Signature(bare))
+
+
+def _first_line(item: object) -> str:
+    return (inspect.getdoc(item) or "").partition("\n")[0].replace("``", "")
+
+
+# -- templates
+
+
+def _environment(templates: Templates) -> Environment:
+    """One that knows no names, so that those of Jinja count among the names that are used."""
+    made = environment(templates).overlay()
+    made.globals = {}
+    return made
+
+
+@cache
+def _parsed(templates: Templates, template: str) -> nodes.Template:
+    return _environment(templates).parse(_source(templates, template))
+
+
+def _source(templates: Templates, template: str) -> str:
+    return (templates.folder / template).read_text(encoding="utf-8")
+
+
+def _about(templates: Templates, template: str) -> str:
+    found = _ABOUT.match(_source(templates, template))
+    return found[1] if found else ""
+
+
+def _referred(tree: nodes.Template) -> set[str]:
+    """The templates that one includes or imports by name."""
+    return {name for name in meta.find_referenced_templates(tree) if name is not None}
+
+
+def _tree(templates: Templates, template: str) -> list[str]:
+    """The template and all that it includes or imports, directly or not."""
+    found = [template]
+    for name in found:  # It grows meanwhile.
+        found += sorted(_referred(_parsed(templates, name)) - set(found))
+    return found
+
+
+def _used(templates: Templates, *names: str) -> set[str]:
+    """The names that these templates use and none of them sets."""
+    trees = [_parsed(templates, name) for name in names]
+    stored = {item.name for tree in trees for item in tree.find_all(nodes.Name) if item.ctx == "store"}
+    return {name for tree in trees for name in meta.find_undeclared_variables(tree)} - stored
+
+
+# -- types
+
+
+def _line(kind: Any) -> str:
+    """The line that goes with an annotated type, or empty."""
+    return str(kind.__metadata__[0]) if get_origin(kind) is Annotated else ""
+
+
+def _shown(kind: Any) -> str:
+    """A type without its modules."""
+    kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
+    return kind.__name__ if hasattr(kind, "__name__") and not get_args(kind) else re.sub(r"\w+\.(?=\w)", "", str(kind))
+
+
+def _kinds(templates: Templates) -> set[type]:
+    """The classes with parts that templates meet in their values, at any depth."""
+    shapes = set(templates.values.values())
+    found = list(shapes)
+    for kind in found:  # It grows meanwhile.
+        found += {item for part in _parts(kind).values() for item in _classes(part)}.difference(found)
+    return set(found) - shapes
+
+
+def _classes(kind: Any) -> Iterator[type]:
+    """The classes of ours, or of a target's author, inside a type."""
+    for part in get_args(kind):
+        yield from _classes(part)
+    if isinstance(kind, type) and kind.__module__.partition(".")[0] not in sys.stdlib_module_names:
+        yield kind
+
+
+def _parts(kind: type) -> dict[str, Any]:
+    """What a value of a class has, and the type of each part; a method has the type of what it gives."""
+    found = _hints(kind)
+    for name, part in found.items():
+        if part is ClassVar or get_origin(part) is ClassVar:
+            found[name] = next(iter(get_args(part)), type(getattr(kind, name)))
+    for name, item in vars(kind).items():
+        if isinstance(item, property):
+            found[name] = _hints(item.fget).get("return", Any)
+        elif isinstance(item, cached_property):
+            found[name] = _hints(item.func).get("return", Any)
+        elif inspect.isfunction(item):
+            found[f"{name}{_signature(item, 1)}"] = _hints(item).get("return", Any)
+    return {name: part for name, part in found.items() if not name.startswith("_")}
+
+
+def _hints(item: object) -> dict[str, Any]:
+    """The types that a class or function names; as text where they are imported for the type checker alone."""
+    try:
+        return get_type_hints(item, include_extras=True)
+    except NameError:
+        return dict(inspect.get_annotations(item)) if callable(item) else {}
+
+
+def _types(title: str, kinds: Iterable[type]) -> Iterator[str]:
+    rows = []
+    for kind in sorted(kinds, key=lambda item: item.__name__):
+        about = "" if (kind.__doc__ or "").startswith(f"{kind.__name__}(") else _first_line(kind)
+        parts = ", ".join(code(f"{name}: {_shown(part)}") for name, part in _parts(kind).items())
+        rows.append((code(kind.__name__), text(about), parts))
+    if rows:
+        yield from ("", f"### {title}", "", table(["Type", "What it is", "Its parts"], rows))
+
+
+if __name__ == "__main__":
+    path, *names = sys.argv[1:]
+    Path(path).write_text(templates_page(map(load_target, names or BUILT_IN)), encoding="utf-8")

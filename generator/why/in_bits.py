@@ -1,0 +1,467 @@
+"""The usual mistakes with a frame that is one number: BiSS, or whatever else is sent as bits with a CRC at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, product
+
+from ..model import Constant, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant
+from ..reference.codec import binary_to_gray, gray_to_binary
+from ..reference.crc import reflect
+from ..reference.parameters import run_time_widths
+from ..reference.run_time import resolve_parameters
+from ..say.words import counted
+from .tries import NOT_INVERTED, Try, fixed_bits, usual
+
+#: Polynomials with their top bit that BiSS masters offer: Microchip dsPIC33A by length, and 0x97 that Beckhoff names
+#: besides 0x43.
+POLYNOMIALS = (0x190D9, 0x12F, 0x89, 0x97, 0x43, 0x25, 0x13, 0xB)
+#: A frame of another order code, cut off, is recognised by what is left of its CRC: all but so many bits.
+_CUT = 2
+#: So many states of the registers are looked at, far more than an encoder of today has.
+_STATES = 4096
+
+
+#: A layout of a certain length, and the order codes that send it; none where registers make it so.
+Shape = tuple[PlacedLayout, tuple[str, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class BitText:
+    """A frame as typed: ``bits`` long, or at least so long where the text leaves open the zeros in front."""
+
+    number: int
+    bits: int
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Slip:
+    """A text that does not begin and end where the frame does.
+
+    ``front`` are bits before it (``?`` is any), ``missing`` the first bits of the frame, which are not there, ``lost``
+    how many of its last bits are not there, and ``behind`` how many bits follow it.
+    """
+
+    kind: str
+    text: str
+    front: str = ""
+    missing: str = ""
+    lost: int = 0
+    behind: int = 0
+
+    @property
+    def longer(self) -> int:
+        return len(self.front) - len(self.missing) - self.lost + self.behind
+
+
+SLIPS = (
+    Slip(
+        "first_bit_missing",
+        "read one bit late: the first bit, a 0, is missing, and one bit more follows",
+        missing="0",
+        behind=1,
+    ),
+    Slip(
+        "first_bit_missing",
+        "read one bit late: the first bit, a 1, is missing, and one bit more follows",
+        missing="1",
+        behind=1,
+    ),
+    Slip(
+        "bits_in_front",
+        "read one bit early: a bit such as CDS is in front, and the last one is missing",
+        front="?",
+        lost=1,
+    ),
+    Slip(
+        "bits_in_front",
+        "read two bits early: start and CDS bit are in front, and the last two are missing",
+        front="1?",
+        lost=2,
+    ),
+    Slip("bits_in_front", "a bit too many in front, such as CDS", front="?"),
+    Slip("bits_behind", "a bit too many at the end, such as the stop bit", behind=1),
+    Slip("bits_in_front", "two bits too many in front: start and CDS bit", front="1?"),
+    Slip(
+        "bits_in_front",
+        "a bit too many in front, such as CDS, and one at the end, such as the stop bit",
+        front="?",
+        behind=1,
+    ),
+    Slip("bits_behind", "two bits too many at the end", behind=2),
+    Slip("first_bit_missing", "the first bit, a 0, is missing", missing="0"),
+    Slip("first_bit_missing", "the first bit, a 1, is missing", missing="1"),
+    Slip("last_bits_missing", "the last bit is missing", lost=1),
+    Slip("last_bits_missing", "the last two bits are missing", lost=2),
+)
+
+
+def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Every single mistake that could have made ``text`` of a sound frame.
+
+    The frame by ``placed`` is what was expected. A number without its zeros in front may have any length from its first
+    1 on. Where it could have the right one, the others are tried only as far as they lead to another frame.
+    """
+    expected = placed.bits
+    lengths = {text.bits} if text.exact or text.bits > expected else {expected, expected - 1}
+    lengths = {length for length in lengths if length >= text.bits}
+    if expected in lengths:
+        yield from _computed_otherwise(placed, crc, text.number)
+        yield from _whole(placed, crc, text.number)
+    for length in sorted(lengths, reverse=True):
+        yield from (
+            _slipped(placed, crc, slip, text.number, length) for slip in SLIPS if slip.longer == length - expected
+        )
+    yield from _without_status(placed, crc, text)
+    yield from without_constant(device, variant, placed, crc, text)
+    yield from _other_polynomials(placed, crc, text)
+    yield from _bytes_reversed(placed, crc, text)
+    yield from _other_codes(device, variant, placed, crc, text)
+
+
+def read_as(
+    kind: str,
+    words: str,
+    placed: PlacedLayout,
+    crc: Crc,
+    number: int,
+    lost: int = 0,
+    demanded: int = 0,
+    holds: bool = True,
+    codes: Sequence[str] = (),
+) -> Try:
+    """The try that the frame was ``number``, of which the last ``lost`` bits have not been received."""
+    fixed, right = fixed_bits(placed, number)
+    received = (number & crc.mask) >> lost
+    return Try(
+        kind,
+        words,
+        crc,
+        number >> crc.width,
+        placed.bits - crc.width,
+        received,
+        crc.width - lost,
+        demanded=demanded + fixed,
+        holds=holds and right,
+        usual=usual(placed, number),
+        number=number,
+        placed=placed,
+        codes=tuple(codes),
+    )
+
+
+def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
+    """A try of the frame as it is, of which everything but the mistake is known."""
+    fixed, right = fixed_bits(placed, number)
+    same = Try("", "", crc, number >> crc.width, placed.bits - crc.width, number & crc.mask, crc.width)
+    return replace(same, fixed=fixed if right else 0, usual=usual(placed, number))
+
+
+def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: int) -> Try:
+    there = length - len(slip.front) - slip.behind
+    body = number >> slip.behind
+    starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
+    holds = all(body >> (there + len(slip.front) - 1 - bit) & 1 for bit in starts)
+    frame = (int(slip.missing or "0", 2) << there | body & ((1 << there) - 1)) << slip.lost
+    return read_as(slip.kind, slip.text, placed, crc, frame, slip.lost, len(starts), holds)
+
+
+def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
+    """The frame is as it was sent; the CRC is another one."""
+    same = as_sent(placed, crc, number)
+    turned = "is not inverted" if crc.xorout else "is inverted"
+    yield replace(same, kind=NOT_INVERTED, text=f"the CRC {turned}", crc=replace(crc, xorout=crc.xorout ^ crc.mask))
+    yield from _status_otherwise(same, placed, number)
+    yield from _position_otherwise(same, placed, number)
+    yield from _start_bits_in_crc(same)
+    yield from _other_parameters(same)
+
+
+def _status_otherwise(same: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
+    """Error and warning are not in the CRC, or are turned round."""
+    status, width = _status_mask(placed), same.crc.width
+    if not status:
+        return
+    data, bits = _without(same.data, same.bits, status >> width)
+    words = "the CRC is over the bits before error and warning"
+    yield replace(same, kind="status_left_out", text=words, data=data, bits=bits)
+    words = "error and warning have been turned round, into active high"
+    turned = number ^ status
+    yield replace(same, kind="status_turned", text=words, data=turned >> width, usual=usual(placed, turned))
+
+
+def _position_otherwise(same: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
+    """The position is in Gray code where the CRC is over binary, or the other way round."""
+    low, width = _position(placed)
+    if not width:
+        return
+    position = number >> low & ((1 << width) - 1)
+    rest = number ^ position << low
+    for made, words in (
+        (gray_to_binary(position), "the CRC is over the position in binary; here it is in Gray code"),
+        (binary_to_gray(position), "the CRC is over the position in Gray code; here it is in binary already"),
+    ):
+        yield replace(same, kind="other_code", text=words, data=(rest | made << low) >> same.crc.width)
+
+
+def _start_bits_in_crc(same: Try) -> Iterator[Try]:
+    for front, words in (
+        (0b1, "the start bit, or a CDS bit that is 1,"),
+        (0b10, "start bit and CDS bit 0"),
+        (0b11, "start bit and CDS bit 1"),
+    ):
+        data, bits = front << same.bits | same.data, same.bits + front.bit_length()
+        yield replace(same, kind="start_bits_in_crc", text=f"the CRC is over {words} too", data=data, bits=bits)
+
+
+def _other_parameters(same: Try) -> Iterator[Try]:
+    """The CRC has another start value, or its polynomial or its own bits are reversed."""
+    crc = same.crc
+    for start in sorted({0, crc.mask} - {crc.init}):
+        yield replace(same, kind="start_value", text=f"the CRC starts with {start:#x}", crc=replace(crc, init=start))
+    backwards = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
+    words = f"the polynomial is {backwards | 1 << crc.width:#x}, read from the other end"
+    yield replace(same, kind="polynomial_reversed", text=words, crc=replace(crc, poly=backwards))
+    words = "the bits of the CRC are in reversed order"
+    yield replace(same, kind="crc_reversed", text=words, received=reflect(same.received, crc.width))
+
+
+def _whole(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
+    words = "every bit is inverted, as with the two wires of the data line swapped"
+    yield read_as("all_inverted", words, placed, crc, number ^ (1 << placed.bits) - 1)
+    yield read_as("bits_reversed", "all bits are in reversed order", placed, crc, reflect(number, placed.bits))
+
+
+def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    size = (placed.bits + 7) // 8
+    if text.number >> 8 * size or (text.exact and (text.bits not in (placed.bits, 8 * size) or text.bits % 8)):
+        return
+    swapped = int.from_bytes(text.number.to_bytes(size, "little"), "big")
+    number, unused = swapped & ((1 << placed.bits) - 1), 8 * size - placed.bits
+    words = "the bytes are in reversed order"
+    yield read_as("bytes_reversed", words, placed, crc, number, demanded=unused, holds=number == swapped)
+
+
+def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Error and warning are not among the bits at all: taken out after the CRC was made, or before."""
+    status = _status_mask(placed)
+    short = placed.bits - status.bit_count()
+    if (
+        not status
+        or status >> crc.width != (1 << status.bit_count()) - 1
+        or not (text.bits == short if text.exact else text.bits <= short)
+    ):
+        return
+    data, received = text.number >> crc.width, text.number & crc.mask
+    idle = sum(
+        item.mask << item.low for item in placed.fields if status >> item.low & 1 and _is_set_when_idle(item.field.kind)
+    )
+    frame = data << (crc.width + status.bit_count()) | idle | received
+    bits = short - crc.width
+    words = "error and warning have been taken out of the frame"
+    yield read_as("status_not_sent", f"{words}; the CRC is over them, with none active", placed, crc, frame)
+    if text.exact:  # else it asks the same as a CRC over the bits before them
+        words += "; the CRC is over the rest"
+        yield Try(
+            "status_not_sent",
+            words,
+            crc,
+            data,
+            bits,
+            received,
+            crc.width,
+            usual=usual(placed, frame),
+            number=frame,
+            placed=placed,
+        )
+
+
+def _is_set_when_idle(kind: Kind) -> bool:
+    return kind.active_low if isinstance(kind, Flag) else isinstance(kind, Unused)
+
+
+def without_constant(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """A constant between two fields is not sent, where the manual leaves that open.
+
+    Read to its end, or a bit too long.
+    """
+    status = [item.name for item in placed.layout.status_fields]
+    for item in placed.fields:
+        path = f"interfaces.{variant.interface}.{placed.name}.{item.name}"
+        is_between = crc.width <= item.low and item.high < placed.bits - 1
+        if not isinstance(item.field.kind, Constant) or item.name in status or not is_between:
+            continue
+        if all(erratum.status != "open" for erratum in device.errata_for(path)):
+            continue
+        short = placed.bits - item.width
+        for more in (0, 1):
+            if text.bits != short + more if text.exact else text.bits > short + more:
+                continue
+            sent = text.number >> more
+            above, below = sent >> item.low, sent & ((1 << item.low) - 1)
+            whole = (above << item.width | item.field.kind.value) << item.low | below
+            words = f"'{item.name}' is not sent: {short} bits, as the manual leaves it open"
+            yield Try(
+                "constant_not_sent",
+                f"{words}, read a bit too long" if more else words,
+                crc,
+                sent >> crc.width,
+                short - crc.width,
+                sent & crc.mask,
+                crc.width,
+                usual=usual(placed, whole),
+                number=whole,
+                placed=placed,
+            )
+
+
+def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Data of the right length before a CRC of another length.
+
+    They are whole, cut off by a reader that expects fewer bits, or followed by zeros.
+
+    The stop bit is 0, and with one slave what follows it is 0 too: SLI, which the master holds at 0.
+    """
+    before = placed.bits - crc.width
+    for polynomial in POLYNOMIALS:
+        if polynomial == crc.poly_with_top_bit:
+            continue
+        other = _with_polynomial(crc, polynomial)
+        for length in dict.fromkeys((before + other.width, placed.bits)):
+            if length == text.bits or (not text.exact and length > text.bits):
+                yield _of_length(placed, crc, other, text.number, length)
+
+
+def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
+    """The CRC with another polynomial, its start value and inversion widened or narrowed to it."""
+    width = polynomial.bit_length() - 1
+    mask = (1 << width) - 1
+    return replace(
+        crc, width=width, poly=polynomial & mask, init=mask if crc.init else 0, xorout=mask if crc.xorout else 0
+    )
+
+
+def _of_length(placed: PlacedLayout, crc: Crc, other: Crc, number: int, length: int) -> Try:
+    """The try that ``number``, ``length`` bits long, is the data of the frame and ``other`` in place of its ``crc``."""
+    before, width = placed.bits - crc.width, other.width
+    behind, data = number & ((1 << (length - before)) - 1), number >> (length - before)
+    known = min(width, length - before)
+    zeros = max(length - before - width, 0)
+    fixed, right = fixed_bits(placed, data << crc.width)
+    own_place = length == placed.bits
+    cut = f", of which the first {known} bits are here" if known < width else ", followed by zeros" if zeros else ""
+    return Try(
+        "other_polynomial",
+        f"the polynomial is {other.poly_with_top_bit:#x}: a CRC of {width} bits{cut}",
+        other,
+        data,
+        before,
+        behind >> zeros,
+        known,
+        demanded=zeros + (0 if own_place else fixed),
+        holds=(own_place or right) and not behind & ((1 << zeros) - 1),
+        fixed=zeros + (fixed if right else 0),
+        usual=usual(placed, data << crc.width),
+    )
+
+
+def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """The frame of another order code, or of this one with other widths in its registers: whole, read too long, or cut
+    off."""
+    shapes = _shapes(device, variant, placed)
+    whole = [
+        same for bits, same in shapes.items() if (bits == text.bits if text.exact else placed.bits < text.bits <= bits)
+    ]
+    if whole:
+        # Where the text may have any number of zeros in front, the CRC cannot tell these lengths apart.
+        other = _possible(whole[0], text.number)[0]
+        codes = tuple(code for same in whole for code in _possible(same, text.number)[1])
+        longer = " or more" if len(whole) > 1 else ""
+        yield read_as(
+            _kind(codes), f"{other.bits} bits{longer}, {_sender(variant, codes)}", other, crc, text.number, codes=codes
+        )
+    for bits, same in shapes.items():
+        more = placed.bits - bits
+        if more > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
+            # One bit more is the stop bit, or what came instead; further ones are 0, as the master holds SLI at 0.
+            zeros = more if more > 1 else 0
+            ends = text.number & ((1 << zeros) - 1)
+            other, codes = _possible(same, text.number >> more)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(more, 'bit')} too long"
+            yield read_as(
+                _kind(codes), words, other, crc, text.number >> more, demanded=zeros, holds=not ends, codes=codes
+            )
+        elif -_CUT <= more < 0 and text.bits == placed.bits:
+            other, codes = _possible(same, text.number << -more)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(-more, 'bit')} too short"
+            yield read_as(_kind(codes), words, other, crc, text.number << -more, -more, codes=codes)
+
+
+def _possible(shapes: Sequence[Shape], number: int) -> Shape:
+    """Of shapes of one length, the one that asks least of the frame, with all order codes that it could be of."""
+    could = [item for item in shapes if fixed_bits(item[0], number)[1]] or shapes
+    least = min(could, key=lambda item: fixed_bits(item[0], number)[0])
+    return least[0], tuple(code for _, codes in could for code in codes)
+
+
+def _kind(codes: Sequence[str]) -> str:
+    return "other_order_code" if codes else "other_widths"
+
+
+def _sender(variant: Variant, codes: Sequence[str]) -> str:
+    if not codes:
+        return f"the frame of {variant.code} with other widths in its registers"
+    return f"the frame of {codes[0]}" + (
+        f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else ""
+    )
+
+
+def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int, list[Shape]]:
+    """The layout with every other length that it can have, by length, shortest first.
+
+    Those of one length differ in what they ask of a frame, such as zeros above the position.
+    """
+    found: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
+    for other in device.variants:
+        if other.interface == variant.interface:
+            made = placed.layout.place(other.parameters)
+            asks = tuple((item.low, item.width) for item in made.fields if isinstance(item.field.kind, Constant))
+            found.setdefault((made.bits, asks), (made, []))[1].append(other.code)
+    lengths = {bits for bits, _ in found}
+    held = run_time_widths(device, placed.layout)
+    items = [item for item in device.run_time_parameters if item.read_from in held]
+    if items:
+        definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+        given = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+        for values in islice(product(*(range(item.min or 0, (item.max or 0) + 1) for item in items)), _STATES):
+            changed: Mapping[str, int] = {**given, **dict(zip((item.name for item in items), values, strict=True))}
+            parameters = resolve_parameters(changed, definitions)
+            if placed.layout.bits.value(parameters) not in lengths:
+                made = placed.layout.place(parameters)
+                lengths.add(made.bits)
+                found[made.bits, ()] = (made, [])
+    shapes: dict[int, list[Shape]] = {}
+    for (bits, _), (made, codes) in sorted(found.items(), key=lambda item: item[0][0]):
+        if bits != placed.bits:
+            shapes.setdefault(bits, []).append((made, tuple(codes)))
+    return shapes
+
+
+def _status_mask(placed: PlacedLayout) -> int:
+    names = [item.name for item in placed.layout.status_fields]
+    return sum(item.mask << item.low for item in placed.fields if item.name in names)
+
+
+def _without(data: int, bits: int, mask: int) -> tuple[int, int]:
+    """``data`` without the bits of ``mask``, closed up, and how many bits that is."""
+    kept = [data >> bit & 1 for bit in range(bits - 1, -1, -1) if not mask >> bit & 1]
+    return int("".join(map(str, kept)) or "0", 2), len(kept)
+
+
+def _position(placed: PlacedLayout) -> tuple[int, int]:
+    """Low bit and width of what a master would turn from Gray code into binary."""
+    named = placed.layout.gray_of or next((join.name for join in placed.layout.joins), "")
+    numbers = [item for item in placed.fields if isinstance(item.field.kind, Number)]
+    return placed.place_of(named or (max(numbers, key=lambda item: item.width).name if numbers else ""))

@@ -1,0 +1,91 @@
+"""Arguments of procedures in every way that a step can write them, and what else only a made-up encoder has."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from c_harness import MadeOnce, Run, compile_c, devices_of, program_over, source, write
+from codewheel.model import Device, Procedure, Variant
+from codewheel.reference.codec import EncodeError
+from codewheel.reference.procedures import register_writes
+from test_c_families import steps_text
+
+SPEC = Path(__file__).parent / "specs" / "arguments.yaml"
+
+#: Values around what each argument can be, and one at a time the others at the first.
+VALUES: Mapping[str, tuple[int, ...]] = {
+    "control": (0, 60000, 60001, 0x1234),
+    "kind": (1, 2, 0, 3, 255),
+    "both": (0, 100000, 100001, 0x12345),
+    "target": (3, 2, 500, 501),
+    "goal": (0, 511, 512, 8191, 8192),
+    "unused": (0, 77),
+    "mode": (6, 1, 0, 2, 7, 15, 16),
+    "speed": (0, 1023, 1024, 0x2A5),
+    "level": (7, 6, 900, 901, 0xFFF, 0x1000),
+}
+
+
+@pytest.fixture(scope="module")
+def arguments() -> Device:
+    (found,) = devices_of(SPEC)
+    return found
+
+
+@pytest.fixture(scope="module")
+def run_arguments(arguments: Device, made_once: MadeOnce) -> Run:
+    return program_over(arguments, made_once, "arguments")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", [["clang", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]], ids=" ".join)
+def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> None:
+    """Not for an argument that no step uses, nor for an encoder that is known by a byte called ``variant_id``."""
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"{command[0]} is not installed")
+    compile_c(command, source(arguments), tmp_path, write(tmp_path, (arguments,)), link=False)
+
+
+@pytest.mark.parametrize("code", ["ZASC", "ZBSC"])
+@pytest.mark.parametrize("name", ["whole", "parts", "look"])
+def test_arguments_are_written_and_refused_as_by_the_model(
+    name: str, code: str, arguments: Device, run_arguments: Run
+) -> None:
+    procedure, variant = arguments.procedure(name), arguments.variant(code)
+    names = [item.name for item in procedure.arguments]
+    plain = {item: VALUES[item][0] for item in names}
+    given = [plain, *({**plain, item: value} for item in names for value in VALUES[item][1:])]
+    lines = [" ".join([code, "steps", name, *(f"{values[item]:X}" for item in names)]) for values in given]
+    assert run_arguments(lines) == [steps_text(arguments, procedure, variant, values) for values in given]
+    if names:
+        answers = [line.split(" ")[0] for line in run_arguments(lines)]
+        assert "0" in answers
+        assert "4" in answers
+
+
+def test_a_named_value_and_limits_hold_for_one_field_as_well(arguments: Device) -> None:
+    procedure, variant = arguments.procedure("parts"), arguments.variant("ZASC")
+    for wrong in ({"mode": 2}, {"level": 6}, {"level": 901}):
+        assert refused(arguments, procedure, variant, {"mode": 6, "speed": 0, "level": 7} | wrong)
+    assert not refused(arguments, procedure, variant, {"mode": 6, "speed": 0, "level": 7})
+
+
+def refused(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> bool:
+    try:
+        register_writes(device, procedure, variant, given)
+    except EncodeError:
+        return True
+    return False
+
+
+def test_a_frame_without_a_selector_is_what_no_other_frame_is(run_arguments: Run) -> None:
+    assert run_arguments(f"ZAJP select reply {data}" for data in ("010203", "020304", "0102", "FF", "")) == [
+        "0 0 3",
+        "0 1 3",
+        "0 0 3",
+        "0 1 3",
+        "1 0 0",
+    ]

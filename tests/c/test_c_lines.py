@@ -1,0 +1,103 @@
+"""Lines of C that are too long, and expressions with parentheses where C needs them or readers do."""
+
+from __future__ import annotations
+
+import pytest
+from codewheel.model.expressions import Expression
+from codewheel.targets.c.expr import (
+    Call,
+    Cast,
+    Either,
+    Expr,
+    Name,
+    Number,
+    Operation,
+    Scope,
+    joined,
+    left,
+    masked,
+    right,
+)
+from codewheel.targets.c.lines import beside, laid_out
+
+LONG = "a_name_of_so_many_letters_that_two_of_them_fill_a_line"
+
+
+def test_what_fits_stays_as_it_is() -> None:
+    comments = f"/*\n * {'x' * 120}\n */\n/* {'x' * 120} */\n"
+    text = f"{'x' * 100}\n{comments}#define {'X' * 120} 1U\nint a[] = {{ {'1, ' * 60}1 }};\n"
+    assert laid_out(text) == text
+
+
+@pytest.mark.parametrize(
+    ("line", "lines"),
+    [
+        (f"    {LONG}_first = {LONG};", [f"    {LONG}_first =", f"        {LONG};"]),
+        (f"    {LONG} = c ? d : {LONG};", [f"    {LONG} = c ?", f"        d : {LONG};"]),
+        (f"    if (({LONG}) && ({LONG})) {{", [f"    if (({LONG}) &&", f"        ({LONG})) {{"]),
+        (f"    call({LONG}, {LONG});", [f"    call({LONG},", f"        {LONG});"]),
+        (f"static int f({LONG} a, {LONG} b)", ["static int f(", f"    {LONG} a,", f"    {LONG} b)"]),
+        (f'    p("{LONG}, a || b", {LONG});', [f'    p("{LONG}, a || b",', f"        {LONG});"]),
+    ],
+)
+def test_a_long_line_is_broken_where_it_can_be(line: str, lines: list[str]) -> None:
+    assert laid_out(line + "\n").splitlines() == lines
+
+
+def test_a_line_that_goes_on_is_not_indented_further() -> None:
+    assert laid_out(f"    word =\n        ({LONG} +\n        {LONG} + {LONG}) |\n").splitlines()[2:] == [
+        f"        {LONG} +",
+        f"            {LONG}) |",
+    ]
+    assert laid_out(f"    word =\n        ({LONG} + {LONG}) |\n").splitlines()[1:] == [
+        f"        ({LONG} +",
+        f"        {LONG}) |",
+    ]
+
+
+def test_a_comment_behind_a_long_line_moves_above_it() -> None:
+    assert laid_out(f"    x = 1;{beside('one')}\n") == "    x = 1; /* one */\n"
+    assert laid_out(f"    x = {LONG};{beside(LONG)}\n") == f"    /* {LONG} */\n    x = {LONG};\n"
+    assert beside("") == ""
+    assert beside("*/ int x;") == " /* * / int x; */"
+
+
+A, B, C = Name("a"), Name("b"), Name("c")
+
+
+@pytest.mark.parametrize(
+    ("tree", "text"),
+    [
+        (Operation("|", (left(A, 3), B)), "(a << 3U) | b"),
+        (left(Operation("|", (left(A, 3), B)), 4), "((a << 3U) | b) << 4U"),
+        (Cast("uint8_t", right(A, 2)), "(uint8_t)(a >> 2U)"),
+        (right(Cast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
+        (masked(Call("f", (joined("+", (A, B)),)), 7), "f(a + b) & 0x07U"),
+        (Operation("-", (Operation("+", (A, B)), C)), "a + b - c"),
+        (Operation("-", (A, Operation("+", (B, C)))), "a - (b + c)"),
+        (Cast("int", Either(Operation("==", (A, Number(0))), B, C)), "(int)((a == 0U) ? b : c)"),
+        (joined("&&", (Operation("!=", (A, B)), Operation("!=", (A, C)))), "(a != b) && (a != c)"),
+        (right(A, 0), "a"),
+    ],
+)
+def test_operations_within_others_stand_in_parentheses(tree: Expr, text: str) -> None:
+    assert str(tree) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "unsigned", "signed"),
+    [
+        ("5", "5U", "5"),
+        ("set + 3", "3U + variant->set", "3 + (int64_t)variant->set"),
+        ("set - 3", "(uint32_t)variant->set - 3U", "(-3) + (int64_t)variant->set"),
+        ("2^set - 1", "m_mask(variant->set)", "(int64_t)m_mask(variant->set)"),
+        ("2^set", "(uint64_t)1U << variant->set", "1 + (int64_t)m_mask(variant->set)"),
+        ("set * set", "(uint32_t)variant->set * variant->set", "(int64_t)((uint32_t)variant->set * variant->set)"),
+        ("other", "m_d_other(variant)", "(int64_t)m_d_other(variant)"),
+        ("4 - set", "4U - variant->set", "4 - (int64_t)variant->set"),
+    ],
+)  # fmt: skip
+def test_parameters_are_members_of_the_variant_or_functions_of_it(text: str, unsigned: str, signed: str) -> None:
+    scope = Scope("m", "m_d", {"set": 255}, {})
+    assert str(scope.of(Expression.parse(text))) == unsigned
+    assert str(scope.signed(Expression.parse(text))) == signed

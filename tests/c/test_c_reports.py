@@ -1,0 +1,192 @@
+"""What frames tell of the encoder in C, as the reference has it: verdict, reports and their texts, unused bits."""
+
+from __future__ import annotations
+
+import random
+import shlex
+from collections.abc import Iterable, Iterator, Mapping
+from functools import reduce
+from operator import xor
+from pathlib import Path
+
+import pytest
+from c_harness import GCC, Run, compile_c, write
+from codewheel.model import Device, Flag, PlacedLayout, Variant, Verdict
+from codewheel.plan.reports import reportings, reports_of
+from codewheel.reference import codec
+from codewheel.reference.findings import Report, findings
+from test_c_codec import Table, check, made, on_the_wire, samples
+
+#: Frames of each layout and order code; ``make verify-crosscheck`` has a million.
+FRAMES = 300
+VERDICTS = list(Verdict)
+NOT_USABLE, WARNING, USABLE, NOT_TOLD = range(4)
+
+
+def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
+    """Sound frames of the encoder with every flag and unused bit at random, or one of them alone."""
+    random_ = random.Random("reports")
+    table = Table(device)
+    for name, variant, placed in table.cases():
+        if placed.layout.sender != "encoder":
+            continue
+        data = [item for item in placed.fields if item.field.carries_data]
+        choices = {item.name: samples(item.field, item.width, placed.layout, random_) for item in data}
+        flags = [item for item in data if isinstance(item.field.kind, Flag)]
+        quiet = {item.name: int(item.field.kind.active_low) for item in flags if isinstance(item.field.kind, Flag)}
+        sets = [quiet, *({**quiet, item.name: 1 - quiet[item.name]} for item in flags)]
+        for fixed in (*sets, *({} for _ in range(FRAMES))):
+            yield name, variant, placed, made(device, placed, choices, fixed, random_)
+
+
+class Telling:
+    """What the frames of a device tell, by the reference, as C has to give it."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self._bits = {
+            item.codec.layout.name: {told.by.field.name: 1 << told.report.number for told in item.told}
+            for item in reportings(device)
+        }
+
+    def says_anything(self, layout: str) -> bool:
+        return layout in self._bits
+
+    def has_reports(self, layout: str) -> bool:
+        return bool(self._bits[layout])
+
+    def mask(self, reports: Iterable[Report], layout: str) -> int:
+        return sum(self._bits[layout][item.field] for item in reports)
+
+    def of(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
+        """The verdict, if there is one, and the mask of the reports."""
+        said = findings(self.device, variant, codec.decode(self.device, placed, number))
+        verdict = VERDICTS.index(said.verdict) if said.verdict is not None else None
+        return verdict, self.mask(said.reports, placed.name)
+
+    def row(self, variant: Variant, placed: PlacedLayout, number: int) -> str:
+        """What the harness has to answer."""
+        verdict, reports = self.of(variant, placed, number)
+        told = f"{reports:X}" if self.has_reports(placed.name) else "-"
+        return f"0 {'-' if verdict is None else verdict} {told}"
+
+
+def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, Run]) -> None:
+    device, run = machine
+    telling = Telling(device)
+    pairs = [
+        (f"{variant.code} tells {name} {on_the_wire(placed, number)}", telling.row(variant, placed, number))
+        for name, variant, placed, number in frames(device)
+        if telling.says_anything(name)
+    ]
+    check(run, pairs)
+    seen = {answer.split()[1] for _, answer in pairs}
+    wanted = {
+        "am36": "0 1 3",
+        "amm5": "0 1 2 3 -",
+        "asc85": "0 1 2 3",
+        "reserved": "0 1 2 3 -",
+        "sma21": "0 1 2",
+        "words": "0 2 -",
+    }
+    assert seen >= set(wanted.get(device.name, "").split()), seen
+
+
+def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:
+    """One by one; and of several the text is that of the lowest bit."""
+    device, run = machine
+    everything = reports_of(device)
+    if not everything:
+        return
+    texts: dict[int, list[str]] = {}
+    telling = Telling(device)
+    for name, variant, placed, number in frames(device):
+        said = findings(device, variant, codec.decode(device, placed, number))
+        for report in said.reports:
+            bit = telling.mask([report], name)
+            row = [everything[bit.bit_length() - 1].name, report.printed_name, report.meaning, report.remedy]
+            texts.setdefault(bit, [*row, report.source])
+    assert sorted(texts) == [1 << item.number for item in everything]
+    code = device.variants[0].code
+    answers = run([f"{code} text of {-bit & 0xFFFF_FFFF:X}" for bit in texts])
+    assert {bit: shlex.split(answer) for bit, answer in zip(texts, answers, strict=True)} == texts
+    assert run([f"{code} text of 0"]) == ['"" "" "" "" ""']
+
+
+def test_the_strict_form_wants_unused_bits_as_the_manual_has_them(machine: tuple[Device, Run]) -> None:
+    device, run = machine
+    pairs = []
+    for name, variant, placed, number in frames(device):
+        said = findings(device, variant, codec.decode(device, placed, number))
+        documented = any(item.equals is not None for item in placed.layout.fields)
+        if documented or placed.layout.unused:
+            strict = not said.differences and not codec.unused_bits(placed, number)
+            pairs.append((f"{variant.code} expected {name} {on_the_wire(placed, number)}", f"0 {int(strict)}"))
+    check(run, pairs)
+    if device.name in ("am36", "amm5", "reserved", "sma21"):
+        assert {answer for _, answer in pairs} == {"0 0", "0 1"}
+
+
+def with_xor(text: str) -> str:
+    """A frame with its CRC."""
+    data = bytes.fromhex(text)
+    return (data + bytes((reduce(xor, data),))).hex().upper()
+
+
+def test_verdicts_by_hand(run: Run) -> None:
+    """AMM5 over RS-485: the manual's frames (7.2.1, 7.4), or such with another status bit."""
+    complete = {
+        "1A 00 A5A500 23 888800 00": f"{USABLE} 0",
+        # BUSY, and EE_1 that sums it up; all position data are 0.
+        "1A 20 000000 23 000000 02": f"{NOT_USABLE} 90",
+        # EE_1 sums up the battery alarm too, which leaves the position usable.
+        "1A 20 A5A500 23 888800 80": f"{WARNING} 1010",
+        "1A 20 A5A500 23 888800 00": f"{NOT_USABLE} 10",
+        # Bits that the manual has as 0: of the status, and of the alarms.
+        "1A 01 A5A500 23 888800 10": f"{WARNING} 204",
+    }
+    code = "AMM5A23/65KJP1"
+    pairs = [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {said}") for frame, said in complete.items()]
+    # A reply from a public log: EE_1, and the reply does not tell what it is.
+    pairs.append((f"{code} tells singleturn_reply 0220C7D16A5E", f"0 {NOT_USABLE} 10"))
+    check(run, pairs)
+
+
+def test_the_only_printed_reply_to_data_id_5_has_its_position(programs: Mapping[str, Run]) -> None:
+    """SMA21 7.3.4: SF = 02h sets dd1, which 7.3.2 has as 0."""
+    code, frame = "SMA21-JP1-0001", "2A02DA040043250090"
+    lines = {
+        f"decode wide_position_reply {frame}": "0 0 0 160037864666 2",
+        f"tells wide_position_reply {frame}": f"0 {WARNING} 4",
+        f"expected wide_position_reply {frame}": "0 0",
+        "encode wide_position_reply 0 0 160037864666 2": f"0 {frame}",
+        # A bit of a flag is none of the unused ones.
+        "encode wide_position_reply 0 0 160037864666 16": f"4 {'00' * 9}",
+    }
+    check(programs["sma21"], [(f"{code} {line}", answer) for line, answer in lines.items()])
+
+
+def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every_device: Mapping[str, Device]) -> None:
+    """AM36 sends nE and nW as 1 always (6.3.1); a word with one of them at 0 has its position all the same."""
+    device = every_device["am36"]
+    variant = next(item for item in device.variants if item.interface == "biss")
+    placed = device.interface("biss").layouts[0].place(variant.parameters)
+    said = {0: f"{NOT_TOLD} 0", 1: f"{WARNING} 2", 2: f"{NOT_USABLE} 1", 3: f"{NOT_USABLE} 3"}
+    for unused, answer in said.items():
+        word = codec.encode(device, placed, {"multiturn": 1, "singleturn": 2, "unused": unused})
+        assert word >> 6 & 3 == 3 - unused
+        assert programs["am36"]([f"{variant.code} tells {placed.name} {word:X}"]) == [f"0 {answer}"]
+
+
+@pytest.mark.slow
+def test_texts_take_nothing_where_they_are_not_used(c_devices: tuple[Device, ...], tmp_path: Path) -> None:
+    """Even where the compiler improves nothing, no text of a report is in a program that asks for none."""
+    include = write(tmp_path, c_devices)
+    remedy = b"Turn on the main power twice"
+    call = "lika_amm5_report_text(1U)->remedy"
+    sizes = {}
+    for name, used in (("without", '""'), ("with", call)):
+        code = f'#include "lika/amm5.h"\nint main(void) {{ const char *const text = {used}; return (int)text[0]; }}\n'
+        program = compile_c([*GCC, "-O0"], code, tmp_path, include, name)
+        sizes[name] = remedy in program.read_bytes()
+    assert sizes == {"without": False, "with": True}

@@ -1,0 +1,176 @@
+"""The page on verdicts: its tables say of every frame what the reference codec makes of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+import pytest
+from codewheel.model import Choice, Device, Flag, Layout, Number, Unused
+from codewheel.plan.reports import reports_of
+from codewheel.reference import codec
+from codewheel.reference.findings import Findings, findings
+from codewheel.targets import Library
+
+Row = tuple[str, ...]
+
+
+@pytest.fixture
+def page(pages: Mapping[str, str]) -> str:
+    return pages["docs/usable-or-not.md"]
+
+
+def rows(page: str, after: str) -> list[Row]:
+    """The rows of the table below a heading, what is left out in a cell taken from the row above."""
+    lines = page.partition(f"## {after}\n")[2].partition("\n## ")[0].splitlines()
+    table = [re.split(r" ?(?<!\\)\| ?", line)[1:-1] for line in lines if line.startswith("|")][2:]
+    found: list[Row] = []
+    for cells in table:
+        # A family, an interface and a frame hold until the next one is named.
+        given = next((index for index, cell in enumerate(cells) if cell), 0)
+        above = found[-1][:given] if found else ()
+        found.append((*above, *cells[len(above) :]))
+    return found
+
+
+def plain(cell: str) -> str:
+    """A cell without its links, and of a name without those of the manual."""
+    return re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", re.sub(r"<a [^>]*></a>", "", cell)).partition("<br>")[0]
+
+
+def frames(device: Device, cell: str) -> list[Layout]:
+    return [device.layout(name.strip("`")) for name in plain(cell).split(", ")]
+
+
+def said(device: Device, layout: Layout, active: str) -> Findings:
+    """What a frame says in which one flag is active, or unused bits differ, or nothing if ``active`` is no field."""
+    interface = next(kind for kind, item in device.layouts() if item is layout)
+    variant = next(item for item in device.variants if item.interface == interface.name)
+    placed = layout.place(variant.parameters)
+    unused = {item.name: ((1 << item.widest) - 1) << place for item, place in layout.unused}
+    values: dict[str, int | str | bool] = {"unused": unused.get(active, 0)} if layout.unused else {}
+    for item in placed.fields:
+        match item.field.kind:
+            case Flag():
+                values[item.name] = item.name == active
+            case Number():
+                values[item.name] = item.field.number.zero_means
+            case Choice(values=choices):
+                values[item.name] = next(
+                    one.name for one in choices if item.name != layout.selector or one.value in layout.selects
+                )
+    decoded = codec.decode(device, placed, codec.encode(device, placed, values))
+    assert decoded.problems == ()
+    return findings(device, variant, decoded)
+
+
+def by_family(library: Library, page: str, heading: str) -> Iterator[tuple[Device, Row]]:
+    titles = {device.title: device for device in library.devices}
+    for row in rows(page, heading):
+        yield titles[plain(row[0])], row[1:]
+
+
+def test_the_table_is_what_the_reference_codec_decides(library: Library, page: str) -> None:
+    seen: dict[tuple[str, str], set[str]] = {}
+    for device, (title, cell, name, when, verdict, *_) in by_family(library, page, "What decides"):
+        for layout in frames(device, cell):
+            assert title in {kind.title for kind, item in device.layouts() if item is layout}
+            speaks = plain(name).strip("`")
+            found = said(device, layout, speaks).verdict
+            assert found is not None
+            assert f"`{found.value}`" == verdict, (layout.name, name)
+            seen.setdefault((device.name, layout.name), set()).add(speaks)
+            if speaks in {item.name for item in layout.fields}:
+                assert when.startswith(level(layout, speaks)), (layout.name, name)
+    told = {
+        (device.name, layout.name): {item.name for item in layout.fields if isinstance(item.kind, (Flag, Unused))}
+        for device in library.devices
+        for kind, layout in device.layouts()
+        if device.tells_position(kind.name, layout)
+    }
+    assert {key: names & told[key] for key, names in seen.items()} == told
+    assert all(names & {"none of these", "nothing"} for names in seen.values())
+
+
+def level(layout: Layout, name: str) -> str:
+    field = layout.field(name)
+    match field.kind:
+        case Flag(active_low=low):
+            return "0" if low else "1"
+        case Unused(value) if field.widest > 1:
+            return f"not {value}"
+        case Unused(value):
+            return f"{1 - value}"
+        case _:
+            raise AssertionError(name)
+
+
+@pytest.mark.parametrize(
+    ("family", "frame", "name", "when", "verdict"),
+    [
+        # 6.3.1 p.21: nE and nW are not used and always 1; the BiSS protocol has them 0 for error and warning.
+        ("am36", "single_cycle_data", "error", "0", "not_usable"),
+        ("am36", "single_cycle_data", "none of these", "", "not_told"),
+        # 7.3.2 p.42: EE_1 stands for four, which are in ALMC of data ID 3 alone.
+        ("amm5", "singleturn_reply", "status_other_error", "1", "not_usable"),
+        (
+            "amm5",
+            "complete_reply",
+            "status_other_error",
+            "1, with `busy`, `ps_error`, `battery_alarm` and `mt_error` inactive",
+            "not_usable",
+        ),
+        ("amm5", "complete_reply", "busy", "1", "not_usable"),
+        ("amm5", "complete_reply", "battery_alarm", "1", "usable_with_warning"),
+        ("amm5", "complete_reply", "alarm_zero_3_4", "not 0", "usable_with_warning"),
+        ("amm5", "ssi_word", "nothing", "", "not_told"),
+        # 5.4 p.22: the error bit of SSI is 0 while there is an error.
+        ("sma21", "ssi_word", "error", "0", "not_usable"),
+        ("sma21", "wide_position_reply", "status_alarm", "1", "usable_with_warning"),
+    ],
+)
+def test_as_the_manuals_have_it(
+    library: Library, page: str, family: str, frame: str, name: str, when: str, verdict: str
+) -> None:
+    found = [
+        row[3:5]
+        for device, row in by_family(library, page, "What decides")
+        if device.name == family
+        and frame in [item.name for item in frames(device, row[1])]
+        and plain(row[2]).strip("`") == name
+    ]
+    assert found == [(when, f"`{verdict}`")]
+
+
+def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page: str) -> None:
+    silent = {"amm5", "asc85", "sma21"}
+    for device, row in by_family(library, page, "What decides"):
+        name = plain(row[2]).strip("`")
+        flags = {
+            item.name for layout in frames(device, row[1]) for item in layout.fields if isinstance(item.kind, Flag)
+        }
+        assert ("position_under_error" in row[6]) == (name in flags and device.name in silent), (device.name, name)
+        assert (row[5] != "") == (name not in ("nothing", "none of these"))
+
+
+def test_every_report_is_there_and_each_frame_says_which(library: Library, page: str) -> None:
+    listed: dict[str, list[str]] = {}
+    for device, row in by_family(library, page, "What each report means"):
+        listed.setdefault(device.name, []).append(plain(row[0]).strip("`"))
+        assert row[1]
+    assert listed == {device.name: [item.name for item in reports_of(device)] for device in library.devices}
+    told: dict[str, set[str]] = {}
+    for device, row in by_family(library, page, "What each frame can report"):
+        told.setdefault(device.name, set()).update(re.findall("`([a-z0-9_]+)`", row[2]))
+        for layout in frames(device, row[1]):
+            assert layout.sender == "encoder"
+            expected = {report.field for item in layout.fields for report in said(device, layout, item.name).reports}
+            if device.alternatives_of(layout) == ():
+                assert set(re.findall("`([a-z0-9_]+)`", row[2])) == expected
+    assert told == {name: set(names) for name, names in listed.items()}
+
+
+def test_every_page_leads_to_it(library: Library, pages: Mapping[str, str]) -> None:
+    assert "[usable or not](usable-or-not.md)" in pages["docs/README.md"]
+    for device in library.devices:
+        assert f"[usable or not](usable-or-not.md#{device.name})" in pages[f"docs/{device.name}.md"]

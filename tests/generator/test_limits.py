@@ -1,0 +1,73 @@
+"""Between which values a register may be written, by itself and by procedures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from codewheel.build.load import load_library
+from codewheel.model import Device
+from codewheel.reference.codec import EncodeError
+from codewheel.reference.limits import bounds
+from codewheel.reference.order_codes import find
+from codewheel.reference.procedures import register_writes
+from codewheel.reference.run_time import with_registers
+
+SPECS = Path(__file__).resolve().parents[1] / "c" / "specs"
+
+
+def test_what_zero_stands_for_can_be_written() -> None:
+    devices, _ = load_library([SPECS / "shapes.yaml"])
+    register = devices[0].register("scale")
+    variant = next(item for item in devices[0].variants if item.interface == register.interface)
+    placed = register.layout.place(variant.parameters)
+    assert bounds(register, placed, (register.min, register.max), variant.parameters) == (1, 256)
+
+
+def resolution(device: Device, information: int, revolutions: int, position: int) -> dict[int, int]:
+    """What the registers hold after AM36's set_resolution, by their addresses."""
+    given = {
+        "information_per_revolution": information,
+        "number_of_revolutions": revolutions,
+        "position": position,
+    }
+    variant = find(device, "AM3616/4096-I7").variant
+    return {
+        item.address: item.value for item in register_writes(device, device.procedure("set_resolution"), variant, given)
+    }
+
+
+def test_what_a_step_writes_holds_for_the_limits_of_later_steps(devices: Mapping[str, Device]) -> None:
+    """AM36 manual, 6.5 p.29: a preset is at most information per revolution times revolutions, less 1."""
+    held = resolution(devices["am36"], 1024, 16, 16383)
+    assert [held[address] for address in range(0x50, 0x55)] == [0, 0, 0, 0x3F, 0xFF]
+    for information, revolutions, position in ((1024, 16, 16384), (1, 1, 1), (2, 1, 2), (1 << 20, 1, 1 << 20)):
+        with pytest.raises(EncodeError, match=f"outside 0 to {information * revolutions - 1}$"):
+            resolution(devices["am36"], information, revolutions, position)
+    assert resolution(devices["am36"], 1, 1, 0)[0x54] == 0
+    # 16 bits hold 65,536 revolutions as 0, and the limit knows.
+    assert resolution(devices["am36"], 1 << 20, 65536, (1 << 36) - 1)[0x50] == 0x0F
+
+
+def test_a_preset_alone_keeps_to_what_the_registers_hold(devices: Mapping[str, Device]) -> None:
+    device = devices["am36"]
+    variant = find(device, "AM3616/4096-I7").variant
+    procedure = device.procedure("set_preset")
+    assert register_writes(device, procedure, variant, {"position": (1 << 36) - 1})
+    # 4Bh to 4Dh: 1,024 positions per revolution. 4Eh and 4Fh: 16 revolutions.
+    set_ = with_registers(device, variant, {0x4B: 0, 0x4C: 4, 0x4D: 0, 0x4E: 0, 0x4F: 16})
+    assert register_writes(device, procedure, set_, {"position": 16383})
+    with pytest.raises(EncodeError, match="16384 is outside 0 to 16383"):
+        register_writes(device, procedure, set_, {"position": 16384})
+
+
+@pytest.mark.parametrize("unused", [0x80, 0x10, 0x08, 0x02, 0x01])
+def test_a_procedure_accepts_no_more_than_its_register(devices: Mapping[str, Device], unused: int) -> None:
+    """AM36 manual, 6.5 p.25: bits 7, 4, 3, 1 and 0 of the configuration are not used and 0."""
+    device = devices["am36"]
+    variant = find(device, "AM3616/4096-I7").variant
+    procedure = device.procedure("set_configuration")
+    assert register_writes(device, procedure, variant, {"configuration": 0x64})[0].value == 0x64
+    with pytest.raises(EncodeError, match=f"{unused:#x} is no value of 'configuration'"):
+        register_writes(device, procedure, variant, {"configuration": unused})

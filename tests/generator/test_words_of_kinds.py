@@ -1,0 +1,64 @@
+"""The words for interfaces, steps and examples: schemas, builders and generated code have the same as the model."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from codewheel.build.examples import _EXAMPLES
+from codewheel.build.interfaces import _INTERFACES
+from codewheel.build.procedures import _STEPS
+from codewheel.model import INTERFACES, Example, Step
+from codewheel.spec.schema import load_schema
+
+TEMPLATES = Path(__file__).parents[2] / "templates"
+DO = {kind.do for kind in get_args(Step)}
+WORKED = {kind.kind for kind in get_args(Example)}
+
+
+def enums(schema: Any, name: str) -> list[set[str]]:
+    """The words that a schema allows for members of this name, wherever they stand; without the empty one."""
+    found = []
+    for key, inner in schema.items() if isinstance(schema, dict) else ():
+        if key == name and isinstance(inner, dict):
+            found += [
+                set(listed) - {""} for listed in (inner.get("enum"), inner.get("items", {}).get("enum")) if listed
+            ]
+        found += enums(inner, name)
+    return found
+
+
+@pytest.mark.parametrize("name", ["device", "show"])
+def test_schemas_allow_every_interface(name: str) -> None:
+    schema = load_schema(name)
+    found = [words for key in ("interface", "interfaces") for words in enums(schema, key)]
+    assert len(found) >= 5
+    assert all(words == set(INTERFACES) for words in found)
+
+
+def test_the_spec_has_every_interface() -> None:
+    assert set(load_schema("device")["$defs"]["interfaces"]["properties"]) == set(INTERFACES)
+    assert set(_INTERFACES) == set(INTERFACES)
+
+
+@pytest.mark.parametrize("name", ["device", "show"])
+def test_schemas_allow_every_step_and_example(name: str) -> None:
+    definitions = load_schema(name)["$defs"]
+    assert enums(definitions["step"], "do") == [DO]
+    assert enums(definitions["example"], "kind") == [WORKED]
+
+
+def test_every_step_and_example_is_built() -> None:
+    assert set(_STEPS) == DO
+    assert set(_EXAMPLES) == WORKED
+
+
+def test_generated_code_has_every_interface() -> None:
+    """The numbers of the C enumeration are part of the interface: a new one comes last."""
+    python = (TEMPLATES / "python/_codec.py.jinja").read_text(encoding="utf-8")
+    assert re.findall(r'^    [A-Z0-9]+ = "(\w+)"$', python, re.MULTILINE) == list(INTERFACES)
+    c = (TEMPLATES / "c/encoder.h.jinja").read_text(encoding="utf-8")
+    found = re.findall(r"\{\{ PREFIX \}\}_INTERFACE_(\w+) = (\d+)", c)
+    assert found == [("NONE", "0"), *((name.upper(), f"{at}") for at, name in enumerate(INTERFACES, 1))]

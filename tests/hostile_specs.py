@@ -1,0 +1,35 @@
+"""Parts of specs that are made in a test, so that every word of a list becomes a name of something."""
+
+from __future__ import annotations
+
+from typing import Any
+
+Item = dict[str, Any]
+
+HEAD: Item = {
+    "codewheel": 1,
+    "device": "hostile",
+    "manufacturer": "test",
+    "title": "Hostile names",
+    "movement": "rotary",
+    "manual": {"title": "Made up", "revision": "1", "language": "en"},
+}
+BISS_CLOCK: Item = {"min_hz": 80000, "max_hz": 10000000, "source": "1"}
+
+
+def crc(name: str, width: int, poly: int, xorout: int) -> Item:
+    one = {"name": name, "width": width, "poly": poly, "init": 0, "refin": False, "refout": False, "xorout": xorout}
+    return {**one, "source": "1"}
+
+
+def layout_of(name: str, *fields: Item, **more: Any) -> Item:
+    return {"name": name, "from": "encoder", "source": "1", "fields": list(fields), **more}
+
+
+def digits(name: str, high: str, low: str) -> Item:
+    """A number of four decimal digits in 14 bits, and the names of its two halves."""
+    return {"name": name, "bits": 14, "digits": [{"name": high, "digits": 2}, {"name": low, "digits": 2}]}
+
+
+def flag(name: str, active: str) -> Item:
+    return {"name": name, "active": active, "makes_position": "usable"}

@@ -1,0 +1,258 @@
+"""What the position of a frame is worth, what the encoder reports, and unused bits, in the generated package."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import pickle
+import random
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from codewheel.model import Device, Flag, Layout, PlacedLayout, Variant
+from codewheel.reference import codec
+from codewheel.reference.findings import findings
+from codewheel.say.report import alarm_of, meaning, remedy
+from codewheel.targets.python.context import Context
+
+#: The manual's only reply to data ID 5, with a bit in SF that the manual has at 0 (7.3.4).
+DATA_ID_5 = bytes.fromhex("2A 02 DA 04 00 43 25 00 90")
+WORDS = ["not_usable", "usable_with_warning", "usable", "not_told"]
+
+
+@pytest.fixture(scope="session")
+def lika(generated_python: tuple[Path, ModuleType]) -> Any:
+    return generated_python[1]
+
+
+def names(frame: Any) -> list[str]:
+    return [report.name for report in frame.reports]
+
+
+def sent(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Variant, PlacedLayout]]:
+    """Every frame of the encoders, each for one order code that has it."""
+    for device in devices.values():
+        for interface, layout in device.layouts():
+            variant = next(item for item in device.variants if item.interface == interface.name)
+            if layout.sender == "encoder":
+                yield device, layout, variant, layout.place(variant.parameters)
+
+
+def usual(placed: PlacedLayout) -> dict[str, int | str | bool]:
+    """Values of a frame that reports nothing."""
+    layout = placed.layout
+    values: dict[str, int | str | bool] = {item.name: 0 for item in placed.fields if item.field.carries_data}
+    values |= {item.name: False for item in layout.fields if isinstance(item.kind, Flag)}
+    return values | ({layout.selector: layout.selects[0]} if layout.selector else {})
+
+
+def answers(view: Any, device: Device, layout: Layout) -> dict[str, Any]:
+    """The first answers to what the manual leaves open of a frame, which are those of the model."""
+    return {item.name: next(iter(getattr(view, item.kind))) for item in Context(device).asked_of(layout)}
+
+
+def carried(placed: PlacedLayout, number: int) -> Any:
+    return codec.number_to_bytes(placed.layout, number, placed.bits) if placed.layout.in_bytes else number
+
+
+# ------------------------------------------------------------ by the manuals
+
+
+@pytest.mark.parametrize(
+    ("code", "made", "verdict", "reports"),
+    [
+        # nE and nW of BiSS: 6.2.1 p.32-33.
+        ("AMM5A21/65KSC1", {}, "usable", []),
+        ("AMM5A21/65KSC1", {"warning": True}, "usable_with_warning", ["warning"]),
+        ("AMM5A21/65KSC1", {"warning": True, "error": True}, "not_usable", ["error", "warning"]),
+        # A low battery keeps the position, and EE_1 sums it up: 4.3.1 p.23, 7.3.2 p.42.
+        (
+            "AMM5A21/65KJP1",
+            {"battery_alarm": True, "status_other_error": True},
+            "usable_with_warning",
+            ["status_other_error", "battery_alarm"],
+        ),
+        ("AMM5A21/65KJP1", {"status_other_error": True}, "not_usable", ["status_other_error"]),
+        ("AMM5A21/65KJP1", {"battery_alarm": True, "busy": True}, "not_usable", ["busy", "battery_alarm"]),
+        ("AMM5A21/65KJP1", {"unused": 0x800}, "usable_with_warning", ["alarm_zero_3_4"]),
+        ("AMM5A21/65KJP1", {"unused": 0x1C1}, "usable_with_warning", ["status_info", "status_zero", "alarm_zero_0"]),
+        # Bits that stand for error and warning in the BiSS protocol, and that this encoder does not use: 6.3.1 p.21.
+        ("AM3616/4096-I7", {}, "not_told", []),
+        ("AM3616/4096-I7", {"unused": 1}, "usable_with_warning", ["warning"]),
+        ("AM3616/4096-I7", {"unused": 2}, "not_usable", ["error"]),
+        # SSI words of the position alone, and with an error bit: 5.4 p.22.
+        ("AMM5A21/65KBG1", {}, "not_told", []),
+        ("SMA21-BG1-0050", {}, "usable", []),
+        ("SMA21-BG1-0050", {"error": True}, "not_usable", ["error"]),
+    ],
+)
+def test_what_the_manuals_say(lika: Any, code: str, made: dict[str, Any], verdict: str, reports: list[str]) -> None:
+    encoder = lika.lookup(code)
+    module = getattr(lika, encoder.family.name)
+    kinds = {"JP1": "CompleteReply", "BG1": "SsiWord", "BG": "SsiWord"}
+    kind = getattr(module, next((kind for mark, kind in kinds.items() if mark in code), "SingleCycleData"))
+    first = {name: 5 for name in kind._fields if name in ("multiturn", "singleturn", "position")}
+    flags = {name: False for name in kind._fields if name.startswith("status_")}
+    identity = {"encoder_id": 0x23} if "encoder_id" in kind._fields else {}
+    frame = encoder.decode(kind(encoder, **first | flags | identity | made).encode())
+    assert (frame.verdict, names(frame)) == (lika.Verdict(verdict), reports)
+
+
+def test_the_published_frames(lika: Any, vectors: list[dict[str, Any]]) -> None:
+    rows = [row for row in vectors if row["protocol"] == "BiSS-C SCD"]
+    assert {(row["fields"]["nE"], row["fields"]["nW"]) for row in rows} == {(1, 1), (0, 1), (1, 0)}
+    encoder = lika.lookup("SMA21-SC1-0010")
+    for row in rows:
+        frame = encoder.decode("00" + row["frame_hex_or_bits"])
+        error, warning = not row["fields"]["nE"], not row["fields"]["nW"]
+        assert frame.verdict is lika.Verdict(WORDS[0 if error else 1 if warning else 2])
+        assert names(frame) == [name for name, active in (("error", error), ("warning", warning)) if active]
+    # EE_1 is set in the reply of the T format, and data ID 0 does not tell which of four errors it is.
+    reply = next(row for row in vectors if row["protocol"].startswith("Tamagawa T-format response"))
+    frame = lika.lookup("AMM5A23/65KJP1").decode(bytes.fromhex(reply["frame_hex_or_bits"]))
+    assert (frame.singleturn, frame.verdict) == (reply["fields"]["ABS"], lika.Verdict.NOT_USABLE)
+    assert names(frame) == ["status_other_error"]
+
+
+def test_the_only_printed_reply_to_data_id_5_decodes(lika: Any) -> None:
+    encoder = lika.lookup("SMA21-JP1-0001")
+    frame = encoder.decode(DATA_ID_5)
+    assert (type(frame).__name__, frame.position, frame.unused) == ("WidePositionReply", 160_037_864_666, 2)
+    assert frame.verdict is lika.Verdict.USABLE_WITH_WARNING
+    (report,) = frame.reports
+    assert (report.name, report.printed_name) == ("status_info", "dd0 ... dd3")
+    assert report.makes_position is lika.Verdict.USABLE_WITH_WARNING
+    assert report.source.startswith("7.3.2 p.38")
+    assert not frame.is_as_documented
+    assert frame._replace(unused=0).is_as_documented
+    assert frame.encode() == DATA_ID_5
+    # What proves the frame stays a fault: its sync code, and the parity of its data ID.
+    for bit in (0, 7):
+        changed = bytes((DATA_ID_5[0] ^ 1 << bit, *DATA_ID_5[1:-1], DATA_ID_5[-1] ^ 1 << bit))
+        with pytest.raises(lika.ConstantError):
+            encoder.decode(changed)
+
+
+# ------------------------------------------------------------ by the model
+
+
+def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device]) -> None:
+    """All of them together with no unused bit, with one, and with some."""
+    source = random.Random("flags")
+    for device, layout, variant, placed in sent(devices):
+        view = getattr(lika, device.name)
+        encoder, frames = view.VARIANTS[variant.code], Context(device).frames
+        flags = [item.name for item in layout.fields if isinstance(item.kind, Flag)]
+        ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
+        masks = [0, *(1 << bit for bit in range(64) if ones >> bit & 1), *(source.getrandbits(64) & ones for _ in "12")]
+        values, given_answers = usual(placed), answers(view, device, layout)
+        for states, unused in itertools.product(itertools.product((False, True), repeat=len(flags)), set(masks)):
+            given = values | dict(zip(flags, states, strict=True)) | ({"unused": unused} if ones else {})
+            number = codec.encode(device, placed, given)
+            frame = encoder.decode(carried(placed, number), **given_answers)
+            said = findings(device, variant, codec.decode(device, placed, number))
+            assert type(frame).__name__ == frames[layout.name]
+            verdict = frame.verdict.value if hasattr(frame, "verdict") else None
+            assert verdict == (said.verdict.value if said.verdict is not None else None), (frame, said)
+            assert sorted(item.meaning for item in frame.reports) == sorted(item.meaning for item in said.reports)
+            assert getattr(frame, "unused", 0) == unused
+
+
+def test_a_frame_with_a_position_has_a_verdict(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device, layout, variant, _ in sent(devices):
+        view = getattr(getattr(lika, device.name), Context(device).frames[layout.name])
+        assert hasattr(view, "verdict") == device.tells_position(variant.interface, layout)
+
+
+def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Mapping[str, Device]) -> None:
+    for device in devices.values():
+        reports = getattr(lika, device.name).REPORTS
+        found = set()
+        for _, layout in device.layouts():
+            for field in layout.fields:
+                alarm = alarm_of(device, field)
+                said = (field.printed_name, meaning(field, alarm), remedy(alarm))
+                found |= {key for key, item in reports.items() if key.endswith(field.name) and item[1:4] == said}
+        assert found == set(reports)
+        assert all(key == item.name for key, item in reports.items())
+
+
+# ------------------------------------------------------------ unused bits
+
+
+def test_other_bits_than_the_unused_ones_are_refused(lika: Any, devices: Mapping[str, Device]) -> None:
+    """By the package as by the model."""
+    with_unused = 0
+    for device, layout, variant, placed in sent(devices):
+        ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
+        view = getattr(lika, device.name)
+        encoder, number = view.VARIANTS[variant.code], codec.encode(device, placed, usual(placed))
+        frame = encoder.decode(carried(placed, number), **answers(view, device, layout))
+        assert hasattr(frame, "unused") == bool(ones)
+        with_unused += bool(ones)
+        for bit in range(layout.unused_width + 2) if ones else ():
+            given = usual(placed) | {"unused": 1 << bit}
+            if ones >> bit & 1:
+                assert frame._replace(unused=1 << bit).encode() == carried(placed, codec.encode(device, placed, given))
+                continue
+            with pytest.raises(lika.RangeError, match=f"unused is {1 << bit}; it has to be made of the bits {ones:#x}"):
+                frame._replace(unused=1 << bit).encode()
+            with pytest.raises(codec.EncodeError):
+                codec.encode(device, placed, given)
+    assert with_unused > 6
+
+
+@pytest.mark.parametrize(("wrong", "error"), [(-1, "RangeError"), (True, "TypeError"), (1.0, "TypeError")])
+def test_what_is_no_number_of_unused_bits(lika: Any, wrong: Any, error: str) -> None:
+    frame = lika.lookup("SMA21-JP1-0001").decode(DATA_ID_5)
+    with pytest.raises((ValueError, TypeError)) as caught:
+        frame._replace(unused=wrong).encode()
+    assert type(caught.value).__name__ == error
+
+
+def test_unused_is_the_last_and_can_be_left_out(lika: Any) -> None:
+    encoder, kind = lika.lookup("AMM5A23/65KJP1"), lika.amm5.CompleteReply
+    assert kind._fields[-1] == "unused"
+    frame = kind.from_position(encoder, 5, False, False, encoder_id=0x23)
+    assert frame.unused == 0
+    assert frame.is_as_documented
+    other = kind.from_position(encoder, 5, False, False, encoder_id=0x23, unused=0x100)
+    assert (other != frame, hash(other) != hash(frame), other.is_as_documented) == (True, True, False)
+    assert repr(other) == repr(frame).replace("unused=0", "unused=256")
+    for one in (frame, other):
+        assert encoder.decode(one.encode()) == one == pickle.loads(pickle.dumps(one)) == copy.deepcopy(one)
+
+
+# ------------------------------------------------------------ objects
+
+
+def test_reports_are_made_once(lika: Any) -> None:
+    encoder, amm5 = lika.lookup("AMM5A21/65KSC1"), lika.amm5
+    wrong = amm5.SingleCycleData(encoder, 0, 5, error=True).encode()
+    first, second = (encoder.decode(wrong).reports for _ in "12")
+    assert first[0] is second[0] is amm5.REPORTS["error"]
+    assert len(amm5.REPORTS) == len(set(amm5.REPORTS)) > 10
+    assert pickle.loads(pickle.dumps(first)) == first == copy.deepcopy(first)
+    assert repr(amm5.REPORTS).startswith("{'error': Report(name='error', printed_name='Error, nE', ")
+
+
+def test_nothing_is_made_before_it_is_asked_for(generated_python: tuple[Path, ModuleType]) -> None:
+    script = """
+from lika_encoders import amm5
+encoder = amm5.lookup("AMM5A21/65KSC1")
+sound, wrong = (encoder.decode(amm5.SingleCycleData(encoder, 0, 5, error=error).encode()) for error in (False, True))
+print(sound.reports, wrong.verdict.name, "_items" in vars(amm5.REPORTS))
+print(len(wrong.reports), "_items" in vars(amm5.REPORTS))
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=generated_python[0])
+    assert (done.stdout, done.stderr) == ("() NOT_USABLE False\n1 True\n", "")
+
+
+def test_the_words_are_those_of_the_command_line(lika: Any) -> None:
+    assert [verdict.value for verdict in lika.Verdict] == WORDS
+    assert [verdict.name.lower() for verdict in lika.Verdict] == WORDS

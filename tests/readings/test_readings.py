@@ -1,0 +1,259 @@
+"""Second readings: what two readers have differently is told at both places, in these words."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+import shutil
+from collections.abc import Iterator
+
+import pytest
+from codewheel.build.load import load_families
+from codewheel.commands import check
+from codewheel.commands.cli import main
+
+HERE = pathlib.Path(__file__).parent
+MADE_UP = sorted((HERE / "specs").glob("*.yaml"))
+MEND = "; the manual decides; where it prints both, an erratum has them under 'readings'"
+
+
+@pytest.fixture
+def folder(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
+    """A copy of the made-up spec and its second reading, which agree."""
+    for path in MADE_UP:
+        shutil.copy(path, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def changed(path: pathlib.Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def told() -> list[str]:
+    """The problems in this folder, each in one line."""
+    report = check.run([pathlib.Path()], []).report
+    return [problem.format().splitlines()[0] for problem in report.problems]
+
+
+def cases() -> Iterator[tuple[str, str, str, list[str]]]:
+    """What is changed in the second reading, and what is told then, from the file beside this one."""
+    for block in (HERE / "disagreements.txt").read_text(encoding="utf-8").strip().split("\n\n"):
+        title, *lines = block.splitlines()
+        old, new = ("\n".join(line[2:] for line in lines if line.startswith(sign)) for sign in ("- ", "+ "))
+        yield title[2:], old, new, [line for line in lines if line[:2] not in ("- ", "+ ")]
+
+
+CASES = list(cases())
+
+
+def test_readers_may_name_split_and_order_things_as_they_like(folder: pathlib.Path) -> None:
+    assert told() == []
+
+
+@pytest.mark.parametrize(("old", "new", "expected"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
+def test_a_disagreement_is_told_at_both_places(folder: pathlib.Path, old: str, new: str, expected: list[str]) -> None:
+    changed(folder / "twice.second.yaml", old, new)
+    found = told()
+    assert all(line.endswith(MEND) for line in found)
+    assert [line.removesuffix(MEND) for line in found] == expected
+
+
+def test_it_is_shown_with_path_and_line(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    changed(folder / "twice.second.yaml", "address: 0x49", "address: 0x4A")
+    assert main(["check", "twice.yaml"]) == 1
+    shown = capsys.readouterr().out
+    assert (
+        f"""\
+twice.second.yaml:128:14: readings-disagree: register 0x4A: 1 byte here, nothing in twice.yaml:127{MEND}
+  in registers.configuration.address
+    address: 0x4A
+             ^
+"""
+        in shown
+    )
+    assert "read 3 specs: twice.yaml, manufacturer.yaml, twice.second.yaml\n" in shown
+
+
+def test_what_only_the_spec_has_is_no_problem(folder: pathlib.Path) -> None:
+    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    assert told() == []
+
+
+ERRATUM = "    affects: [registers.preset]\n"
+
+
+def test_an_erratum_explains_just_these_two_values(folder: pathlib.Path) -> None:
+    changed(folder / "twice.second.yaml", "max: 2^resolution - 1", "max: 2^resolution")
+    changed(folder / "twice.second.yaml", "{name: value, at: 11:0}", "{name: value, at: 12:0}")
+    changed(folder / "twice.yaml", "{name: position, at: 11:0}", "{name: position, at: 12:0}")
+    assert len(told()) == 2
+    changed(folder / "twice.yaml", ERRATUM, f'{ERRATUM}    readings: [{{second: "1024", used: "1023"}}]\n')
+    assert told() == []
+    changed(folder / "twice.yaml", 'second: "1024"', 'second: "1025"')
+    assert len(told()) == 3
+    changed(folder / "twice.yaml", '"1025", used: "1023"', '"1024", used: "1023"')
+    changed(folder / "twice.yaml", "affects: [registers.preset]", "affects: [registers.width]")
+    assert len(told()) == 3
+
+
+def test_an_explanation_without_a_disagreement_is_told(folder: pathlib.Path) -> None:
+    changed(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
+    (found,) = told()
+    assert found.endswith(
+        "readings-unused: nothing that this erratum affects is 'default' in the second reading and "
+        "'nothing' here; leave it out, or correct it"
+    )
+
+
+def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathlib.Path) -> None:
+    changed(folder / "twice.second.yaml", "    limits_of: value\n", "    limits_of: value\n    above_max: default\n")
+    assert len(told()) == 2
+    changed(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
+    assert told() == []
+
+
+NO_PROSE = "a second reading holds facts and no words for people, so leave it out"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("movement: rotary", "movement: rotary\ntitle: TWICE", f"5:1: unknown-key: unknown key 'title'; {NO_PROSE}"),
+        ("movement: rotary", "movement: rotary\nerrata: []", f"5:1: unknown-key: unknown key 'errata'; {NO_PROSE}"),
+        (
+            "device: twice",
+            "device: thrice",
+            "3:9: device-name: the device is called 'thrice' and the file 'twice'; give both the same name",
+        ),
+        ("movement: rotary\n", "", "2:1: missing-key: 'movement' is missing; a second reading needs it"),
+        ("    length: 2\n", "", "114:5: missing-key: 'length' is missing; a register needs it"),
+        ("min_hz: 200000, max_hz", "min_hz: 200000, max", "81:5: missing-key: 'max_hz' is missing"),
+    ],
+)
+def test_a_second_reading_keeps_to_the_language(folder: pathlib.Path, old: str, new: str, expected: str) -> None:
+    """It is not compared then."""
+    changed(folder / "twice.second.yaml", old, new)
+    changed(folder / "twice.second.yaml", "baud: 2500000", "baud: 1")
+    found = told()
+    assert found[0].startswith(f"twice.second.yaml:{expected}")
+    assert "readings-disagree" not in "".join(found)
+
+
+def test_a_spec_with_faults_is_not_compared(folder: pathlib.Path) -> None:
+    changed(folder / "twice.yaml", "address: 0x49", "address: 0x48")
+    assert [line.split(": ")[1] for line in told()] == ["duplicate-address"]
+
+
+def test_it_belongs_to_its_spec(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "twice.second.yaml"]) == 1
+    assert "this is a second reading; give twice.yaml, the spec to which it belongs" in capsys.readouterr().out
+    assert main(["check", "twice.second.yaml", "twice.yaml"]) == 0
+
+
+def test_nothing_but_check_sees_it(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "twice.second.yaml").write_text("no spec at all", encoding="utf-8")
+    families, report = load_families([folder])
+    assert [family.device.name for family in families] == ["twice"]
+    assert not report
+    assert not any("second" in file for file in (*report.files, *report.passed_over))
+    for command in (
+        ["list", "--specs", "."],
+        ["show", "T10B", "--specs", "."],
+        ["decode", "T10B", "--specs", ".", "0"],
+    ):
+        assert main(command) != 1, command
+    assert main(["check"]) == 1
+
+
+def test_without_one_nothing_changes(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "twice.second.yaml").unlink()
+    assert main(["check"]) == 0
+    assert "read 2 specs: manufacturer.yaml, twice.yaml\n" in capsys.readouterr().out
+    assert main(["check", "--coverage"]) == 0
+    assert capsys.readouterr().out.endswith("not read twice: twice\n")
+
+
+TABLE = """\
+facts, and how often they were read; * has to be read twice
+                      twice  explained       once    derived
+position *               34          0          0          0
+crc *                    12          0          0          0
+address *                 4          0          0          0
+byte order *              3          0          0          0
+access *                  4          0          0          0
+default *                 3          0          0          0
+limit *                   6          0          0          1
+clock *                   6          0          0          0
+time *                    5          0          0          0
+wait *                    2          0          1          0
+value                     7          0          0          0
+behaviour                 1          0          0          0
+verdict                   3          0          1          0
+alarm                     5          0          0          0
+procedure                 3          0          0          0
+order code                1          0          0          0
+measurement               1          0          0          0
+setting                   6          0          0          0
+supply                    1          0          0          0
+pin                       3          0          0          0
+input                     2          0          0          0
+printed name              8          0          0          0
+history                   5          0          0          0
+twice                   125          0          2          1
+twice.yaml:117:23: read once: wait, registers.command.wait_at_least_ms
+1 fact to be read a second time
+"""
+
+
+def test_coverage_by_class(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "--coverage"]) == 0
+    capsys.readouterr()
+    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    assert main(["check", "--coverage"]) == 1
+    assert capsys.readouterr().out.partition("no problems in 1 family: twice\n")[2] == TABLE
+
+
+def test_coverage_as_json(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    assert main(["check", "--coverage", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert (found["version"], found["problems"]) == (1, [])
+    assert found["total"] == {"twice": 125, "explained": 0, "once": 2, "derived": 1}
+    (family,) = found["coverage"]
+    assert family["classes"]["wait"] == {"twice": 2, "explained": 0, "once": 1, "derived": 0, "needed": True}
+    assert {
+        "class": "wait",
+        "file": "twice.yaml",
+        "line": 117,
+        "path": "registers.command.wait_at_least_ms",
+        "needed": True,
+    } in family["once"]
+
+
+def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """They are written when asked for, known to outputs, and told where they are old."""
+    kept = folder / "twice.coverage.json"
+    assert main(["check", "--write"]) == 2
+    assert main(["check", "--coverage"]) == 0
+    assert not kept.exists()
+    assert main(["check", "--coverage", "--write"]) == 0
+    assert kept.read_text(encoding="utf-8") == '{"twice": 126, "explained": 0, "once": 1, "derived": 1}\n'
+    (family,), _ = load_families([folder])
+    assert family.device.times_read is not None
+    assert family.device.times_read.twice == 126
+    capsys.readouterr()
+    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    assert main(["check"]) == 0
+    assert main(["check", "--coverage"]) == 1
+    assert "twice.coverage.json:1:1: coverage-file: the counts are not those of the readings" in capsys.readouterr().out
+    kept.write_text("{}", encoding="utf-8")
+    assert main(["check"]) == 1
+    assert "twice.coverage.json:1:1: coverage-file: this is not what was written" in capsys.readouterr().out
+
+
+def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "--coverage"]) == 0
+    assert "to be read a second time" not in capsys.readouterr().out

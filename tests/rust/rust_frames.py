@@ -1,0 +1,193 @@
+"""Frames and register contents, sound and disturbed, and what the model's own codec says of each."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant
+from codewheel.reference import codec
+from codewheel.reference.limits import bounded, bounds
+from codewheel.reference.run_time import decided
+from codewheel_rust.family import Struct
+from rust_harness import Program
+from test_c_codec import made, run_time_variants, samples, with_crc
+
+Values = Mapping[str, "int | str | bool"]
+#: The least number of frames for an order code, and how many of them are made one by one.
+_LEAST, _POOL = 100, 32
+
+
+@dataclass(frozen=True)
+class Case:
+    """A frame or register for one order code."""
+
+    device: Device
+    struct: Struct
+    variant: Variant
+    placed: PlacedLayout
+
+    @property
+    def set(self) -> str:
+        """The line that sets the variant."""
+        names = (item.name for item in self.device.parameters if item.equals is None)
+        return f"v {' '.join(str(self.variant.parameters[name]) for name in names)}"
+
+    def wire(self, number: int, longer: int = 0) -> str:
+        """A word, or the bytes of a frame with so many more."""
+        if not self.struct.codec.in_bytes:
+            return f"{number:X}"
+        data = codec.number_to_bytes(self.placed.layout, number, self.placed.bits)
+        return "x" + (data + bytes(longer) if longer >= 0 else data[:longer]).hex().upper()
+
+    def wrong_lengths(self, number: int) -> list[str]:
+        """The same with too many bits, or too few or too many bytes."""
+        if self.struct.codec.in_bytes:
+            return [self.wire(number, longer) for longer in (-1, 1, 2)]
+        return [self.wire(number | 1 << bit) for bit in range(self.placed.bits, 64)]
+
+    def decoding(self, number: int) -> str:
+        """What decoding has to answer."""
+        found = codec.decode(self.device, self.placed, number)
+        if found.problems:
+            return first_fault(found.problems)
+        powers = any(item.field.number.power_of_two for item in self.placed.fields)
+        covered = sum(item.mask << item.low for item in self.placed.fields)
+        again = self._encoded(found.values) if powers else self._limited(found.values, covered & number)
+        return f"ok {self._row(found, {})} = {again}"
+
+    def encoding(self, sound: int, name: str, value: int) -> tuple[str, str]:
+        """A sound frame with another value of one member, and what encoding it has to answer."""
+        found = codec.decode(self.device, self.placed, sound)
+        assert not found.problems
+        # A run of digits or a join would contradict the value that it repeats, and a text can be other than ASCII.
+        fields = {entry.name: entry.field for entry in self.placed.fields if entry.field.carries_data}
+        decoded = (entry for entry in found.fields if entry.name in fields)
+        values = {
+            entry.name: entry.raw if isinstance(fields[entry.name].kind, Text) else entry.value for entry in decoded
+        }
+        values |= {entry.name: entry.raw for entry in found.fields if entry.name == codec.UNUSED}
+        return self._row(found, {name: value}, "x"), self._encoded({**values, name: value})
+
+    def _encoded(self, values: Values) -> str:
+        try:
+            number = codec.encode(self.device, self.placed, values)
+        except codec.EncodeError:
+            return "range"
+        # The model encodes digits that it would not decode.
+        return "range" if codec.decode(self.device, self.placed, number).problems else self._limited(values, number)
+
+    def _limited(self, values: Values, number: int) -> str:
+        register = self.struct.register
+        if register is not None and (register.min is not None or register.max is not None):
+            name = bounded(register)
+            low, high = bounds(register, self.placed, (register.min, register.max), self.variant.parameters)
+            joined = {join.name: codec.join_value(self.placed, join, number) for join in self.struct.layout.joins}
+            value = {**values, **joined}.get(name, number)
+            if not low <= int(value) <= high:
+                return f"range {name or register.name}"
+        return self.wire(number).removeprefix("x")
+
+    def _row(self, found: codec.Decoded, other: Mapping[str, int], mark: str = "") -> str:
+        """The members; in an answer the runs of digits and the joins as well."""
+        fields = {item.name: item for item in found.fields}
+        parts = [part.field for part in self.struct.codec.parts]
+        shown = [str(other[item.name]) if item.name in other else _shown(item, fields, mark) for item in parts]
+        if self.struct.codec.reserved:
+            shown.append(str(other.get(codec.UNUSED, fields[codec.UNUSED].raw)))
+        if not mark:
+            runs = [run.name for field in parts for run in field.runs]
+            shown += [str(fields[name].value) for name in (*runs, *(join.name for join in self.struct.layout.joins))]
+        return " ".join(shown)
+
+
+def _shown(field: Field, fields: Mapping[str, codec.DecodedField], mark: str) -> str:
+    """A member; a field that this order code does not have is 0."""
+    found = fields.get(field.name)
+    if found is None:
+        return str(field.number.zero_means)
+    if isinstance(field.kind, Text):
+        return mark + found.raw.to_bytes((found.high - found.low + 1) // 8, "big").hex().upper()
+    if isinstance(field.kind, Choice):
+        return str(next(item.value for item in field.values if item.name == found.value))
+    return str(int(found.value))
+
+
+def first_fault(problems: Sequence[codec.Problem]) -> str:
+    """The first fault, and its field where that is told."""
+    fault, field = problems[0].fault, problems[0].field
+    return f"{fault.value} {field}" if fault in (Fault.CONSTANT, Fault.RANGE) else fault.value
+
+
+def cases(program: Program, index: int) -> list[Case]:
+    """A frame or register for the order codes that differ in something, and for some states of the registers."""
+    device, struct = program.device, program.structs[index]
+    names = [item.name for item, frame in program.family.frames if frame is struct]
+    interface = struct.register.interface if struct.register is not None else names[0]
+    variants = {
+        tuple(item.parameters.items()): item
+        for item in _answered(device, (*device.variants, *run_time_variants(device)))
+        if item.interface == interface
+    }
+    return [Case(device, struct, item, struct.layout.place(item.parameters)) for item in variants.values()]
+
+
+def _answered(device: Device, variants: Iterable[Variant]) -> Iterator[Variant]:
+    """The variants with each answer to what the manual leaves open."""
+    answers = [[(item.name, answer.name) for answer in item.answers] for item in device.alternatives]
+    for variant, given in itertools.product(variants, itertools.product(*answers)):
+        yield decided(device, variant, dict(given))
+
+
+def numbers(case: Case, count: int, random_: random.Random) -> Iterator[int]:
+    """So many numbers, half of them sound or nearly so.
+
+    CRCs, parities and constants are sums modulo 2 of bits, so that the sum of three sound numbers is mostly a fourth.
+    """
+    placed = case.placed
+    data = [item for item in placed.fields if item.field.carries_data]
+    choices = {item.name: samples(item.field, item.width, placed.layout, random_) for item in data}
+    sound = [made(case.device, placed, choices, {}, random_) for _ in range(min(count, _POOL))]
+    yield from sound
+    changes = [0] * _POOL
+    changes += [_some_bits(placed.bits, random_) for _ in range(_POOL // 2)]
+    for number in sound[: _POOL // 2]:
+        changes.append(with_crc(case.device, placed, number ^ _some_bits(placed.bits, random_)) ^ number)
+        changes.append(random_.getrandbits(placed.bits))
+    for _ in range(count - len(sound)):
+        yield random_.choice(sound) ^ random_.choice(sound) ^ random_.choice(sound) ^ random_.choice(changes)
+
+
+def _some_bits(bits: int, random_: random.Random) -> int:
+    return sum({1 << random_.randrange(bits) for _ in range(random_.randint(1, 3))})
+
+
+def decoding(program: Program, index: int, count: int) -> set[str]:
+    """Decodes so many frames of a layout, over all order codes; gives the kinds of answers."""
+    random_ = random.Random(f"{program.device.name} {index}")
+    found = cases(program, index)
+    pairs = []
+    for case in found:
+        pairs.append((case.set, ""))
+        for number in numbers(case, max(count // len(found), _LEAST), random_):
+            pairs.append((f"d {index} {case.wire(number)}", case.decoding(number)))
+        pairs += [(f"d {index} {wire}", "length") for wire in case.wrong_lengths(number)]
+    check(program, pairs)
+    return {expected.partition(" ")[0] for _, expected in pairs if expected}
+
+
+def check(program: Program, pairs: list[tuple[str, str]]) -> None:
+    """Asks each line, and compares the answer with what is expected; with nothing where that is empty."""
+    answers = program.run(line for line, _ in pairs)
+    assert len(answers) == len(pairs)
+    wrong = [
+        (*pair, answer) for pair, answer in zip(pairs, answers, strict=True) if pair[1] and not _same(pair[1], answer)
+    ]
+    assert not wrong, wrong[:5]
+
+
+def _same(expected: str, answer: str) -> bool:
+    """Whether an answer is as expected; the model does not say which value it refuses."""
+    return answer.startswith(f"{expected} ") if expected.endswith("range") else expected == answer

@@ -1,0 +1,240 @@
+"""A program in Rust that calls everything in the module of a family, told by lines on standard input.
+
+It answers each line with one line. Values are in decimal, words and bytes in hexadecimal, bytes after a mark:
+
+    v NUMBER...     sets the parameters of the variant; answers all parameters
+    d TYPE WIRE     decodes; answers the members, the runs of digits, the joins, and what encoding them again gives
+    e TYPE VALUE... encodes
+    s INDEX WIRE    tells a frame and decodes it; answers its type
+    h INDEX WIRE    takes a register over into the variant; answers all parameters
+    c INDEX WIRE... the CRC of bytes, or of a number of so many bits
+    o, f TEXT, r    all order codes; the one with this text; the constants of the registers
+
+A fault is answered by its name, and that of the field.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import pytest
+from codewheel.build.load import load_library
+from codewheel.model import Choice, Device, Flag, Form, Layout, Text
+from codewheel.plan.crcs import Carrier, CrcFunction
+from codewheel.spec.second import is_second
+from codewheel.targets import Library
+from codewheel_rust import TARGET
+from codewheel_rust.family import Family, Struct, crc_name
+from codewheel_rust.names import pascal, snake
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+PACKAGE = ROOT / "examples" / "rust-target"
+
+#: The spec of every family; the made up ones use what others do not.
+SPECS = [
+    path.relative_to(ROOT).as_posix()
+    for folder in ("specs", "tests/specs", "tests/c/specs", "docs/example")
+    for path in sorted((ROOT / folder).rglob("*.yaml"))
+    if "\ndevice: " in path.read_text(encoding="utf-8") and not is_second(path)
+]
+
+
+def rust_tool(name: str) -> str:
+    """A tool of the version that a bare Debian has, else another one; skips the test where there is none."""
+    found = shutil.which(name, path=os.pathsep.join(["/usr/bin", os.environ.get("PATH", "")]))
+    if found:
+        return found
+    words = f"no {name} here, so this is not shown; apt-get install rustc rust-clippy"
+    if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
+        pytest.fail(words)
+    pytest.skip(words)
+
+
+def compiled(*command: str | Path, tool: str = "rustc") -> None:
+    """Compiles with all warnings as errors."""
+    done = subprocess.run([rust_tool(tool), *command, "-D", "warnings"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[:4000]
+
+
+def write(devices: tuple[Device, ...], folder: Path, edition: str = "2021") -> Path:
+    """Writes the crate of families of one manufacturer; gives its main file."""
+    for name, text in TARGET.files(Library(devices), {"edition": edition}).items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return next(folder.glob("rust/*/src/lib.rs"))
+
+
+class Workshop:
+    """Makes crates and programs, each once; a program panics where a number overflows."""
+
+    def __init__(self, folder: Path, *options: str) -> None:
+        self._folder, self._options = folder, (*options, "-C", "overflow-checks=on")
+        self._programs: dict[str, Program] = {}
+
+    def program(self, spec: str) -> Program:
+        """The program over the family of a spec."""
+        if spec not in self._programs:
+            folder = self._folder / str(len(self._programs))
+            devices, report = load_library([ROOT / spec])
+            assert not report
+            kind = ("--edition", "2021", "--crate-type", "rlib", "--crate-name", "encoders", *self._options)
+            compiled(*kind, "--out-dir", folder, write(devices, folder))
+            self._programs[spec] = Program(devices[0], folder, self._options)
+        return self._programs[spec]
+
+
+class Program:
+    """The program over a family, and the types of its frames and registers."""
+
+    def __init__(self, device: Device, folder: Path, options: Iterable[str]) -> None:
+        self.device, self.family = device, Family(device)
+        self.structs = [*(struct for _, struct in self.family.frames), *self.family.registers]
+        self._program, text = folder / device.name, folder / f"{device.name}.rs"
+        text.write_text(self._source(), encoding="utf-8")
+        library = folder / "libencoders.rlib"
+        compiled("--edition", "2018", *options, "--extern", f"encoders={library}", "-o", self._program, text)
+
+    def run(self, lines: Iterable[str]) -> list[str]:
+        """The answer to each line."""
+        text = "".join(f"{line}\n" for line in lines)
+        done = subprocess.run([self._program], input=text, capture_output=True, text=True, timeout=900, check=False)
+        assert done.returncode == 0, done.stderr[:2000]
+        return done.stdout.splitlines()
+
+    def _source(self) -> str:
+        device, family = self.device, self.family
+        plain = [item for item in device.parameters if item.equals is None]
+        given = (
+            f"variant.{snake(item.name)} = {'number(words) as _' if not item.alternative else _SOME};" for item in plain
+        )
+        values = {
+            "module": snake(device.name),
+            "set": " ".join(given),
+            "parameters": ", ".join(
+                f"variant.{snake(item.name)}{'()' if item.equals is not None else ''}{_SHOWN[bool(item.alternative)]}"
+                for item in device.parameters
+            ),
+            "types": "".join(map(_implementation, self.structs)),
+            "decode": _arms(f"decoded::<{_type(item)}>(variant, words)" for item in self.structs),
+            "encode": _arms(f"encoded::<{_type(item)}>(variant, words)" for item in self.structs),
+            "dispatch": _arms(_TELL.format(type=name, arms=_told(name, layouts)) for name, layouts in self.senders()),
+            "held": _arms(_TAKE.format(name=item.register.name) for item in family.held),
+            "crcs": _arms(f'format!("{{:X}}", {crc_name(item)}({_crc_arguments(item)}))' for item in family.crcs),
+            "registers": ", ".join(map(_constants, family.registers)),
+        }
+        text = (HERE / "harness.rs").read_text(encoding="utf-8")
+        for name, value in values.items():
+            text = text.replace(f"@{name}@", value)
+        return text
+
+    def senders(self) -> Iterator[tuple[str, list[Layout]]]:
+        """The types that hold any frame of one side, and what they can hold."""
+        for interface, told in self.family.dispatches:
+            layouts = [branch.layout for branch in told.branches]
+            layouts += [told.fallback] if told.fallback is not None else []
+            yield pascal(f"{interface.name}_from_{told.sender}"), layouts
+
+
+_SOME = "Some(number(words) as _)"
+_SHOWN = (".to_string()", '.map_or("none".to_string(), |one| one.to_string())')
+_TELL = "told({type}::decode(variant, &bytes(words.next().unwrap())).map(|frame| match frame {{ {arms} }}.to_string()))"
+_TAKE = """told(variant.with_{name}(&bytes(words.next().unwrap())).map(|taken| {{
+            *variant = taken;
+            parameters(variant)
+        }}))"""
+
+
+def _arms(answers: Iterable[str]) -> str:
+    return "\n".join(f'            "{index}" => {answer},' for index, answer in enumerate(answers))
+
+
+def _told(name: str, layouts: Iterable[Layout]) -> str:
+    return ", ".join(f'{name}::{pascal(item.name)}(_) => "{item.name}"' for item in layouts)
+
+
+def _type(struct: Struct) -> str:
+    return f"{_path(struct)}{pascal(struct.layout.name)}"
+
+
+def _path(struct: Struct) -> str:
+    return "registers::" if struct.register is not None else ""
+
+
+def _crc_arguments(item: CrcFunction) -> str:
+    if item.carrier is Carrier.BYTES:
+        return "&bytes(words.next().unwrap())"
+    bits = "" if item.form is Form.FOLD else ", number(words) as u32"
+    return f"word(words.next().unwrap()){bits}"
+
+
+def _constants(struct: Struct) -> str:
+    name, register = _type(struct), struct.register
+    assert register is not None
+    default = f"hex(&{name}::DEFAULT)" if register.default is not None else '"-"'
+    parts = [f"{name}::{item}" for item in ("ADDRESS", "LENGTH", "READABLE", "WRITABLE")]
+    parts += [default, *(f"{name}::{item.upper()}_MASK" for item in masks(struct))]
+    return f'format!("{" ".join(["{}"] * len(parts))}", {", ".join(parts)})'
+
+
+def masks(struct: Struct) -> dict[str, int]:
+    """The masks of the fields of a register that always lie at the same place in a word."""
+    return {
+        part.field.name: ((1 << part.field.widest) - 1) << part.field.low.constant
+        for part in struct.codec.parts
+        if part.field.low.is_constant and part.field.width.is_constant and struct.layout.widest <= 64
+    }
+
+
+def _implementation(struct: Struct) -> str:
+    """How the members of a frame or register are read and shown."""
+    shown, given = [], []
+    for field in (part.field for part in struct.codec.parts):
+        name = snake(field.name)
+        match field.kind:
+            case Flag():
+                shown.append(f"u8::from(self.{name}).to_string()")
+                given.append(f"{name}: number(words) != 0")
+            case Choice():
+                shown.append(f"(self.{name} as u64).to_string()")
+                type_ = f"{_path(struct)}{struct.type_of(field)}"
+                given.append(f"{name}: {type_}::from_bits(number(words) as u64).unwrap()")
+            case Text():
+                shown.append(f"hex(&self.{name})")
+                given.append(f"{name}: bytes(words.next().unwrap()).try_into().unwrap()")
+            case _:
+                shown.append(f"self.{name}.to_string()")
+                given.append(f"{name}: number(words) as _")
+    if struct.codec.reserved:
+        shown.append("self.unused.to_string()")
+        given.append("unused: number(words) as _")
+    shown += [f"self.{snake(run.name)}().to_string()" for field in struct.layout.fields for run in field.runs]
+    shown += [f"self.{snake(join.name)}(variant).to_string()" for join in struct.layout.joins]
+    in_bytes = struct.codec.in_bytes
+    text = _IMPLEMENTATION.replace("@type@", _type(struct)).replace("@shown@", ", ".join(shown))
+    text = text.replace("@wire@", "&bytes(wire)" if in_bytes else "word(wire)").replace("@given@", ", ".join(given))
+    return text.replace("@sent@", "hex(&sent)" if in_bytes else 'format!("{:X}", sent)')
+
+
+_IMPLEMENTATION = """
+impl Frame for @type@ {
+    fn taken(variant: &Variant, wire: &str) -> Result<Self, Fault> {
+        Self::decode(variant, @wire@)
+    }
+    fn sent(&self, variant: &Variant) -> Result<String, Fault> {
+        self.encode(variant).map(|sent| @sent@)
+    }
+    fn shown(&self, variant: &Variant) -> String {
+        let shown: Vec<String> = vec![@shown@];
+        shown.join(" ")
+    }
+    fn of(words: &mut Words) -> Self {
+        Self { @given@ }
+    }
+}
+"""

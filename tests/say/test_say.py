@@ -1,0 +1,287 @@
+"""Each fact of a spec is said in plain English, in the same words by every output."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from codewheel.build.load import load_library
+from codewheel.commands.show import device_text, variant_text
+from codewheel.commands.show_parts import at
+from codewheel.model import Device
+from codewheel.model.expressions import Expression
+from codewheel.reference.order_codes import find
+from codewheel.say import field, interface, layout, parameter, register
+from codewheel.say.markdown import STYLE as MARKDOWN
+from codewheel.say.text import (
+    AS_LITERAL,
+    BY_NAME,
+    BY_TITLE,
+    Code,
+    Hex,
+    Level,
+    Ref,
+    Said,
+    Style,
+    listed,
+    parted,
+    said,
+    told,
+)
+from codewheel.targets import Library
+from codewheel.targets.c.comments import in_comment
+from codewheel.targets.c.files import generate as generate_c
+from codewheel.targets.docs.files import generate
+from codewheel.targets.python.files import generate as generate_python
+
+
+@pytest.fixture(scope="module")
+def device() -> Device:
+    (found,), report = load_library([Path(__file__).parent])
+    assert not report.problems, report.problems[0].format()
+    return found
+
+
+#: What is said of each register of the spec that has one property of its own.
+REGISTERS = [
+    ("banked", "Select bank 3 with bank first."),
+    ("wide", "Byte order: high byte first, at 42h."),
+    ("wide", "Default: 12 34."),
+    ("narrow", "Byte order: low byte first, at 44h."),
+    ("bounded", "Limits: 3 to 200."),
+    ("least", "Limits: at least 3."),
+    ("greatest", "Limits: at most 200."),
+    ("greatest", "The encoder takes the default in place of a value above the limit."),
+    ("refusing", "The encoder refuses a value above the limit."),
+    ("clearing", "A write sets bounded and least to zero."),
+    ("kept", "Reserved for the manufacturer."),
+    ("lost", "Save the parameters after a write, or the encoder loses the value at power-off."),
+    ("slow", "Wait at least 15 ms after a write, before the next command."),
+    ("key", "Goes back to its default by itself after a write."),
+    ("locked", "Write it only while key holds C0h (unlock)."),
+    ("opened", "Write it only while settings.mode holds 0 (open)."),
+    ("either", "While settings.mode holds 0 (open), it holds preset, at most 100: A place [8.1]."),
+    ("either", "While settings.mode holds 1 (shut), it holds offset: A distance [8.2]."),
+    ("command", "A read of the same address reaches status instead."),
+    ("status", "A write to the same address reaches command instead."),
+]
+#: The same of the fields of registers.
+FIELDS = [
+    ("settings.mode", "Default: 1."),
+    ("fields.counted", "Unit: counts."),
+    ("fields.below_zero", "Signed, in two's complement."),
+    ("fields.no_zero", "Bits of 0 stand for 256."),
+    ("fields.doubling", "Takes powers of two only."),
+    ("fields.fault", "Active at 1: broken."),
+    ("fields.fault", "Inactive at 0: whole."),
+    ("fields.fault", "For the reason, see settings.mode."),
+    ("fields.missing", "Not implemented in this encoder."),
+    ("fields.theirs", "Reserved for the manufacturer."),
+    ("fields.fixed", "Always 2."),
+    ("fields.digits", "Decimal digits, most significant first: tens 1, ones 1."),
+    ("maker.letters", "ASCII text."),
+    ("maker.letters", "Holds Ac, which identifies the encoder; decoding accepts any value."),
+    ("kind_of.kind", "Holds 20h, which identifies the encoder; decoding accepts any value."),
+]
+INTERFACES = [
+    ("ssi", "Clock: 100 kHz to 4 MHz [5.1]."),
+    ("ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."),
+    ("ssi", "Alignment: right: zeros come before the word [5]."),
+    ("ssi", "Code: binary or Gray, by order code [5]."),
+    ("ssi", "Signals: RS-422 [5]."),
+    ("biss", "Time-out: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."),
+    ("biss", "Network: point to point, one slave only [6.4]."),
+    ("biss", "Profile: BP1 [6]."),
+    ("biss", "Description file: acme.xml [6]."),
+    ("biss", "Bank select: bank [6]."),
+    ("rs485", "Port: 115,200 Bd, 8 data bits, even parity, 1 stop bit, no flow control [7.1]."),
+]
+LAYOUTS = [
+    ("word", "position is in Gray code while gray is 1, and in binary while it is 0."),
+    ("word", "position is made of turns and steps, most significant first."),
+    ("reply", "Carries data_id 1 (place)."),
+]
+
+
+def of_register(device: Device, name: str) -> Iterator[Said]:
+    return register.facts(device, device.register(name))
+
+
+def of_field(device: Device, path: str) -> Iterator[Said]:
+    owner, _, name = path.partition(".")
+    return field.rules(device, device.register(owner).layout.field(name))
+
+
+def of_interface(device: Device, kind: str) -> Iterator[Said]:
+    return interface.facts(device, device.interface(kind))
+
+
+def of_layout(device: Device, name: str) -> Iterator[Said]:
+    owner, found = next((one, item) for one, item in device.layouts() if item.name == name)
+    return layout.facts(owner, found)
+
+
+CASES = [
+    pytest.param(statements, name, sentence, id=f"{name}: {sentence}")
+    for statements, table in (
+        (of_register, REGISTERS),
+        (of_field, FIELDS),
+        (of_interface, INTERFACES),
+        (of_layout, LAYOUTS),
+    )
+    for name, sentence in table
+]
+Statements = Callable[[Device, str], Iterator[Said]]
+
+
+@pytest.mark.parametrize(("statements", "name", "sentence"), CASES)
+def test_the_words(device: Device, statements: Statements, name: str, sentence: str) -> None:
+    assert sentence in [BY_NAME.sentence(item) for item in statements(device, name)]
+
+
+def test_nothing_else_is_said(device: Device) -> None:
+    """The table above has every statement, but for facts that several registers share."""
+    known = {*REGISTERS, *FIELDS}
+    common = re.compile(r"(Byte order|Default|Limits|Clock): |Active at |ASCII text")
+    for item in device.registers:
+        for name, statements in [
+            (item.name, of_register),
+            *((f"{item.name}.{one.name}", of_field) for one in item.layout.fields),
+        ]:
+            said_here = {BY_NAME.sentence(one) for one in statements(device, name)}
+            assert {one for one in said_here if not common.match(one)} <= {
+                text for place, text in known if place == name
+            }
+
+
+# ------------------------------------------------------------------------------------------------------------- outputs
+
+
+def flat(text: str) -> str:
+    return " ".join(text.split())
+
+
+#: What C says in code, and Python gives as data.
+IN_CODE = {
+    ("c", "wide", "Default: 12 34."): "#define ACME_SAID_REG_WIDE_DEFAULT 0x1234U",
+    (
+        "c",
+        "bounded",
+        "Limits: 3 to 200.",
+    ): "#define ACME_SAID_REG_BOUNDED_MIN 3U #define ACME_SAID_REG_BOUNDED_MAX 200U",
+    ("c", "least", "Limits: at least 3."): "#define ACME_SAID_REG_LEAST_MIN 3U",
+    ("c", "greatest", "Limits: at most 200."): "#define ACME_SAID_REG_GREATEST_MAX 200U",
+    ("c", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): "if (cable_m < 50U) { return 400000U;",
+    ("python", "ssi", "Clock: 100 kHz to 4 MHz [5.1]."): 'clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.1")',
+    ("python", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): (
+        'CableLength(shorter_than_m=50, below_hz=400_000, source="5.2")'
+    ),
+    ("python", "ssi", "Alignment: right: zeros come before the word [5]."): 'alignment="lsb_right"',
+    ("python", "ssi", "Code: binary or Gray, by order code [5]."): 'output_code="by_order_code"',
+    ("python", "biss", "Time-out: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."): (
+        'half_clock_periods=3, printed=(PrintedTimeout(1_000_000, 1500),), source="6.3"'
+    ),
+    ("python", "biss", "Network: point to point, one slave only [6.4]."): (
+        'Network(topology="point_to_point", multiple_slaves=False, source="6.4")'
+    ),
+    ("python", "biss", "Bank select: bank [6]."): 'bank_select="bank"',
+    ("python", "rs485", "Port: 115,200 Bd, 8 data bits, even parity, 1 stop bit, no flow control [7.1]."): (
+        'port=Port(baud=115_200, data_bits=8, parity="even", stop_bits=1, flow_control="none", source="7.1")'
+    ),
+}
+Phrase = Callable[[Said], str]
+
+
+@pytest.fixture(scope="module")
+def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
+    """Each output as one line of text, and how it writes a statement."""
+    shown = [device_text(device), *(variant_text(device, find(device, item.code)) for item in device.variants)]
+    page = generate(Library((device,)))["docs/said.md"]
+    header = re.sub(r"\n +\* ", " ", generate_c(Library((device,)))["c/include/acme/said.h"])
+    module = generate_python(Library((device,)))["python/acme_encoders/said.py"]
+    return {
+        "show": (flat(" ".join(shown)), BY_NAME.phrase),
+        "docs": (flat(page), MARKDOWN.phrase),
+        "c": (flat(header), lambda item: in_comment(BY_TITLE.phrase(item))),
+        "python": (flat(module), AS_LITERAL.phrase),
+    }
+
+
+@pytest.mark.parametrize("output", ["show", "docs", "c", "python"])
+@pytest.mark.parametrize(("statements", "name", "sentence"), CASES)
+def test_every_output_says_it(
+    device: Device,
+    outputs: dict[str, tuple[str, Phrase]],
+    output: str,
+    statements: Statements,
+    name: str,
+    sentence: str,
+) -> None:
+    text, phrase = outputs[output]
+    (found,) = [item for item in statements(device, name) if BY_NAME.sentence(item) == sentence]
+    assert IN_CODE.get((output, name, sentence), phrase(found)) in text
+
+
+# --------------------------------------------------------------------------------------------------------------- parts
+
+PARTS = said(
+    "Set ",
+    Code("a_b"),
+    " of ",
+    Ref("register", "one.two", "Two of One"),
+    " to ",
+    Expression(70000),
+    ", ",
+    Hex(Expression(63)),
+    " or ",
+    Expression.parse("2^n - 1"),
+    label="How",
+)
+
+
+@pytest.mark.parametrize(
+    ("style", "expected"),
+    [
+        (BY_NAME, "How: Set a_b of one.two to 70,000, 3Fh or 2^n - 1."),
+        (BY_TITLE, "How: Set a_b of Two of One to 70,000, 3Fh or 2^n - 1."),
+        (AS_LITERAL, "How: Set ``a_b`` of ``one.two`` to 70,000, 3Fh or ``2^n - 1``."),
+        (MARKDOWN, "How: Set `a_b` of [`one.two`](#register-one) to 70,000, 3Fh or `2^n - 1`."),
+    ],
+)
+def test_each_style_writes_the_parts_in_its_way(style: Style, expected: str) -> None:
+    assert style.sentence(PARTS) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"), [("It is so", "It is so."), ("Is it so?", "Is it so?"), ("It is.", "It is."), ("", "")]
+)
+def test_a_sentence_ends_once(text: str, expected: str) -> None:
+    assert BY_NAME.sentence(said(text)) == expected
+
+
+@pytest.mark.parametrize(
+    ("style", "expected"), [(BY_TITLE, ["Active", "Inactive", "active"]), (AS_LITERAL, ["True", "False", "True"])]
+)
+def test_a_flag_is_a_truth_value_in_docstrings(style: Style, expected: list[str]) -> None:
+    assert [style.phrase(said(level)) for level in Level] == expected
+
+
+def test_lists() -> None:
+    assert "".join(map(str, listed(["a"]))) == "a"
+    assert "".join(map(str, listed(["a", "b", "c"], " or "))) == "a, b or c"
+    assert "".join(map(str, parted([["a", "b"], [], ["c"]], "; "))) == "ab; c"
+    assert list(told("")) == []
+    assert list(told("x")) == [said("x")]
+
+
+def test_markup_in_a_spec_stays_text() -> None:
+    hostile = said("a | b <i> ", Code("c|`d"), label="[x](y)")
+    assert MARKDOWN.sentence(hostile) == "\\[x\\](y): a \\| b &lt;i&gt; ``c\\|`d``."
+
+
+def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
+    (equals,) = parameter.origin(device, next(item for item in device.parameters if item.name == "doubled"))
+    assert BY_NAME.sentence(equals) == "Equals position_bits + position_bits."
+    assert at({"position_bits": 16}).sentence(equals) == "Equals 32."

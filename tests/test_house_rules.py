@@ -1,0 +1,85 @@
+"""The map of CONTRIBUTING: it names every room, and the rooms import each other only as it says."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+from figures.imports import Graph, circles, graph, rooms
+from figures.tree import Checkout
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@cache
+def arrows() -> Graph:
+    """The imports of each module; not at collection, where every worker would read all modules."""
+    return graph(Checkout(ROOT).modules)
+
+
+def reached(name: str) -> set[str]:
+    """The module and all that it imports, at once or by way of others."""
+    found, waiting = set[str](), [name]
+    while waiting:
+        module = waiting.pop()
+        if module not in found:
+            found.add(module)
+            waiting += arrows()[module]
+    return found
+
+
+def test_the_map_names_each_room() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = re.findall(r"`generator/(\w+)/` \|", text)
+    folders = [path.parent.name for path in (ROOT / "generator").glob("*/__init__.py")]
+    assert sorted(named) == sorted(folders)
+
+
+def test_files_that_the_recipes_name_exist() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    tops = {path.name for folder in (ROOT, ROOT / "generator") for path in folder.iterdir() if path.is_dir()}
+    named = {path for path in re.findall(r"`([\w.-]+/[\w./-]*)`", text) if path.partition("/")[0] in tops}
+    missing = {path for path in named if not any((folder / path).exists() for folder in (ROOT, ROOT / "generator"))}
+    # The first is made up by the recipe for an interface, the others stand for any target.
+    assert missing == {"generator/model/interfaces/endat.py", "generator/targets/NAME/files.py", "templates/NAME/"}
+
+
+def test_there_is_no_circle() -> None:
+    assert circles(arrows()) == []
+
+
+@pytest.mark.parametrize(
+    ("room", "may"),
+    [
+        ("model", set()),
+        ("say", {"model"}),
+        ("plan", {"model", "reference"}),
+        ("reference", {"model", "say"}),
+        ("write", set()),
+    ],
+)
+def test_what_a_room_may_import(room: str, may: set[str]) -> None:
+    """The plan knows no target and no wording; the reference codec, by which it is tested, does not know the plan."""
+    assert rooms(arrows())[room] <= may
+
+
+def test_the_plan_takes_only_the_algebra_of_crcs_from_the_reference() -> None:
+    """The codec that tests hold every output against is none of its parts."""
+    plans = {module for module in arrows() if module.partition(".")[0] == "plan"}
+    taken = {other for module in plans for other in arrows()[module] if other.partition(".")[0] == "reference"}
+    assert taken == {"reference.crc"}
+
+
+def test_only_commands_know_of_second_readings() -> None:
+    """What outputs say of them comes with the model, as counts."""
+    users = {
+        module.partition(".")[0] for module, others in arrows().items() for other in others if "readings." in other
+    }
+    assert users == {"readings", "commands"}
+
+
+@pytest.mark.parametrize("name", ["decode", "decode_run", "diff", "look_up", "show", "show_parts"])
+def test_commands_that_only_look_load_no_target(name: str) -> None:
+    assert {module for module in reached(f"commands.{name}") if module.partition(".")[0] == "targets"} == set()

@@ -1,0 +1,38 @@
+"""What make is asked for exists, and what runs on every change asks for it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def commands(*targets: str) -> str:
+    """The commands that make would run, were the virtual environment there."""
+    if shutil.which("make") is None:
+        pytest.skip("make is not installed")
+    command = ["make", "--dry-run", "--assume-old=.venv/.installed", *targets]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_lint_looks_at_format_and_rules() -> None:
+    assert re.findall(r"-m (ruff \w+)", commands("lint")) == ["ruff format", "ruff check"]
+
+
+def test_quick_leaves_out_slow_tests_and_test_none() -> None:
+    quick = commands("quick")
+    assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == ["ruff", "ruff", "mypy", "codewheel", "pytest"]
+    assert "-m 'not slow'" in quick
+    assert "slow" not in commands("test")
+
+
+def test_every_change_is_linted_before_it_is_tested() -> None:
+    lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
+    assert lines.index("make lint") < lines.index("make test")
