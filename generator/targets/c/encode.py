@@ -143,7 +143,7 @@ def _times(type_: str, run: Expr, divisor: int) -> Expr:
 
 def _is_nothing(op: Term) -> bool:
     """Whether it has no bit set ever."""
-    return isinstance(op.field.kind, Constant) and op.value == Fixed(0)
+    return isinstance(op.field.kind, (Constant, Parity)) and op.value == Fixed(0)
 
 
 def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:

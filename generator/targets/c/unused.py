@@ -83,8 +83,12 @@ class Unused:
         return left(masked(word, item.mask >> -item.shift), -item.shift)
 
     def _taken_alone(self, op: Reserved) -> Expr:
-        bits = _turned(self.reader.value(op.bits)[1], self._documented(op))
-        return left(Cast(self.work, bits), op.place) if op.place else bits
+        bits, documented = self.reader.value(op.bits)[1], self._documented(op)
+        if not op.place:
+            return _turned(bits, documented)
+        turned = _turned(Cast(self.work, bits), documented)
+        # The mask of a width that varies has 64 bits.
+        return left(turned if op.bits.width.is_constant else Cast(self.work, turned), op.place)
 
     # -- encoding
 

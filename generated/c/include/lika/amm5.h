@@ -1149,7 +1149,6 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
     uint64_t word =
         0x02U |
         ((uint64_t)0x06U << 3U) |
-        ((uint64_t)0U << 7U) |
         ((uint64_t)in->address << (8U + lika_amm5_eeprom_address_bit(eeprom_address))) |
         ((uint64_t)in->data << 16U);
     bytes[0] = (uint8_t)word;
@@ -1994,7 +1993,6 @@ static inline lika_result lika_amm5_eeprom_write_reply_encode(
     uint64_t word =
         0x02U |
         ((uint64_t)0x06U << 3U) |
-        ((uint64_t)0U << 7U) |
         ((uint64_t)in->address << (8U + lika_amm5_eeprom_address_bit(eeprom_address))) |
         ((uint64_t)(in->mem_busy ? 1U : 0U) << (8U + lika_amm5_mem_busy_bit(eeprom_address))) |
         ((uint64_t)in->data << 16U);
