@@ -20,7 +20,7 @@ from codewheel.targets.c.lines import beside, laid_out
 from codewheel.targets.c.reserved import RESERVED, c_name
 from codewheel.targets.c.types import string
 from hostile_texts import TEXTS, spoilt
-from uses import without_comments
+from uses import without_texts
 
 ROOT = Path(__file__).parents[2]
 
@@ -85,7 +85,7 @@ def test_only_the_three_headers_of_the_standard_are_used(include: Path) -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_names_have_their_prefix(family: str, include: Path) -> None:
-    text = without_comments((include / "lika" / f"{family}.h").read_text())
+    text = without_texts((include / "lika" / f"{family}.h").read_text())
     macros = re.findall(r"^#define (\w+)", text, re.MULTILINE)
     functions = re.findall(r"^static inline [\w \*]+?\b(\w+)\(", text, re.MULTILINE)
     types = re.findall(r"^typedef (?:struct|enum) (\w+)", text, re.MULTILINE)
@@ -192,13 +192,9 @@ uint64_t position(uint64_t word)
     assert "call" not in listing
 
 
-COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
-
-
-def without_texts(text: str) -> str:
-    """Code with its comments taken out, its strings emptied and its space made even, as a compiler finds them."""
-    code = COMMENT_OR_STRING.sub(lambda found: " " if found[0].startswith("/*") else '""', text)
-    return re.sub(r'""(?: "")+', '""', " ".join(code.split()))
+def alone(text: str) -> str:
+    """The code of a header, its space made even and pieces of one string put together."""
+    return re.sub(r'""(?: "")+', '""', " ".join(without_texts(text).split()))
 
 
 HOSTILE = "x */ int y; /* z \" ' \\ ??/ \n # error // é µ \u202e %s {{ 1 }} */*/ /*/ \\"
@@ -220,7 +216,7 @@ def test_text_of_a_spec_stays_text(
     assert hostile.registers[0].layout.source[0].section == HOSTILE
     folder = write(tmp_path, (hostile,))
     for header in (f"{name}.h", "encoder.h"):
-        assert without_texts((folder / "lika" / header).read_text(encoding="ascii")) == without_texts(
+        assert alone((folder / "lika" / header).read_text(encoding="ascii")) == alone(
             (include / "lika" / header).read_text()
         )
     for standard in ("-std=c99", "-std=c17"):

@@ -38,14 +38,24 @@ class Declared:
         ]
 
 
-def without_comments(text: str) -> str:
-    """The code of a header: no comments, and lines that end in a backslash joined."""
-    return re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL).replace("\\\n", " ")
+_COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
+
+
+def without_texts(text: str) -> str:
+    """The code of a header: no comments, strings emptied but for names of files, and continued lines joined."""
+    code = _COMMENT_OR_STRING.sub(_emptied, text)
+    return code.replace("\\\n", " ")
+
+
+def _emptied(found: re.Match[str]) -> str:
+    if found[0].startswith("/*"):
+        return " "
+    return found[0] if found[0].endswith('.h"') else '""'
 
 
 def declared(texts: Iterable[str]) -> Declared:
     """Everything that the headers with these texts declare."""
-    code = "\n".join(map(without_comments, texts))
+    code = "\n".join(map(without_texts, texts))
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
     # What the expressions above do not find would not be used, and nobody would see it.
     assert len(functions) == len(re.findall(r"^static ", code, re.MULTILINE)), "a static that is no inline function"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from tools import tool
-from uses import declared, use_everything
+from uses import declared, use_everything, without_texts
 
 #: Each standard by its name, and what older compilers call it.
 C = (("c99",), ("c11",), ("c17",), ("c23", "c2x"))
@@ -174,7 +174,7 @@ def test_only_plain_c_is_used(headers: tuple[Path, list[str]]) -> None:
     """No extension, bit-field, packing, union, goto, allocation or variable argument; only five directives."""
     include, every = headers
     for header in every:
-        code = re.sub(r"/\*.*?\*/", " ", (include / header).read_text(encoding="ascii"), flags=re.DOTALL)
+        code = without_texts((include / header).read_text(encoding="ascii"))
         directives = set(re.findall(r"^\s*#\s*(\w+)", code, re.MULTILINE))
         assert directives <= {"include", "define", "ifndef", "ifdef", "else", "endif"}, header
         assert not re.findall(
@@ -216,7 +216,7 @@ def test_no_function_calls_itself(headers: tuple[Path, list[str]]) -> None:
     """Every function calls only functions that stand above it, so that there is no recursion."""
     include, every = headers
     for header in every:
-        code = re.sub(r"/\*.*?\*/", " ", (include / header).read_text(encoding="ascii"), flags=re.DOTALL)
+        code = without_texts((include / header).read_text(encoding="ascii"))
         names = [name for _, name, _ in declared([code]).functions]
         parts = re.split(r"^static inline [\w \*]+?\w+\([^()]*\)\s*\{", code, flags=re.MULTILINE)[1:]
         assert len(parts) == len(names)
