@@ -385,7 +385,8 @@ def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
     """The values that a selector or a choice may have, each once; empty where the field can have no other one."""
     named = (value.value for value in item.values)
     values = dict.fromkeys(layout.selects if item.name == layout.selector else named)
-    is_full = item.width.is_constant and set(range(1 << min(item.widest, 16))) <= values.keys()
+    # Each of them fits into the bits, so that so many are all.
+    is_full = item.width.is_constant and len(values) == 1 << item.widest
     return () if is_full else tuple(values)
 
 
