@@ -17,7 +17,7 @@ from pathlib import Path
 
 from batch import Batch, Codec, member_format, on_the_wire
 from test_c_codec import sound_numbers
-from uses import declared, without_comments
+from uses import declared, without_texts
 
 HERE = Path(__file__).resolve().parent
 
@@ -50,7 +50,7 @@ PRECONDITIONS = {
 
 def folded(text: str) -> str:
     """The code of a header without that of CRCs by table, which a macro chooses and the same frames on the host try."""
-    return _TABLE.sub(lambda found: found[2] or "", without_comments(text))
+    return _TABLE.sub(lambda found: found[2] or "", without_texts(text))
 
 
 class Header:

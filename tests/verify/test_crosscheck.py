@@ -1,4 +1,5 @@
-"""C and Python agree on a million random and corrupted frames of each layout: fault, members, and encoding again.
+"""C and Python agree on a million random and corrupted frames of each layout: fault, members, encoding again, and what
+the frame tells, its verdict and reports.
 
 Both are the generated code as a user has it. ``CODEWHEEL_FRAMES`` sets another number of frames.
 """
@@ -20,7 +21,9 @@ from typing import Any
 import pytest
 from batch import Batch, Codec, stdio_entry
 from c_harness import compile_c
-from codewheel.model import Device, Variant
+from codewheel.model import Device, Variant, Verdict
+from codewheel.plan.reports import reports_of
+from codewheel.reference.codec import UNUSED
 from codewheel.targets.c.reserved import c_name
 from codewheel.targets.python.context import Context
 from frames import chunks, input_of, wires
@@ -31,6 +34,9 @@ FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
 #: Frames held at once; a piece has one run of the C program.
 PIECE = 100_000
 LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
+#: Verdicts as C numbers them, by what Python calls them; 255 stands for none.
+VERDICTS = {item.value: number for number, item in enumerate(Verdict)}
+NO_VERDICT = 255
 
 
 class Peer:
@@ -45,6 +51,7 @@ class Peer:
             *(item.name for item in codec.layout.fields),
             *(run.name for item in codec.layout.fields for run in item.runs),
             *(item.name for item in codec.layout.joins),
+            *([UNUSED] if codec.layout.unused else []),
         ]
         by_member = {c_name(name): name if hasattr(self.kind, name) else f"{name}_" for name in known}
         self.text = [index for index, member in enumerate(codec.members, 1) if member.characters]
@@ -56,6 +63,13 @@ class Peer:
             self.members = eval(
                 f"lambda value: (0, {''.join(f'value.{by_member[member.name]}, ' for member in codec.members)})"
             )
+        self.tells_verdict, self.tells_reports = hasattr(self.kind, "verdict"), hasattr(self.kind, "reports")
+        self.bits = {item.name: 1 << number for number, item in enumerate(reports_of(batch.device))}
+        #: What the manual leaves open of the layout: the name of each alternative, and its answers in order.
+        self.open = {
+            item.name: [getattr(module, names.asked[item.name].kind)[answer.name.upper()] for answer in item.answers]
+            for item in batch.device.alternatives_of(codec.layout)
+        }
         package = importlib.import_module(module.__name__.partition(".")[0])
         self.error = package.FrameError
         self.errors = {
@@ -67,21 +81,37 @@ class Peer:
 
     def variant(self, device: Device, variant: Variant) -> Any:
         """The order code as the package knows it, with what its registers hold."""
-        label, _, state = variant.code.partition(";")
+        label, state = told(variant)
         held: dict[int, int] = {}
-        for name, _, data in (item.partition("=") for item in state.split(";") if item):
+        for name, data in state.items():
+            if name in {item.name for item in device.alternatives}:
+                continue
             held |= {device.register(name).address + index: byte for index, byte in enumerate(bytes.fromhex(data))}
         found = self.module.lookup(label)
         return found.with_registers(held) if held else found
 
+    def answers(self, variant: Variant) -> list[Any]:
+        """The answers that a decoder takes; the first one where the variant tells none."""
+        _, state = told(variant)
+        return [answers[int(state.get(name, "0"), 16)] for name, answers in self.open.items()]
+
+    def tells(self, value: Any) -> tuple[int, int]:
+        """The verdict and the mask of the reports."""
+        verdict = VERDICTS[value.verdict.value] if self.tells_verdict else NO_VERDICT
+        return verdict, sum(self.bits[item.name] for item in value.reports) if self.tells_reports else 0
+
     def wrong(
-        self, codec: Codec, variant: Any, sent: Sequence[int] | Sequence[bytes], answers: bytes, kinds: Counter[int]
+        self,
+        codec: Codec,
+        extra: Sequence[Any],
+        sent: Sequence[int] | Sequence[bytes],
+        answers: bytes,
+        kinds: Counter[int],
     ) -> list[object]:
         """What C answers otherwise. Every fourth sound frame is encoded again, in half the time of decoding it."""
         found: list[object] = []
         decode, members, error, faults, text = self.kind.decode, self.members, self.error, self.errors, self.text
         last = 1 + len(codec.members)
-        extra = (variant,) if self.takes_variant else ()
         results: list[int] = []
         for wire, answer in zip(sent, struct.iter_unpack(codec.answer, answers), strict=True):
             try:
@@ -98,7 +128,8 @@ class Peer:
                     decoded = tuple(
                         item.decode("ascii", "replace") if type(item) is bytes else item for item in answer[:last]
                     )
-                same = decoded == expected and (not again or answer[last:] == self.encoded(codec, value))
+                same = decoded == expected and (not again or answer[last:-2] == self.encoded(codec, value))
+                same = same and answer[-2:] == self.tells(value)
             results.append(expected[0])
             if not same:
                 found.append((wire, answer, expected))
@@ -113,6 +144,12 @@ class Peer:
         except self.error as reason:
             return self.errors[type(reason)], bytes(codec.sent)
         return 0, again.to_bytes(8, "big") if not codec.view.plan.in_bytes else again
+
+
+def told(variant: Variant) -> tuple[str, dict[str, str]]:
+    """The label, and what the code of a variant says besides: bytes of registers and answers, by name."""
+    label, *state = variant.code.split(";")
+    return label, dict(item.split("=") for item in state)
 
 
 def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, Counter[int], list[object]]:
@@ -150,7 +187,8 @@ def compare_piece(
     size, at = struct.calcsize(codec.answer), 0
     for variant, records in pieces:
         sent = wires(batch, codec, records)
-        found += peer.wrong(codec, peer.variant(batch.device, variant), sent, out[at : at + size * len(sent)], kinds)
+        extra = [*([peer.variant(batch.device, variant)] if peer.takes_variant else []), *peer.answers(variant)]
+        found += peer.wrong(codec, extra, sent, out[at : at + size * len(sent)], kinds)
         at += size * len(sent)
     assert at == len(out)
     return at // size
