@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 #: or are about headers of made-up devices.
 TESTS = {
     "functions": [f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "families", "transport")],
-    "codecs": ["tests/c/test_c_codec.py"],
+    "codecs": ["tests/c/test_c_codec.py", "tests/c/test_c_reports.py"],
 }
 
 
@@ -55,6 +55,12 @@ UNREACHED = (
         r"result != LIKA_OK|\{",
         4,
         "every byte is a configuration, and there is a place for each step",
+    ),
+    Unreached(
+        r"lika_am36_set_resolution_steps",
+        r"result != LIKA_OK|\{",
+        4,
+        "a resolution that encodes is one that the encoder can have, from the bytes just written",
     ),
     Unreached(
         r"lika_sma21_(write_preset_offset|set_preset_steps|set_offset_steps)",
