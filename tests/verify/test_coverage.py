@@ -47,8 +47,8 @@ UNREACHED = (
     Unreached(
         r"lika_(am36|sma21)_read_state",
         r"result != LIKA_OK|\{",
-        6,
-        "every configuration, and every number of revolutions, is one that an encoder can have",
+        8,
+        "every configuration, and every number of steps and of revolutions, is one that an encoder can have",
     ),
     Unreached(
         r"lika_(am36|sma21)_set_configuration",
