@@ -24,9 +24,10 @@ _XML_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 class Effect(Enum):
-    """What has changed in the outputs."""
+    """What has changed: in the outputs, or only in what a second reading states."""
 
     NOTHING = "nothing"
+    READING = "second reading"
     TEXTS = "texts"
     CODE = "code"
 
