@@ -17,6 +17,7 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.add(_codes(reading))
     facts.add(_spellings(reading))
     facts.add(_supplies(reading))
+    facts.add(_parameters(reading))
     for item in reading.device.run_time_parameters:
         facts.add(_held(reading, item))
     for interface in reading.device.interfaces:
@@ -48,6 +49,19 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
     supplies = {(code, ""): f"{need.min_mv} to {need.max_mv} mV" for code, need in needs if need is not None}
     if supplies:
         yield Fact(Sort.SUPPLY, ("supply",), supplies, "supply", reading.first(("supply",), ("order_code", "parts")))
+
+
+def _parameters(reading: Reading) -> Iterator[Fact]:
+    """What a parameter is for each order code: readers define what they need, but one name means one thing."""
+    cases = [case for item in reading.device.interfaces for case in reading.cases(item.name).items()]
+    for item in reading.device.parameters:
+        values = {case: short(parameters[item.name]) for case, parameters in cases if item.name in parameters}
+        place: Path = ("parameters", item.name)
+        key: Key = ("parameter", item.name)
+        yield Fact(Sort.ORDER_CODE, key, values, f"the parameter '{item.name}'", place, mild=True)
+        if item.interface:
+            what = f"interface of the parameter '{item.name}'"
+            yield Fact(Sort.ORDER_CODE, (*key, "over"), item.interface, what, (*place, "interface"), key)
 
 
 def place_of_part(name: str) -> Path:

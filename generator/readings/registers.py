@@ -22,8 +22,6 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         key = reading.key_of(register)
         facts.add(_facts(reading, register, key, owner))
         facts.follows(Sort.POSITION, len(register.layout.joins))
-        if as_delivered(register)[0] is not None:
-            facts.follows(Sort.DEFAULT, sum(item.default is not None for item in register.layout.fields))
         aspects = Aspects(reading, owner, register.interface, register)
         facts.words[key] = word(reading, register.layout, key, at(register), aspects)
 
@@ -31,7 +29,7 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 def _facts(reading: Reading, register: Register, key: Key, owner: Path) -> Iterator[Fact]:
     name = at(register)
     length = f"{register.length} byte{'s' * (register.length != 1)}"
-    yield Fact(Sort.ADDRESS, key, length, name, (*owner, "address"))
+    yield Fact(Sort.ADDRESS, key, length, name, (*owner, "address"), name=register.name)
     said: list[tuple[Sort, str, str, str]] = [(Sort.ACCESS, "access", register.access, "access")]
     if register.length > 1:
         said.append((Sort.BYTE_ORDER, "byte_order", register.byte_order, "byte order"))
@@ -75,7 +73,7 @@ def _opened_by(reading: Reading, register: Register) -> str:
         if register.opened_by_field in ("", item.name) and isinstance(item.kind, Choice):
             for value in item.values:
                 if value.name == register.opened_by_value:
-                    return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener, item)}"
+                    return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener.interface, item)}"
     return at(opener)
 
 
@@ -102,7 +100,7 @@ def _bounded(reading: Reading, register: Register) -> str:
     name = bounded(register)
     join = next((item.fields for item in register.layout.joins if item.name == name), (name,))
     parts = [item for item in register.layout.fields if item.name in join]
-    return " and ".join(reading.bits_of(register, item) for item in parts) or "all bits"
+    return " and ".join(reading.bits_of(register.interface, item) for item in parts) or "all bits"
 
 
 def _bound(
