@@ -34,7 +34,7 @@ class Aspects:
         """Adds what the field is called, and what its values are."""
         field, place = item.field, self.place(item.field)
         where = f"name of {bits(item.high, item.low)} of '{self.owner[-1]}'"
-        if place[-1] == field.name:
+        if place[-2:] == ("fields", field.name):
             names.setdefault(_FIELDS, {})[item.low, item.width] = Name(
                 Sort.POSITION, field.name, where, (*place, "name")
             )
