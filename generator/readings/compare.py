@@ -8,13 +8,15 @@ from enum import IntEnum
 
 from ..spec.problems import Path
 from .fact import Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
-from .naming import mistaken
+from .naming import are_settled, mistaken
 from .printed import same_name
 from .reading import bits
 from .words import continues, run
 
 #: The value of what a reading does not have.
 NOTHING = "nothing"
+#: Things that each reader defines as he needs them: nothing is missing where the other has none of the name.
+_OWN = frozenset(("parameter",))
 
 
 class Read(IntEnum):
@@ -45,10 +47,14 @@ class Disagreement:
 
 @dataclass(slots=True)
 class Comparison:
-    """The outcome: each place of the spec by class and how often it was read, and the disagreements."""
+    """The outcome: each place of the spec by class and how often it was read, and the disagreements.
+
+    ``settled`` says that the second reading has the names of the spec.
+    """
 
     read: dict[tuple[Sort, Path], Read] = field(default_factory=dict)
     disagreements: list[Disagreement] = field(default_factory=list)
+    settled: bool = False
 
     def note(self, sort: Sort, place: Path, read: Read) -> None:
         """Counts a fact of the spec."""
@@ -62,7 +68,8 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     for key, fact in spec.facts.items():
         other = second.facts.get(key)
         if other is None:
-            made.note(fact.sort, fact.place, Read.ONCE)
+            if key[0] not in _OWN:
+                made.note(fact.sort, fact.place, Read.ONCE)
         else:
             _compare_values(made, fact, other)
     for key, fact in second.facts.items():
@@ -71,7 +78,8 @@ def compare(spec: Facts, second: Facts) -> Comparison:
             _differ(made, Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near))
     for found in _codes_too_many(spec, second):
         _differ(made, found)
-    for found in _compare_names(spec.names, second.names):
+    made.settled = are_settled(spec, second)
+    for found in _compare_names(made, spec.names, second.names):
         _differ(made, found)
     for key, word in spec.words.items():
         if _same_order(spec.facts.get((*key, "order")), second.facts.get((*key, "order"))):
@@ -88,9 +96,11 @@ def _codes_too_many(spec: Facts, second: Facts) -> Iterator[Disagreement]:
         yield Disagreement(Sort.ORDER_CODE, what, _shown(alone[0].value), NOTHING, alone[0].place, known[0].place, ())
 
 
-def _compare_names(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[Disagreement]:
+def _compare_names(
+    made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]
+) -> Iterator[Disagreement]:
     for kind, names in spec.items():
-        for own, other in mistaken(names, second.get(kind, {})):
+        for own, other in mistaken(names, second.get(kind, {}), made.settled):
             yield Disagreement(own.sort, own.what, f"'{own.name}'", f"'{other.name}'", own.place, other.place, ())
 
 
@@ -231,7 +241,7 @@ def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterat
             made.note(Sort.POSITION, one.place, Read.TWICE)
     for (low, width), aspects in own.fields.items():
         yield from _compare_aspects(made, word, (low, width), aspects, other.fields.get((low, width), {}))
-    yield from _compare_names(own.names, other.names)
+    yield from _compare_names(made, own.names, other.names)
 
 
 def _alike(one: Bit, other: Bit) -> bool:

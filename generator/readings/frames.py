@@ -191,4 +191,4 @@ def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[
                 yield Fact(Sort.TIME, key, f"{value} µs", what, (*owner, item.name, name), name=item.name)
         else:
             text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value} µs" for name, value in told.items())
-            yield Fact(Sort.TIME, ("time", interface, text), text, f"the time{through} of {text}", (*owner, item.name), name=item.name)
+            yield Fact(Sort.TIME, ("time", interface, text), text, f"a time{through}", (*owner, item.name), name=item.name)

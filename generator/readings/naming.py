@@ -5,16 +5,44 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import takewhile
 
-from .fact import Name, Names
+from .fact import Facts, Name, Names
 
 
-def mistaken(own: Names, theirs: Names) -> Iterator[tuple[Name, Name]]:
+#: From this share of equal names on, those of a second reading have been set to the spec's.
+_SETTLED = 0.9
+
+
+def are_settled(spec: Facts, second: Facts) -> bool:
+    """Whether the second reading has the names of the spec, so that one that differs is a slip, whatever it is."""
+    pairs = [
+        (own[key].name, theirs[key].name)
+        for own, theirs in _both(spec, second)
+        for key in own.keys() & theirs.keys()
+    ]
+    return sum(one == other for one, other in pairs) >= _SETTLED * len(pairs)
+
+
+def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
+    """The names of each kind that both readings have, those of fields in the first case of each word."""
+    for kind in spec.names.keys() & second.names.keys():
+        yield spec.names[kind], second.names[kind]
+    for key in spec.words.keys() & second.words.keys():
+        own, theirs = spec.words[key].cases, second.words[key].cases
+        case = next((case for case in own if case in theirs), None)
+        if case is not None:
+            kinds = own[case].names.keys() & theirs[case].names.keys()
+            yield from ((own[case].names[kind], theirs[case].names[kind]) for kind in kinds)
+
+
+def mistaken(own: Names, theirs: Names, settled: bool) -> Iterator[tuple[Name, Name]]:
     """The names of things that the other reader calls otherwise, and of which one must be a slip: he uses the name for
-    something else, or the two differ in a letter."""
+    something else, the two differ in a letter, or all names are ``settled``."""
     used = {item.name for item in theirs.values()}
     for key, mine in own.items():
         other = theirs.get(key)
-        if other is not None and other.name != mine.name and (mine.name in used or _is_slip(mine.name, other.name)):
+        if other is None or other.name == mine.name:
+            continue
+        if settled or mine.name in used or _is_slip(mine.name, other.name):
             yield mine, other
 
 
