@@ -142,7 +142,7 @@ class Aspects:
             value = ", ".join(sorted(map(self._reading.bits_at, field.explained_by)))
             yield "explained", Aspect(Sort.BEHAVIOUR, value, "bits that tell more", (*place, "explained_by"))
         if field.unit:
-            yield "unit", Aspect(Sort.VALUE, kind_of_unit(field.unit), "unit", (*place, "unit"), mild=True)
+            yield "unit", Aspect(Sort.VALUE, kind_of_unit(field.unit), "unit", (*place, "unit"))
 
 
 def crc_aspects(crc: Crc, interface: str, of: str = "the CRC") -> Said:

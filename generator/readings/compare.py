@@ -7,14 +7,12 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from ..spec.problems import Path
-from .fact import Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
+from .fact import NOTHING, Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .naming import are_settled, mistaken
 from .printed import same_name
 from .reading import bits
 from .words import continues, run
 
-#: The value of what a reading does not have.
-NOTHING = "nothing"
 #: Things that each reader defines as he needs them: nothing is missing where the other has none of the name.
 _OWN = frozenset(("parameter",))
 

@@ -9,6 +9,10 @@ from enum import Enum
 from ..spec.problems import Path
 
 
+#: The value of what a reading does not have.
+NOTHING = "nothing"
+
+
 class Sort(Enum):
     """The classes of facts, in the order in which they are shown."""
 

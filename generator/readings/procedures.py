@@ -106,7 +106,7 @@ def _times(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Ite
         if isinstance(step, ReadStep) and step.field:
             here, what = (*place, "field"), f"bits that '{_done(reading, step, procedure)}' is for"
             yield Fact(
-                Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key, True
+                Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key
             )
         before = f"after '{_done(reading, step, procedure)}'"
         if isinstance(step, SendStep):

@@ -9,7 +9,7 @@ from ..model.expressions import Expression
 from ..reference.limits import bounded, bounds
 from ..spec.problems import Path
 from .aspects import Aspects
-from .fact import Fact, Facts, Key, Sort, Value
+from .fact import NOTHING, Fact, Facts, Key, Name, Sort, Value
 from .printed import printed_names
 from .reading import Parameters, Reading, as_delivered, at, in_hex, short
 from .words import word
@@ -21,9 +21,20 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         owner: Path = ("registers", register.name)
         key = reading.key_of(register)
         facts.add(_facts(reading, register, key, owner))
+        _add_names(register, key, owner, facts)
         facts.follows(Sort.POSITION, len(register.layout.joins))
         aspects = Aspects(reading, owner, register.interface, register)
         facts.words[key] = word(reading, register.layout, key, at(register), aspects)
+
+
+def _add_names(register: Register, key: Key, owner: Path, facts: Facts) -> None:
+    """What the register calls other things: the field that its limits bound, and the one that opens it."""
+    what = f"what the limits of {at(register)} bound"
+    facts.call(("bounded",), key, Name(Sort.LIMIT, register.limits_of, what, (*owner, "limits_of")))
+    if register.opened_by:
+        what = f"field that opens {at(register)}"
+        name = Name(Sort.BEHAVIOUR, register.opened_by_field or NOTHING, what, (*owner, "opened_by"))
+        facts.call(("opener",), key, name)
 
 
 def _facts(reading: Reading, register: Register, key: Key, owner: Path) -> Iterator[Fact]:
