@@ -62,7 +62,7 @@ class Comparison:
 
 def compare(spec: Facts, second: Facts) -> Comparison:
     """What comes out when the facts of a spec are held against those of its second reading."""
-    made = Comparison()
+    made = Comparison(settled=are_settled(spec, second))
     for key, fact in spec.facts.items():
         other = second.facts.get(key)
         if other is None:
@@ -71,12 +71,12 @@ def compare(spec: Facts, second: Facts) -> Comparison:
         else:
             _compare_values(made, fact, other)
     for key, fact in second.facts.items():
-        if key not in spec.facts and not fact.mild and _has_holder(fact, spec):
+        free = fact.mild and not (made.settled and key[0] in _OWN)
+        if key not in spec.facts and not free and _has_holder(fact, spec):
             near = _near(fact, spec, second)
             _differ(made, Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near))
     for found in _codes_too_many(spec, second):
         _differ(made, found)
-    made.settled = are_settled(spec, second)
     for found in _compare_names(made, spec.names, second.names):
         _differ(made, found)
     for key, word in spec.words.items():
