@@ -25,7 +25,7 @@ from codewheel.spec.read import read_specs
 from .effects import Effect, Outputs
 from .slips import Mutant, mutants, mutated
 
-#: What ``check --coverage`` refuses, beside the rules of ``check``.
+#: What ``check --coverage`` refuses, beside the rules of ``check``: facts that are no longer read twice.
 READ_ONCE = "read once"
 
 
@@ -77,9 +77,17 @@ class Trial:
         wanted = (item for item in documents if not names or Path(item.file).stem in names)
         return [mutant for document in wanted for mutant in mutants(document)]
 
+    def place(self, mutant: Mutant) -> str:
+        """Where a mutant is: its file and the path to the value."""
+        document = self._document(mutant)
+        return f"{Path(document.file).stem}: {document.name_path(mutant.place.path)}"
+
+    def _document(self, mutant: Mutant) -> Document:
+        return next(item for item in (*self.documents, *self.second_readings) if item.file == mutant.file)
+
     def verdict(self, mutant: Mutant) -> Verdict:
         """What ``check`` says of a mutant, and if it says nothing, what comes of it."""
-        document = next(item for item in (*self.documents, *self.second_readings) if item.file == mutant.file)
+        document = self._document(mutant)
         changed = replace(document, data=mutated(document, mutant), kept={})
         try:
             if any(document is item for item in self.second_readings):
@@ -124,7 +132,9 @@ class Trial:
         if report:
             return _refused(report)
         (covered,) = coverage_of([Readings(family, changed, outcome, facts.derived)])
-        return Verdict((READ_ONCE,), Effect.NOTHING) if covered.lacking else Verdict((), Effect.READING)
+        if covered.lacking or family.device.times_read not in (None, covered.total):
+            return Verdict((READ_ONCE,), Effect.NOTHING)
+        return Verdict((), Effect.READING)
 
     def _second(self, family: Family, report: Report) -> Second | None:
         return self._seconds.get(family.document.file)
