@@ -31,6 +31,11 @@ _REASONS = (
         {"keys": r"order_code\.also_written\b.*"},
     ),
     (
+        "names of two groups with the same bits",
+        "The two groups have the same fields; only what is said of them in words differs.",
+        {"keys": r"field_groups\.name", "slip": "exchanged with the next"},
+    ),
+    (
         "how a number is written",
         "The number is the same; documents show it in decimal or in hexadecimal.",
         {"keys": r"parameters\.NAME\.hexadecimal"},

@@ -155,11 +155,11 @@ What a slip of a transcriber does to the specs: `{command}` makes slips on purpo
 {", ".join(files)}, and `check` looks at each. The page is written by the command; do not edit it.
 
 Slips are a digit lost, swapped or taken for one that looks alike, a number that is one off, a bit, a boolean, another
-word of a list or another name, an item or a key left out, two items in the wrong order, and a value that stands where the
-next item's should. *Same* are those that change nothing in any output but an order in which nothing lies. *Left out* pass,
-but leave nothing wrong. *Texts* and *code* are wrong values that pass: what only documents show, and what code computes
-with; *wrong* is their share. In classes with * a wrong value moves a position, breaks a check or an access, or comes at
-the wrong time: none may pass.
+word of a list or another name, a letter lost from a name, an item or a key left out, two items in the wrong order, and
+a value that stands where the next item's should. *Same* are those that change nothing in any output but an order in
+which nothing lies. *Left out* pass, but leave nothing wrong. *Texts* and *code* are wrong values that pass: what only
+documents show, and what code computes with; *wrong* is their share. In classes with * a wrong value moves a position,
+breaks a check or an access, or comes at the wrong time: none may pass.
 """
     return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
 

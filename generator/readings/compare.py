@@ -94,9 +94,7 @@ def _codes_too_many(spec: Facts, second: Facts) -> Iterator[Disagreement]:
         yield Disagreement(Sort.ORDER_CODE, what, _shown(alone[0].value), NOTHING, alone[0].place, known[0].place, ())
 
 
-def _compare_names(
-    made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]
-) -> Iterator[Disagreement]:
+def _compare_names(made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[Disagreement]:
     for kind, names in spec.items():
         for own, other in mistaken(names, second.get(kind, {}), made.settled):
             yield Disagreement(own.sort, own.what, f"'{own.name}'", f"'{other.name}'", own.place, other.place, ())

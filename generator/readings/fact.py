@@ -8,7 +8,6 @@ from enum import Enum
 
 from ..spec.problems import Path
 
-
 #: The value of what a reading does not have.
 NOTHING = "nothing"
 

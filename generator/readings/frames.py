@@ -45,7 +45,9 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, facts: F
         for item in layout.fields:
             if item.group:
                 place = reading.field_place(owner, item)
-                name = Name(Sort.POSITION, item.group, f"group of {reading.bits_of(interface.name, item)} of {what}", place)
+                name = Name(
+                    Sort.POSITION, item.group, f"group of {reading.bits_of(interface.name, item)} of {what}", place
+                )
                 facts.call(("group", interface.name), (*key, reading.bits_of(interface.name, item)), name)
 
 
@@ -191,4 +193,6 @@ def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[
                 yield Fact(Sort.TIME, key, f"{value} µs", what, (*owner, item.name, name), name=item.name)
         else:
             text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value} µs" for name, value in told.items())
-            yield Fact(Sort.TIME, ("time", interface, text), text, f"a time{through}", (*owner, item.name), name=item.name)
+            yield Fact(
+                Sort.TIME, ("time", interface, text), text, f"a time{through}", (*owner, item.name), name=item.name
+            )

@@ -7,7 +7,6 @@ from itertools import takewhile
 
 from .fact import Facts, Name, Names
 
-
 #: From this share of equal names on, those of a second reading have been set to the spec's.
 _SETTLED = 0.9
 
@@ -15,9 +14,7 @@ _SETTLED = 0.9
 def are_settled(spec: Facts, second: Facts) -> bool:
     """Whether the second reading has the names of the spec, so that one that differs is a slip, whatever it is."""
     pairs = [
-        (own[key].name, theirs[key].name)
-        for own, theirs in _both(spec, second)
-        for key in own.keys() & theirs.keys()
+        (own[key].name, theirs[key].name) for own, theirs in _both(spec, second) for key in own.keys() & theirs.keys()
     ]
     return sum(one == other for one, other in pairs) >= _SETTLED * len(pairs)
 

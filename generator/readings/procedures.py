@@ -105,9 +105,7 @@ def _times(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Ite
         done, waited = done + 1, 0
         if isinstance(step, ReadStep) and step.field:
             here, what = (*place, "field"), f"bits that '{_done(reading, step, procedure)}' is for"
-            yield Fact(
-                Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key
-            )
+            yield Fact(Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key)
         before = f"after '{_done(reading, step, procedure)}'"
         if isinstance(step, SendStep):
             sent = f"'{_done(reading, step, procedure)}' in {called}"

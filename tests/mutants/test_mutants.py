@@ -118,9 +118,7 @@ def test_slips_of_words_booleans_and_items(made_up: Document) -> None:
 
 def test_every_value_has_a_class(trial: Trial) -> None:
     """Of the specs only the list of what is alike in all devices of a manufacturer has none: it is no fact."""
-    unclassed = {
-        place.keys for document in trial.documents for place in places(document) if place.fact == "other"
-    }
+    unclassed = {place.keys for document in trial.documents for place in places(document) if place.fact == "other"}
     assert unclassed == {"alike", "alike.crcs", "alike.registers"}
 
 
