@@ -270,7 +270,7 @@ def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None
             "{gray: {value: 1, printed_name: binary}, binary: {value: 0, printed_name: gray}}",
             ["name of value 0 of bit 5 of 'setting': 'gray'", "name of value 1 of bit 5 of 'setting': 'binary'"],
         ),
-        ("wrong", "faut", ["name of alarm by register 0x49 bit 0: 'fault'", "name of bit 0 of 'setting': 'fault'"]),
+        ("wrong", "faut", ["name of bit 0 of 'setting': 'fault'", "name of alarm by register 0x49 bit 0: 'fault'"]),
         ("wrong", "mistake", []),
     ],
     ids=["exchanged", "a letter lost", "another"],
