@@ -141,3 +141,12 @@ def test_the_table_counts_wrong_values_alone() -> None:
 
 def test_the_worst_effect_is_last() -> None:
     assert [effect.value for effect in Effect] == ["nothing", "order", "second reading", "texts", "code"]
+
+
+@pytest.mark.slow
+def test_no_name_in_a_measurement_stops_the_tool(trial: Trial) -> None:
+    """Two to the power of a large parameter has no value that anybody needs; it is a problem like any other."""
+    place = ("interfaces", "biss", "measurement", "highest")
+    verdicts = [trial.verdict(item) for item in trial.mutants(["sma21"]) if item.place.path == place]
+    assert len(verdicts) > 5
+    assert {verdict.word for verdict in verdicts} == {"refused"}
