@@ -5,7 +5,7 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate lint quick test verify bench house check spec-page templates-page clean
+.PHONY: generate lint quick test verify bench house mutants check spec-page templates-page clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -41,6 +41,10 @@ bench: .venv/.installed tools bench-packages
 # How the generator is built, in figures; HOUSE="--against COMMIT" puts an earlier commit beside it, HOUSE=--list names the places.
 house: .venv/.installed
 	@$(PY) benchmarks/house.py $(HOUSE)
+
+# Slips of a transcriber, made on purpose: which of them pass check, by class of fact; MUTANTS=--write writes docs/mutants.md too.
+mutants: .venv/.installed
+	@$(PY) benchmarks/mutants.py $(MUTANTS)
 
 check: .venv/.installed
 	@$(PY) -m codewheel check specs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 from collections.abc import Iterator, Mapping
 from enum import Enum
@@ -19,14 +20,18 @@ from codewheel.targets.registry import files_of, load_target
 _CODE = ("python", "c", "biss")
 #: Texts that are facts: which contact carries what.
 _FACTS = frozenset(("contact", "signal"))
+#: Lists whose order is a fact; of all others it only says in which order outputs name things.
+_ORDERED = frozenset("fields join steps arguments digits control_data answers columns cells writes".split())
 _C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _XML_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 class Effect(Enum):
-    """What has changed in the outputs."""
+    """What has changed: in the outputs, only in their order, or only in what a second reading states."""
 
     NOTHING = "nothing"
+    ORDER = "order"
+    READING = "second reading"
     TEXTS = "texts"
     CODE = "code"
 
@@ -51,6 +56,8 @@ class Outputs:
         dump = device_dump(device)
         if dump == self._dump:
             return Effect.NOTHING
+        if _unordered(dump) == _unordered(self._dump):
+            return Effect.ORDER
         if _facts(dump) == _facts(self._dump):
             return Effect.TEXTS
         same = self._code and all(_code(name, device) == files for name, files in self._code.items())
@@ -69,6 +76,16 @@ def _text_keys() -> frozenset[str]:
         for reference in (item.get("$ref", ""), item.get("items", {}).get("$ref", ""))
         if reference.rpartition("/")[2] in ("text", "names", "source") and key not in _FACTS
     )
+
+
+def _unordered(data: Any, key: str = "") -> Any:
+    """Plain data without the order of lists in which it says nothing."""
+    if isinstance(data, dict):
+        return {name: _unordered(item, name) for name, item in data.items()}
+    if not isinstance(data, list):
+        return data
+    found = [_unordered(item) for item in data]
+    return found if key in _ORDERED else sorted(found, key=lambda item: json.dumps(item, sort_keys=True))
 
 
 def _facts(data: Any) -> Any:

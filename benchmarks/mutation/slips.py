@@ -119,6 +119,8 @@ def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
     elif isinstance(value, str):
         names = list(other_names(place, document.data))
         yield from (("another name", name) for name in names)
+        if place.kind == "name" and len(value) > 1:
+            yield from (("letter lost", value[:at] + value[at + 1 :]) for at in {1, len(value) // 2, len(value) - 1})
         if place.kind != "name" and not names:
             yield from _of_text(value, str(place.path[-1]) in _HEX_TEXTS)
             if place.kind == "expression":

@@ -1,4 +1,7 @@
-"""The trial of mutants: ``check`` looks at each, in this process, with the documents changed in memory."""
+"""The trial of mutants: ``check`` looks at each, in this process, with the documents changed in memory.
+
+What a mutant does not touch is read, built and worked out once: the other specs, and all facts of the other reading.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from codewheel.build.alike import check_alike
-from codewheel.build.load import families_of, packaged_masters, packaged_specs
-from codewheel.commands.check import look_at
-from codewheel.commands.outputs import targets_named
+from codewheel.build.load import Family, families_of, packaged_masters, packaged_specs
+from codewheel.commands.outputs import targets_named, tell_unfit
+from codewheel.readings.compare import compare
+from codewheel.readings.coverage import coverage_of
+from codewheel.readings.fact import Facts
+from codewheel.readings.facts import facts_of
+from codewheel.readings.reading import Reading
+from codewheel.readings.second import Readings, Second, compare_readings, explain, read_beside, second_of, sound_specs
 from codewheel.spec.document import Document
 from codewheel.spec.problems import Report
 from codewheel.spec.read import read_specs
 
 from .effects import Effect, Outputs
 from .slips import Mutant, mutants, mutated
+
+#: What ``check --coverage`` refuses, beside the rules of ``check``: facts that are no longer read twice.
+READ_ONCE = "read once"
 
 
 @dataclass(frozen=True)
@@ -36,7 +47,7 @@ class Unfit(Exception):
 
 
 class Trial:
-    """Specs without a problem, and what ``check`` says when one value of them is changed.
+    """Specs without a problem, and what ``check`` says when one value of them or of their second readings is changed.
 
     Raises:
         Unfit: The specs have a problem as they are.
@@ -47,26 +58,45 @@ class Trial:
         found = read_specs(paths or [packaged_specs()], report)
         self.documents = [item for item in found if packaged_masters() not in Path(item.file).parents]
         self.families = families_of(self.documents, report)
+        seconds = ((family, read_beside(family, report)) for family in self.families)
+        self._seconds = {family.document.file: second for family, second in seconds if second is not None}
         if report:
             raise Unfit("\n".join(problem.format() for problem in report.problems))
         self._targets = targets_named()
-        self.outputs = {family.device.name: Outputs(family.device) for family in self.families}
+        self._outputs: dict[str, Outputs] = {}
+        self._facts: dict[str, Facts] = {}
+
+    @property
+    def second_readings(self) -> list[Document]:
+        """The documents of the second readings."""
+        return [item.document for item in self._seconds.values()]
 
     def mutants(self, names: Sequence[str] = ()) -> list[Mutant]:
-        """Every mutant of the documents, or of those whose files have one of these names."""
-        wanted = (item for item in self.documents if not names or Path(item.file).stem in names)
+        """Every mutant of the documents and second readings, or of those whose files have one of these names."""
+        documents = [*self.documents, *self.second_readings]
+        wanted = (item for item in documents if not names or Path(item.file).stem in names)
         return [mutant for document in wanted for mutant in mutants(document)]
+
+    def place(self, mutant: Mutant) -> str:
+        """Where a mutant is: its file and the path to the value."""
+        document = self._document(mutant)
+        return f"{Path(document.file).stem}: {document.name_path(mutant.place.path)}"
+
+    def _document(self, mutant: Mutant) -> Document:
+        return next(item for item in (*self.documents, *self.second_readings) if item.file == mutant.file)
 
     def verdict(self, mutant: Mutant) -> Verdict:
         """What ``check`` says of a mutant, and if it says nothing, what comes of it."""
-        document = next(item for item in self.documents if item.file == mutant.file)
+        document = self._document(mutant)
         changed = replace(document, data=mutated(document, mutant), kept={})
         try:
-            return self._verdict(document, changed)
+            if any(document is item for item in self.second_readings):
+                return self._of_second(document, changed)
+            return self._of_spec(document, changed)
         except Exception as error:
             return Verdict((), Effect.NOTHING, f"{type(error).__name__}: {error}")
 
-    def _verdict(self, document: Document, changed: Document) -> Verdict:
+    def _of_spec(self, document: Document, changed: Document) -> Verdict:
         report = Report()
         touched = [family for family in self.families if document.file in family.files]
         files = {file for family in touched for file in family.files}
@@ -74,9 +104,53 @@ class Trial:
         families = families_of([*documents, changed], report)
         if not report:
             check_alike([changed if item is document else item for item in self.documents], report)
-            look_at(families, self._targets, report)
+        if not report:
+            compare_readings(families, sound_specs(families, report), report, self._second)
+        if not report:
+            tell_unfit(families, self._targets, report)
         if report:
-            return Verdict(tuple(sorted({problem.rule for problem in report.problems})), Effect.NOTHING)
+            return _refused(report)
         found = {family.device.name: family.device for family in families}
-        effects = [self.outputs[family.device.name].effect(found[family.device.name]) for family in touched]
+        if set(found) != {family.device.name for family in touched}:
+            return Verdict((), Effect.CODE)
+        effects = [self._outputs_of(family).effect(found[family.device.name]) for family in touched]
         return Verdict((), max(effects, key=list(Effect).index, default=Effect.NOTHING))
+
+    def _of_second(self, document: Document, changed: Document) -> Verdict:
+        family = next(
+            item for item in self.families if self._seconds[item.document.file].document.file == document.file
+        )
+        report = Report()
+        second = second_of(changed, family.device.manufacturer, report)
+        if second.facts is None:
+            return _refused(report)
+        if second.facts == self._seconds[family.document.file].facts:
+            return Verdict((), Effect.NOTHING)
+        facts = self._facts_of(family)
+        outcome = compare(facts, second.facts)
+        explain(family.document, changed, outcome, report)
+        if report:
+            return _refused(report)
+        (covered,) = coverage_of([Readings(family, changed, outcome, facts.derived)])
+        if covered.lacking or family.device.times_read not in (None, covered.total):
+            return Verdict((READ_ONCE,), Effect.NOTHING)
+        return Verdict((), Effect.READING)
+
+    def _second(self, family: Family, report: Report) -> Second | None:
+        return self._seconds.get(family.document.file)
+
+    def _facts_of(self, family: Family) -> Facts:
+        file = family.document.file
+        if file not in self._facts:
+            self._facts[file] = facts_of(Reading(family.device, family.document))
+        return self._facts[file]
+
+    def _outputs_of(self, family: Family) -> Outputs:
+        name = family.device.name
+        if name not in self._outputs:
+            self._outputs[name] = Outputs(family.device)
+        return self._outputs[name]
+
+
+def _refused(report: Report) -> Verdict:
+    return Verdict(tuple(sorted({problem.rule for problem in report.problems})), Effect.NOTHING)

@@ -25,7 +25,7 @@ def _contacts(connector: Connector, interface: str, number: int) -> Iterator[Fac
     owner: Path = ("connectors", connector.name)
     key: Key = ("connector", interface, connector.kind, number)
     what = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
-    yield Fact(Sort.PIN, key, "told", what, owner)
+    yield Fact(Sort.PIN, key, "told", what, owner, name=connector.name)
     for item in connector.contacts:
         place, pin = (*owner, "contacts", item.contact), (*key, plain(item.contact))
         named = f"contact {item.contact} of {what}"
@@ -63,7 +63,7 @@ def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
 
 def _of_alarm(reading: Reading, alarm: Alarm, where: str, owner: Path) -> Iterator[Fact]:
     key: Key = ("alarm", where)
-    yield Fact(Sort.ALARM, key, "told", f"alarm by {where}", owner)
+    yield Fact(Sort.ALARM, key, "told", f"alarm by {where}", owner, name=alarm.name)
     told = {
         "below_mv": f"{alarm.below_mv} mV" if alarm.below_mv is not None else "",
         "latch": str(alarm.latch).lower() if alarm.latch is not None else "",
@@ -89,7 +89,7 @@ def inputs(reading: Reading) -> Iterator[Fact]:
 def _of_input(reading: Reading, item: Input, number: int) -> Iterator[Fact]:
     key: Key = ("input", number)
     owner: Path = ("inputs", item.name)
-    yield Fact(Sort.INPUT, key, "told", f"input {number}", owner)
+    yield Fact(Sort.INPUT, key, "told", f"input {number}", owner, name=item.name)
     if item.pulse_at_least_us is not None:
         place, value = (*owner, "pulse_at_least_us"), f"{item.pulse_at_least_us} µs"
         yield Fact(Sort.TIME, (*key, "pulse"), value, f"pulse of input {number}", place, key)

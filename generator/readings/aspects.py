@@ -8,11 +8,13 @@ from ..model import Choice, Crc, CrcValue, Decimal, Field, Flag, Number, PlacedF
 from ..model.expressions import Expression
 from ..spec.problems import Path
 from ..spec.rules.parameters import kind_of_unit
-from .fact import Aspect, Sort
+from .fact import Aspect, Key, Name, Names, Sort
 from .printed import printed_names
-from .reading import Parameters, Reading, as_delivered, in_hex, over
+from .reading import Parameters, Reading, as_delivered, bits, in_hex, over
 
 Said = Iterator[tuple[str, Aspect]]
+
+_FIELDS: Key = ("field",)
 
 
 class Aspects:
@@ -27,6 +29,21 @@ class Aspects:
         if field.name not in self._places:
             self._places[field.name] = self._reading.field_place(self.owner, field)
         return self._places[field.name]
+
+    def add_names(self, item: PlacedField, names: dict[Key, Names]) -> None:
+        """Adds what the field is called, and what its values are."""
+        field, place = item.field, self.place(item.field)
+        where = f"name of {bits(item.high, item.low)} of '{self.owner[-1]}'"
+        if place[-2:] == ("fields", field.name):
+            names.setdefault(_FIELDS, {})[item.low, item.width] = Name(
+                Sort.POSITION, field.name, where, (*place, "name")
+            )
+        if isinstance(field.kind, Choice):
+            values = names.setdefault(("value", item.low, item.width), {})
+            for value in field.values:
+                here = self._reading.first((*place, "values", value.name), place)
+                what = f"name of value {in_hex(value.value)} {where.removeprefix('name ')}"
+                values[value.value,] = Name(Sort.VALUE, value.name, what, here)
 
     def of(self, item: PlacedField, parameters: Parameters) -> Mapping[str, Aspect]:
         """Everything that is said of a field for these parameters, by what it is about."""
@@ -99,10 +116,21 @@ class Aspects:
             number = found.value(parameters) if isinstance(found, Expression) else found
             value = in_hex(number) if isinstance(number, int) else number
             yield "equals", Aspect(Sort.VALUE, value, "value that is always there", (*place, "equals"))
-        # Of a register that has a default it follows from that, and check compares the two.
-        if field.default is not None and (self._register is None or as_delivered(self._register)[0] is None):
-            yield "default", Aspect(Sort.DEFAULT, in_hex(field.default), "default", (*place, "default"))
+        default, implied = self._default(item)
+        if default is not None:
+            here = (*place, "default")
+            yield "default", Aspect(Sort.DEFAULT, in_hex(default), "default", here, implied=implied)
         yield from self._of_encoder(field, place)
+
+    def _default(self, item: PlacedField) -> tuple[int | None, bool]:
+        """The default of a field, and whether the register's implies it without a word; none where they are one."""
+        own, register = item.field.default, self._register
+        whole = as_delivered(register)[0] if register is not None else None
+        if register is None or whole is None:
+            return own, False
+        if item.width == 8 * register.length or not item.field.carries_data:
+            return None, False
+        return (own, False) if own is not None else (whole >> item.low & (1 << item.width) - 1, True)
 
     def _of_encoder(self, field: Field, place: Path) -> Said:
         """What the encoder has of it, and who may use it."""
@@ -114,7 +142,7 @@ class Aspects:
             value = ", ".join(sorted(map(self._reading.bits_at, field.explained_by)))
             yield "explained", Aspect(Sort.BEHAVIOUR, value, "bits that tell more", (*place, "explained_by"))
         if field.unit:
-            yield "unit", Aspect(Sort.VALUE, kind_of_unit(field.unit), "unit", (*place, "unit"), mild=True)
+            yield "unit", Aspect(Sort.VALUE, kind_of_unit(field.unit), "unit", (*place, "unit"))
 
 
 def crc_aspects(crc: Crc, interface: str, of: str = "the CRC") -> Said:

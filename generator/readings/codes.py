@@ -8,7 +8,8 @@ from ..model import Interface, Measurement, Parameter
 from ..model.expressions import Expression
 from ..reference.order_codes import spelled
 from ..spec.problems import Path
-from .fact import Fact, Facts, Key, Sort
+from ..spec.rules.parameters import kind_of_unit
+from .fact import Fact, Facts, Key, Name, Sort
 from .reading import Reading, bits, short
 
 
@@ -17,6 +18,8 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.add(_codes(reading))
     facts.add(_spellings(reading))
     facts.add(_supplies(reading))
+    facts.add(_parameters(reading))
+    _add_alternatives(reading, facts)
     for item in reading.device.run_time_parameters:
         facts.add(_held(reading, item))
     for interface in reading.device.interfaces:
@@ -48,6 +51,34 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
     supplies = {(code, ""): f"{need.min_mv} to {need.max_mv} mV" for code, need in needs if need is not None}
     if supplies:
         yield Fact(Sort.SUPPLY, ("supply",), supplies, "supply", reading.first(("supply",), ("order_code", "parts")))
+
+
+def _parameters(reading: Reading) -> Iterator[Fact]:
+    """What a parameter is for each order code: readers define what they need, but one name means one thing."""
+    cases = [case for item in reading.device.interfaces for case in reading.cases(item.name).items()]
+    for item in reading.device.parameters:
+        values = {case: short(parameters[item.name]) for case, parameters in cases if item.name in parameters}
+        place: Path = ("parameters", item.name)
+        key: Key = ("parameter", item.name)
+        yield Fact(Sort.ORDER_CODE, key, values, f"the parameter '{item.name}'", place, mild=True)
+        if item.unit:
+            unit = kind_of_unit(item.unit)
+            yield Fact(Sort.VALUE, (*key, "unit"), unit, f"unit of the parameter '{item.name}'", (*place, "unit"), key)
+        if item.interface:
+            what = f"interface of the parameter '{item.name}'"
+            yield Fact(Sort.ORDER_CODE, (*key, "over"), item.interface, what, (*place, "interface"), key)
+
+
+def _add_alternatives(reading: Reading, facts: Facts) -> None:
+    """The names of what the manual leaves open, and of the answers."""
+    for number, item in enumerate(reading.device.alternatives, 1):
+        place: Path = ("alternatives", item.name)
+        name = Name(Sort.ORDER_CODE, item.name, f"name of alternative {number}", (*place, "name"))
+        facts.call(("alternative",), (number,), name)
+        for index, answer in enumerate(item.answers, 1):
+            what = f"name of answer {index} of alternative {number}"
+            place_of = (*place, "values", answer.name)
+            facts.call(("answer", number), (index,), Name(Sort.ORDER_CODE, answer.name, what, place_of))
 
 
 def place_of_part(name: str) -> Path:

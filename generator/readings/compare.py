@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from ..spec.problems import Path
-from .fact import Aspect, Bit, Case, Fact, Facts, Placed, Sort, Value, Word
+from .fact import NOTHING, Aspect, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
+from .naming import are_settled, mistaken
 from .printed import same_name
 from .reading import bits
 from .words import continues, run
 
-#: The value of what a reading does not have.
-NOTHING = "nothing"
+#: Things that each reader defines as he needs them: nothing is missing where the other has none of the name.
+_OWN = frozenset(("parameter",))
 
 
 class Read(IntEnum):
@@ -44,10 +45,14 @@ class Disagreement:
 
 @dataclass(slots=True)
 class Comparison:
-    """The outcome: each place of the spec by class and how often it was read, and the disagreements."""
+    """The outcome: each place of the spec by class and how often it was read, and the disagreements.
+
+    ``settled`` says that the second reading has the names of the spec.
+    """
 
     read: dict[tuple[Sort, Path], Read] = field(default_factory=dict)
     disagreements: list[Disagreement] = field(default_factory=list)
+    settled: bool = False
 
     def note(self, sort: Sort, place: Path, read: Read) -> None:
         """Counts a fact of the spec."""
@@ -57,21 +62,42 @@ class Comparison:
 
 def compare(spec: Facts, second: Facts) -> Comparison:
     """What comes out when the facts of a spec are held against those of its second reading."""
-    made = Comparison()
+    made = Comparison(settled=are_settled(spec, second))
     for key, fact in spec.facts.items():
         other = second.facts.get(key)
         if other is None:
-            made.note(fact.sort, fact.place, Read.ONCE)
+            if key[0] not in _OWN:
+                made.note(fact.sort, fact.place, Read.ONCE)
         else:
             _compare_values(made, fact, other)
     for key, fact in second.facts.items():
-        if key not in spec.facts and not fact.mild and _has_holder(fact, spec):
+        free = fact.mild and not (made.settled and key[0] in _OWN)
+        if key not in spec.facts and not free and _has_holder(fact, spec):
             near = _near(fact, spec, second)
             _differ(made, Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near))
+    for found in _codes_too_many(spec, second):
+        _differ(made, found)
+    for found in _compare_names(made, spec.names, second.names):
+        _differ(made, found)
     for key, word in spec.words.items():
         if _same_order(spec.facts.get((*key, "order")), second.facts.get((*key, "order"))):
             _compare_words(made, word, second.words.get(key))
     return made
+
+
+def _codes_too_many(spec: Facts, second: Facts) -> Iterator[Disagreement]:
+    """Order codes that the second reading does not know although it has some: they are told together."""
+    alone = [fact for key, fact in spec.facts.items() if key[0] == "code" and key not in second.facts]
+    known = [fact for key, fact in second.facts.items() if key[0] == "code"]
+    if alone and known:
+        what = alone[0].what + (f" and of {len(alone) - 1} more" if len(alone) > 1 else "")
+        yield Disagreement(Sort.ORDER_CODE, what, _shown(alone[0].value), NOTHING, alone[0].place, known[0].place, ())
+
+
+def _compare_names(made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[Disagreement]:
+    for kind, names in spec.items():
+        for own, other in mistaken(names, second.get(kind, {}), made.settled):
+            yield Disagreement(own.sort, own.what, f"'{own.name}'", f"'{other.name}'", own.place, other.place, ())
 
 
 def _same_order(own: Fact | None, other: Fact | None) -> bool:
@@ -211,6 +237,7 @@ def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterat
             made.note(Sort.POSITION, one.place, Read.TWICE)
     for (low, width), aspects in own.fields.items():
         yield from _compare_aspects(made, word, (low, width), aspects, other.fields.get((low, width), {}))
+    yield from _compare_names(made, own.names, other.names)
 
 
 def _alike(one: Bit, other: Bit) -> bool:
@@ -248,7 +275,11 @@ def _compare_aspects(
     where = f" of {bits(low + width - 1, low)} of {word.what}"
     for about, aspect in own.items():
         theirs = other.get(about)
-        if theirs is None:
+        if aspect.implied:
+            if theirs is not None and not theirs.implied:
+                what = f"{aspect.what}{where}"
+                yield Disagreement(aspect.sort, what, NOTHING, theirs.value, (), theirs.place, aspect.place)
+        elif theirs is None:
             made.note(aspect.sort, aspect.place, Read.ONCE)
         elif aspect.value == theirs.value or _alias(aspect.sort, aspect.value, theirs.value):
             made.note(aspect.sort, aspect.place, Read.TWICE)
@@ -257,6 +288,6 @@ def _compare_aspects(
             yield Disagreement(aspect.sort, what, aspect.value, theirs.value, aspect.place, theirs.place, ())
     near = next((aspect.place for aspect in own.values()), word.place)
     for about, aspect in other.items():
-        if about not in own and not aspect.mild:
+        if about not in own and not aspect.mild and not aspect.implied:
             what = aspect.what + ("" if aspect.alone else where)
             yield Disagreement(aspect.sort, what, NOTHING, aspect.value, (), aspect.place, near)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..model import Biss, ControlField, Interface, Layout, Rs485, Ssi, Timeout, Timing
 from ..spec.problems import Path
 from .aspects import Aspects, crc_aspects
-from .fact import Fact, Facts, Key, Sort
+from .fact import Fact, Facts, Key, Name, Sort
 from .printed import plain, printed_names
 from .reading import Reading, at, in_hex, over
 from .words import word
@@ -42,10 +42,17 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, facts: F
         facts.add(_of_frame(reading, layout, key, what, owner))
         aspects = Aspects(reading, owner, interface.name)
         facts.words[key] = word(reading, layout, key, what, aspects)
+        for item in layout.fields:
+            if item.group:
+                place = reading.field_place(owner, item)
+                name = Name(
+                    Sort.POSITION, item.group, f"group of {reading.bits_of(interface.name, item)} of {what}", place
+                )
+                facts.call(("group", interface.name), (*key, reading.bits_of(interface.name, item)), name)
 
 
 def _of_frame(reading: Reading, layout: Layout, key: Key, what: str, owner: Path) -> Iterator[Fact]:
-    yield Fact(Sort.POSITION, key, f"sent by the {layout.sender}", what, (*owner, "name"))
+    yield Fact(Sort.POSITION, key, f"sent by the {layout.sender}", what, (*owner, "name"), name=layout.name)
     place = reading.first((*owner, "carried_as"), owner)
     yield Fact(Sort.POSITION, (*key, "carried"), layout.carried_as, f"units of {what}", place, key)
     several, stated = layout.widest > _BYTE, reading.has((*owner, "byte_order"))
@@ -138,11 +145,11 @@ def _control(reading: Reading, item: ControlField, offset: int, owner: Path) -> 
     """A field of the control frame, from a bit of the frame on."""
     key: Key = ("control", offset)
     what = f"the control frame's field from its bit {offset + 1} on"
-    yield Fact(Sort.POSITION, key, f"{item.bits} bits", what, owner)
+    yield Fact(Sort.POSITION, key, f"{item.bits} bits", what, owner, name=item.name)
     for value in item.values:
         place = (*owner, "values", value.name)
         named = f"value {in_hex(value.value)} of {what}"
-        yield Fact(Sort.VALUE, (*key, "value", value.value), "named", named, place, key)
+        yield Fact(Sort.VALUE, (*key, "value", value.value), "named", named, place, key, name=value.name)
         for language, text in printed_names(reading, value.printed_name, value.names):
             name = (*key, "value", value.value, language)
             printed = reading.name_place(place, language)
@@ -164,7 +171,7 @@ def _rs485(interface: Rs485, owner: Path) -> Iterator[Fact]:
     for item in interface.data_ids:
         here, key = (*owner, "data_ids", item.name), ("data id", item.id)
         what = f"data ID {item.id:X}"
-        yield Fact(Sort.VALUE, key, f"control field {in_hex(item.control)}", what, (*here, "control"))
+        yield Fact(Sort.VALUE, key, f"control field {in_hex(item.control)}", what, (*here, "control"), name=item.name)
         yield Fact(Sort.SETTING, (*key, "purpose"), item.purpose, f"purpose of {what}", (*here, "purpose"), key)
     for index, access in enumerate(interface.memory_access):
         what = f"answer to a {access.access} while the busy flag is {access.busy}"
@@ -183,7 +190,9 @@ def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[
             for name, value in told.items():
                 key = ("time", interface, plain(item.symbol).replace(" ", ""), name)
                 what = f"time {item.symbol}{through}, '{name}'"
-                yield Fact(Sort.TIME, key, f"{value} µs", what, (*owner, item.name, name))
+                yield Fact(Sort.TIME, key, f"{value} µs", what, (*owner, item.name, name), name=item.name)
         else:
             text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value} µs" for name, value in told.items())
-            yield Fact(Sort.TIME, ("time", interface, text), text, f"a time{through}", (*owner, item.name))
+            yield Fact(
+                Sort.TIME, ("time", interface, text), text, f"a time{through}", (*owner, item.name), name=item.name
+            )

@@ -27,7 +27,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
         text = program(reading, item)
         key: Key = ("procedure", item.interface, text)
         owner: Path = ("procedures", item.name)
-        yield Fact(Sort.PROCEDURE, key, text, f"a procedure over {over(item.interface)}", owner)
+        yield Fact(Sort.PROCEDURE, key, text, f"a procedure over {over(item.interface)}", owner, name=item.name)
         yield from _arguments(reading, item, key, owner)
         yield from _times(reading, item, key, owner)
 
@@ -85,27 +85,27 @@ def _bits(reading: Reading, name: str, field: str) -> str:
     """A register, and the bits of it that count where they are not all."""
     register = reading.device.register(name)
     found = next((item for item in register.layout.fields if item.name == field), None)
-    where = f" {reading.bits_of(register, found)}" if found is not None else ""
+    where = f" {reading.bits_of(register.interface, found)}" if found is not None else ""
     if found is not None and found.width.is_constant and found.width.constant == 8 * register.length:
         where = ""
     return f"{at(register).removeprefix('register ')}{where}"
 
 
 def _times(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Iterator[Fact]:
-    done, before = 0, "at its start"
+    done, waited, before = 0, 0, "at its start"
     called = f"the procedure '{procedure.name}'"
     for index, step in enumerate(procedure.steps):
         place: Path = (*owner, "steps", index)
         if isinstance(step, WaitStep):
-            value, what = f"{step.microseconds // 1000} ms", f"wait {before} in {called}"
-            yield Fact(Sort.WAIT, (*key, "wait", done), value, what, (*place, "at_least_ms"), key)
+            waited += step.microseconds
+            if not isinstance(next(iter(procedure.steps[index + 1 :]), None), WaitStep):
+                value, what = f"{waited // 1000} ms", f"wait {before} in {called}"
+                yield Fact(Sort.WAIT, (*key, "wait", done), value, what, (*place, "at_least_ms"), key)
             continue
-        done += 1
+        done, waited = done + 1, 0
         if isinstance(step, ReadStep) and step.field:
             here, what = (*place, "field"), f"bits that '{_done(reading, step, procedure)}' is for"
-            yield Fact(
-                Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key, True
-            )
+            yield Fact(Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key)
         before = f"after '{_done(reading, step, procedure)}'"
         if isinstance(step, SendStep):
             sent = f"'{_done(reading, step, procedure)}' in {called}"

@@ -83,7 +83,7 @@ class Reading:
         field = next((item for item in register.layout.fields if item.name == inner), None) if register else None
         if register is None or field is None:
             return path
-        return f"{at(register)} {self.bits_of(register, field)}"
+        return f"{at(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
         """That the bits which ``register.field`` names have the value called ``name``, in words without names."""
@@ -94,9 +94,9 @@ class Reading:
         number = next((in_hex(value.value) for value in values if value.name == name), name)
         return f"{self.bits_at(path)} is {number}"
 
-    def bits_of(self, register: Register, field: Field) -> str:
-        """``bits 7:4`` of a register, as they are for the first order code."""
-        parameters = self._first_of(register.interface)
+    def bits_of(self, interface: str, field: Field) -> str:
+        """``bits 7:4`` of a register or frame of an interface, as they are for the first order code."""
+        parameters = self._first_of(interface)
         low, width = field.low.value(parameters), field.width.value(parameters)
         return bits(low + width - 1, low)
 

@@ -9,7 +9,7 @@ from ..model.expressions import Expression
 from ..reference.limits import bounded, bounds
 from ..spec.problems import Path
 from .aspects import Aspects
-from .fact import Fact, Facts, Key, Sort, Value
+from .fact import NOTHING, Fact, Facts, Key, Name, Sort, Value
 from .printed import printed_names
 from .reading import Parameters, Reading, as_delivered, at, in_hex, short
 from .words import word
@@ -21,17 +21,26 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         owner: Path = ("registers", register.name)
         key = reading.key_of(register)
         facts.add(_facts(reading, register, key, owner))
+        _add_names(register, key, owner, facts)
         facts.follows(Sort.POSITION, len(register.layout.joins))
-        if as_delivered(register)[0] is not None:
-            facts.follows(Sort.DEFAULT, sum(item.default is not None for item in register.layout.fields))
         aspects = Aspects(reading, owner, register.interface, register)
         facts.words[key] = word(reading, register.layout, key, at(register), aspects)
+
+
+def _add_names(register: Register, key: Key, owner: Path, facts: Facts) -> None:
+    """What the register calls other things: the field that its limits bound, and the one that opens it."""
+    what = f"what the limits of {at(register)} bound"
+    facts.call(("bounded",), key, Name(Sort.LIMIT, register.limits_of, what, (*owner, "limits_of")))
+    if register.opened_by:
+        what = f"field that opens {at(register)}"
+        name = Name(Sort.BEHAVIOUR, register.opened_by_field or NOTHING, what, (*owner, "opened_by"))
+        facts.call(("opener",), key, name)
 
 
 def _facts(reading: Reading, register: Register, key: Key, owner: Path) -> Iterator[Fact]:
     name = at(register)
     length = f"{register.length} byte{'s' * (register.length != 1)}"
-    yield Fact(Sort.ADDRESS, key, length, name, (*owner, "address"))
+    yield Fact(Sort.ADDRESS, key, length, name, (*owner, "address"), name=register.name)
     said: list[tuple[Sort, str, str, str]] = [(Sort.ACCESS, "access", register.access, "access")]
     if register.length > 1:
         said.append((Sort.BYTE_ORDER, "byte_order", register.byte_order, "byte order"))
@@ -75,7 +84,7 @@ def _opened_by(reading: Reading, register: Register) -> str:
         if register.opened_by_field in ("", item.name) and isinstance(item.kind, Choice):
             for value in item.values:
                 if value.name == register.opened_by_value:
-                    return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener, item)}"
+                    return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener.interface, item)}"
     return at(opener)
 
 
@@ -102,7 +111,7 @@ def _bounded(reading: Reading, register: Register) -> str:
     name = bounded(register)
     join = next((item.fields for item in register.layout.joins if item.name == name), (name,))
     parts = [item for item in register.layout.fields if item.name in join]
-    return " and ".join(reading.bits_of(register, item) for item in parts) or "all bits"
+    return " and ".join(reading.bits_of(register.interface, item) for item in parts) or "all bits"
 
 
 def _bound(

@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as File
 
 from ..build.device import build_device
 from ..build.load import Family
+from ..model import Manufacturer
 from ..spec.check import check_second
 from ..spec.document import Document
 from ..spec.problems import Path, Report, quoted
 from ..spec.read import read_document
 from ..spec.second import beside
 from .compare import Comparison, Disagreement, Read, compare
-from .fact import Sort
+from .fact import Facts, Sort
 from .facts import facts_of
 from .reading import Reading
 
 RULE = "readings-disagree"
 _MEND = "the manual decides; where it prints both, an erratum has them under 'readings'"
+
+
+@dataclass(frozen=True)
+class Second:
+    """A second reading: its file and what it states, or no facts where something is wrong with it."""
+
+    document: Document
+    facts: Facts | None
 
 
 @dataclass(frozen=True)
@@ -32,38 +41,56 @@ class Readings:
     derived: Mapping[Sort, int]
 
 
+#: Finds and reads the second reading of a family, if there is one; what is wrong with it goes into the report.
+Reader = Callable[[Family, Report], Second | None]
+
+
+def read_beside(family: Family, report: Report) -> Second | None:
+    """The second reading that lies beside the spec of a family."""
+    place = beside(File(family.document.file))
+    document = read_document(place, report) if place.is_file() else None
+    return second_of(document, family.device.manufacturer, report) if document is not None else None
+
+
+def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> Second:
+    """What a second reading states, of a document that has been read; what is wrong with it goes into ``report``."""
+    before = len(report)
+    data = check_second(document, report)
+    device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
+    sound = device is not None and len(report) == before
+    return Second(document, facts_of(Reading(device, document)) if device is not None and sound else None)
+
+
 def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
     """The files of the families in whose facts nothing is wrong up to now, so that they can be compared."""
     return frozenset(family.document.file for family in families if not report.faults(family.document))
 
 
-def compare_readings(families: Iterable[Family], sound: Collection[str], report: Report) -> list[Readings]:
+def compare_readings(
+    families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_beside
+) -> list[Readings]:
     """Compares each family that has a second reading with it, and reports what the two have differently.
 
     A second reading is checked even where its spec is not ``sound``, but not compared.
     """
     found = []
     for family in families:
-        place = beside(File(family.document.file))
-        if place.is_file():
-            document = read_document(place, report)
-            if document is not None:
-                found.append(_compared(family, document, family.document.file in sound, report))
+        second = read(family, report)
+        if second is None:
+            continue
+        if second.facts is None or family.document.file not in sound:
+            found.append(Readings(family, second.document, None, {}))
+            continue
+        facts = facts_of(Reading(family.device, family.document))
+        outcome = compare(facts, second.facts)
+        explain(family.document, second.document, outcome, report)
+        found.append(Readings(family, second.document, outcome, facts.derived))
     return found
 
 
-def _compared(family: Family, document: Document, is_sound: bool, report: Report) -> Readings:
-    before = len(report)
-    data = check_second(document, report)
-    if data is None:
-        return Readings(family, document, None, {})
-    device = build_device(data, family.device.manufacturer, report.for_document(document))
-    if device is None or len(report) > before or not is_sound:
-        return Readings(family, document, None, {})
-    facts = facts_of(Reading(family.device, family.document))
-    outcome = compare(facts, facts_of(Reading(device, document)))
-    _report(Errata(family.document), outcome, family.document, document, report)
-    return Readings(family, document, outcome, facts.derived)
+def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
+    """Counts as explained what errata of the spec explain, and reports the other disagreements."""
+    _report(Errata(spec), outcome, spec, second, report)
 
 
 def _report(errata: Errata, outcome: Comparison, spec: Document, second: Document, report: Report) -> None:

@@ -22,7 +22,7 @@ from ..model import (
 )
 from ..spec.problems import Path
 from .aspects import Aspects
-from .fact import Bit, Case, Key, Placed, Word
+from .fact import Bit, Case, Key, Names, Placed, Word
 from .reading import Parameters, Reading, bits
 
 
@@ -42,12 +42,14 @@ def word(reading: Reading, layout: Layout, key: Key, what: str, aspects: Aspects
 def _placed(placed: PlacedLayout, aspects: Aspects, parameters: Parameters) -> Placed:
     found = [Bit("unspecified", None, None, (*aspects.owner, "other_bits"))] * placed.bits
     fields = {}
+    names: dict[Key, Names] = {}
     for item in placed.fields:
         place = aspects.place(item.field)
         for index, bit in enumerate(_bits(item, placed, place)):
             found[item.low + index] = bit
         fields[item.low, item.width] = aspects.of(item, parameters)
-    return Placed(tuple(found), fields)
+        aspects.add_names(item, names)
+    return Placed(tuple(found), fields, names)
 
 
 def _bits(item: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:

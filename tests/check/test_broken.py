@@ -21,9 +21,9 @@ RULES_WITH_BROKEN_SPECS = """
     byte-order-missing clock-range crc-impossible device-name duplicate-address duplicate-key duplicate-name
     example-shape interface-mismatch layout-keys makes-position-missing measurement-shape merge-key missing-key
     not-a-map not-allowed not-text number-too-long order-code-ambiguous order-code-pattern out-of-range parameter-cycle
-    parameter-interface printed-number procedure-name register-range several-documents step-shape supply-range
-    table-shape tag timeout-mismatch timing-order timing-without-bound too-deep too-large too-long too-short
-    undefined-reference unit-mismatch unknown-key value-clash value-too-wide wrong-type yaml-syntax
+    parameter-interface printed-number procedure-name register-range repeated-item several-documents step-shape
+    supply-range table-shape tag timeout-mismatch timing-order timing-without-bound too-deep too-large too-long
+    too-short undefined-reference unit-mismatch unknown-key value-clash value-too-wide wrong-type yaml-syntax
 """.split()
 
 

@@ -70,7 +70,7 @@ def test_the_manual_keeps_to_its_own_arithmetic() -> None:
 
 def test_the_spec_is_clean(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(EXAMPLE)]) == 0
-    assert capsys.readouterr().out.endswith("/tv62.yaml\nno problems in 1 family: tv62\n")
+    assert capsys.readouterr().out.endswith("/tv62.second.yaml\nno problems in 1 family: tv62\n")
 
 
 def test_it_is_no_part_of_the_library(devices: Mapping[str, Device]) -> None:

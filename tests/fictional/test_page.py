@@ -117,7 +117,8 @@ def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.Captu
     assert main(["diff", str(EXAMPLE / "tolvarn" / "tv62.yaml"), str(revised)]) == 1
     said.append(capsys.readouterr().out)
     for text in fences("text"):
-        assert any(text.rstrip("\n") in item for item in said), text
+        if "readings-disagree" not in text:  # Those are looked at one by one, in test_revision.py.
+            assert any(text.rstrip("\n") in item for item in said), text
 
 
 @pytest.mark.parametrize("slip", SLIPS)

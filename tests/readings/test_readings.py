@@ -11,6 +11,9 @@ import pytest
 from codewheel.build.load import load_families
 from codewheel.commands import check
 from codewheel.commands.cli import main
+from codewheel.spec.problems import Report
+from codewheel.spec.read import read_document
+from codewheel.spec.second import is_prose
 
 HERE = pathlib.Path(__file__).parent
 MADE_UP = sorted((HERE / "specs").glob("*.yaml"))
@@ -257,3 +260,82 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
 def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--coverage"]) == 0
     assert "to be read a second time" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (  # The spec has them the other way round.
+            "{binary_code: {value: 1, printed_name: binary}, gray_code: {value: 0, printed_name: gray}}",
+            "{gray: {value: 1, printed_name: binary}, binary: {value: 0, printed_name: gray}}",
+            ["name of value 0 of bit 5 of 'setting': 'gray'", "name of value 1 of bit 5 of 'setting': 'binary'"],
+        ),
+        ("wrong", "faut", ["name of bit 0 of 'setting': 'fault'", "name of alarm by register 0x49 bit 0: 'fault'"]),
+        ("wrong", "mistake", []),
+    ],
+    ids=["exchanged", "a letter lost", "another"],
+)
+def test_names_that_must_be_slips_are_told(folder: pathlib.Path, old: str, new: str, expected: list[str]) -> None:
+    second = folder / "twice.second.yaml"
+    second.write_text(second.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    problems = told()
+    assert all(": readings-disagree: " in line for line in problems)
+    found = [line.partition(": readings-disagree: ")[2] for line in problems if line.startswith("twice.yaml")]
+    assert [line.partition(" here, ")[0] for line in found] == expected
+
+
+def test_names_count_once_the_second_reading_has_those_of_the_spec(folder: pathlib.Path) -> None:
+    """Here they are the spec's, because the second reading is the spec without its words for people."""
+    write_facts_only(folder)
+    assert told() == []
+    changed(folder / "twice.yaml", "- name: function\n", "- name: task\n")
+    found = [line.partition(": readings-disagree: ")[2] for line in told() if line.startswith("twice.yaml")]
+    assert [line.partition(" in ")[0] for line in found] == ["name of bits 7:0 of 'command': 'task' here, 'function'"]
+
+
+def write_facts_only(folder: pathlib.Path) -> None:
+    """A second reading that is a copy of the spec."""
+
+    def kept(node: object) -> object:
+        if isinstance(node, dict):
+            return {key: kept(item) for key, item in node.items() if not is_prose(key) and key != "manufacturer"}
+        return [kept(item) for item in node] if isinstance(node, list) else node
+
+    document = read_document(folder / "twice.yaml", Report())
+    assert document is not None
+    text = json.dumps(kept(document.data), indent=1)
+    (folder / "twice.second.yaml").write_text(text, encoding="utf-8")
+
+
+def test_order_codes_that_only_the_spec_has_are_told_together(folder: pathlib.Path) -> None:
+    changed(
+        folder / "twice.second.yaml",
+        '"10": {sets: {resolution: 10}}',
+        '"10": {sets: {resolution: 10}, only_with: {kind: [B]}}',
+    )
+    found = [line.partition(": readings-disagree: ")[2] for line in told() if line.startswith("twice.yaml")]
+    assert "interface of the order code T10G and of 2 more: ssi here, nothing in twice.second.yaml:22" + MEND in found
+
+
+def test_a_parameter_of_one_name_is_the_same_in_both(folder: pathlib.Path) -> None:
+    changed(
+        folder / "twice.second.yaml",
+        "  resolution: {unit: bits}\n",
+        "  resolution: {unit: bits}\n  all_bits: {unit: bits, equals: resolution + 1}\n",
+    )
+    first, second = told()
+    assert "the parameter 'all_bits', with T10B and 7 more: 11 here, 10 in twice.yaml:" in first
+    assert "10 here, 11 in twice.second.yaml:" in second
+
+
+def test_a_default_of_a_field_that_only_the_second_reading_states(folder: pathlib.Path) -> None:
+    changed(folder / "twice.second.yaml", "- name: output\n", "- name: output\n        default: 1\n")
+    assert "default of bit 5 of register 0x49: 1 here, nothing in twice.yaml:" in told()[0]
+
+
+def test_waits_that_follow_each_other_are_one(folder: pathlib.Path) -> None:
+    text = (folder / "twice.yaml").read_text(encoding="utf-8")
+    wait = "      - {do: wait, at_least_ms: 30}\n"
+    assert wait in text
+    (folder / "twice.yaml").write_text(text.replace(wait, wait + wait), encoding="utf-8")
+    assert any("60 ms" in line for line in told())

@@ -18,6 +18,7 @@ from . import (
     printed,
     procedures,
     references,
+    repeated,
     shapes,
     values,
 )
@@ -50,6 +51,7 @@ RULES: tuple[Rule, ...] = (
     names.duplicate_field,
     names.duplicate_address,
     names.value_clash,
+    repeated.repeated_item,
     references.field_references,
     references.register_references,
     references.alarm_references,

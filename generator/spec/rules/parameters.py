@@ -31,7 +31,13 @@ _KINDS = {
 _KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
 #: What each number of a measurement counts.
 _WIDTHS = ("bits", "low_bit")
-_MEASURED = {"steps_per_turn": "counts", "turns": "revolutions", "step_um": "micrometres", "steps": "counts"}
+_MEASURED = {
+    "steps_per_turn": "counts",
+    "turns": "revolutions",
+    "step_um": "micrometres",
+    "steps": "counts",
+    "highest": "counts",
+}
 
 
 def kind_of_unit(unit: str) -> str:

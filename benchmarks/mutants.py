@@ -1,0 +1,67 @@
+"""Mutants of the specs: how many slips of a transcriber pass ``check``, by class of fact.
+
+    python benchmarks/mutants.py                     tries some thousand, drawn evenly over files and classes
+    python benchmarks/mutants.py --number 500        tries fewer; --all tries every mutant there is
+    python benchmarks/mutants.py --files amm5        keeps to the specs or second readings of these names
+    python benchmarks/mutants.py --write             writes docs/mutants.md too
+
+The exit code is 1 where a wrong value passes in a class in which none may, where one passes without a reason, or where
+more pass than may. The modules in benchmarks/mutation/ say at their heads what a mutant is and how it is tried.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from mutation.campaign import drawn, tried
+from mutation.report import Outcome, file_name, page, survivors, table
+from mutation.trial import Trial
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "mutants.md"
+NUMBER = 4000
+#: The share of wrong values that may pass over all classes.
+MOST = 0.05
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--number", type=int, default=NUMBER, help="how many mutants to try (%(default)s)")
+    parser.add_argument("--all", action="store_true", help="try every mutant there is")
+    parser.add_argument("--seed", type=int, default=1, help="another draw (%(default)s)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (%(default)s)")
+    parser.add_argument("--files", nargs="+", default=(), metavar="NAME", help="files by their names without .yaml")
+    parser.add_argument("--write", action="store_true", help=f"write {PAGE.parent.name}/{PAGE.name}")
+    asked = parser.parse_args(arguments)
+    started, trial = time.monotonic(), Trial()
+    found = trial.mutants(asked.files)
+    chosen = found if asked.all else drawn(found, asked.number, asked.seed)
+    outcome = Outcome(trial, tried(trial, chosen, asked.jobs))
+    if asked.write:
+        files = sorted({file_name(mutant.file) for mutant in found})
+        PAGE.write_text(page(outcome, "make mutants", files), encoding="utf-8")
+    print("\n".join(["", *table(outcome), ""] + ([] if asked.write else list(survivors(outcome)))))
+    print(f"{len(chosen)} of {len(found)} mutants in {time.monotonic() - started:.0f} seconds")
+    return _judged(outcome)
+
+
+def _judged(outcome: Outcome) -> int:
+    """Says what is not as it has to be; the exit code."""
+    sums = dict(outcome.sums())
+    wrong = [f"crash: {crash}" for crash in outcome.crashes]
+    strict = sums["classes with *"]
+    if strict.texts + strict.code:
+        wrong.append(f"{strict.texts + strict.code} wrong values pass in classes in which none may")
+    if sums["all facts"].wrong > MOST:
+        wrong.append(f"{sums['all facts'].wrong:.1%} of the wrong values pass; {MOST:.0%} may")
+    wrong += [f"no reason: {item.place} {item.said} ({item.effect})" for item in outcome.gaps]
+    print("\n".join(wrong), file=sys.stderr)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+"""What came out of a campaign: a table by class of fact, and every mutant that passes with the reason why."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from codewheel.spec.second import is_second
+
+from .campaign import Tried
+from .effects import Effect
+from .places import PROSE, STRICT, WITNESSES
+from .reasons import explanation, reason
+from .trial import Trial
+
+#: Effects by which nothing is wrong in an output.
+_EQUIVALENT = frozenset((Effect.NOTHING.value, Effect.ORDER.value))
+_HEADINGS = ("mutants", "refused", "same", "left out", "texts", "code", "wrong")
+
+
+@dataclass
+class Row:
+    """The mutants of a class: how many there are, and what became of them.
+
+    Attributes:
+        same: Those that change nothing but an order in which nothing lies.
+        left_out: Those that pass and leave something out, so that nothing is wrong.
+        texts: Those that pass with a wrong value that only texts show.
+        code: Those that pass with a wrong value in code.
+    """
+
+    mutants: int = 0
+    refused: int = 0
+    same: int = 0
+    left_out: int = 0
+    texts: int = 0
+    code: int = 0
+
+    @property
+    def wrong(self) -> float:
+        """The share of wrong values that pass, those that change nothing not counted."""
+        return (self.texts + self.code) / max(self.mutants - self.same, 1)
+
+    def cells(self) -> tuple[str, ...]:
+        numbers = (self.mutants, self.refused, self.same, self.left_out, self.texts, self.code)
+        return (*map(str, numbers), f"{self.wrong:.1%}")
+
+
+@dataclass(frozen=True)
+class Passed:
+    """A mutant that passes: its reason, where it is, and what it does."""
+
+    reason: str
+    place: str
+    said: str
+    effect: str
+
+
+class Outcome:
+    """The outcome of a campaign.
+
+    Attributes:
+        rows: The table by class; ``second readings`` are a class of their own.
+        passed: Every mutant that passes and changes something, in order of place.
+        crashes: What went wrong with the tool itself.
+    """
+
+    def __init__(self, trial: Trial, found: Iterable[Tried]) -> None:
+        self.rows: dict[str, Row] = {}
+        self.passed: list[Passed] = []
+        self.crashes: list[str] = []
+        for item in found:
+            self._add(trial, item)
+        self.passed.sort(key=lambda item: (item.reason, item.place, item.said))
+
+    def _add(self, trial: Trial, item: Tried) -> None:
+        mutant, word = item.mutant, item.verdict.word
+        row = self.rows.setdefault("second readings" if is_second(mutant.file) else mutant.place.fact, Row())
+        row.mutants += 1
+        if word == "refused":
+            row.refused += 1
+        elif word in _EQUIVALENT:
+            row.same += 1
+        elif word == "crash":
+            self.crashes.append(f"{trial.place(mutant)}: {mutant.said}: {item.verdict.crash}")
+        else:
+            self._add_passed(trial, item, row)
+
+    def _add_passed(self, trial: Trial, item: Tried, row: Row) -> None:
+        mutant, effect = item.mutant, item.verdict.effect
+        if mutant.is_left_out or effect is Effect.READING:
+            row.left_out += 1
+        elif effect is Effect.TEXTS:
+            row.texts += 1
+        else:
+            row.code += 1
+        name = reason(mutant)
+        self.passed.append(Passed(name, trial.place(mutant), f"{mutant.slip}: {mutant.said}", effect.value))
+
+    @property
+    def gaps(self) -> list[Passed]:
+        """What passes without a reason."""
+        return [item for item in self.passed if not item.reason]
+
+    def of(self, classes: Iterable[str]) -> Row:
+        """The sum of several classes."""
+        made = Row()
+        for name in classes:
+            for key, number in vars(self.rows.get(name, Row())).items():
+                setattr(made, key, getattr(made, key) + number)
+        return made
+
+    def sums(self) -> Iterator[tuple[str, Row]]:
+        """The sums below the table."""
+        known = set(self.rows) - {"second readings"}
+        yield "classes with *", self.of(known & STRICT)
+        yield "all facts", self.of(known - PROSE - WITNESSES)
+        yield "all", self.of(known)
+
+
+def table(outcome: Outcome) -> list[str]:
+    """The table of a campaign, as Markdown: classes in which nothing may pass have a star."""
+    rows = [("class", _HEADINGS), ("---", ("---:",) * len(_HEADINGS))]
+    rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted(outcome.rows)]
+    rows += [(f"**{name}**", row.cells()) for name, row in outcome.sums()]
+    width = max(len(name) for name, _ in rows)
+    return [f"| {name:<{width}} | {' | '.join(f'{cell:>8}' for cell in cells)} |" for name, cells in rows]
+
+
+def _sorted(names: Iterable[str]) -> list[str]:
+    return sorted(names, key=lambda name: (name not in STRICT, name in PROSE | WITNESSES, name.casefold()))
+
+
+def survivors(outcome: Outcome) -> Iterator[str]:
+    """Every mutant that passes, by reason, as Markdown."""
+    counts = Counter(item.reason for item in outcome.passed)
+    for name in sorted(counts):
+        yield f"## {name or 'without a reason'}: {counts[name]}"
+        yield ""
+        if name:
+            yield explanation(name)
+            yield ""
+        yield from (f"- `{item.place}` {item.said} ({item.effect})" for item in outcome.passed if item.reason == name)
+        yield ""
+
+
+def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
+    """The page of a campaign."""
+    head = f"""\
+# Mutants
+
+What a slip of a transcriber does to the specs: `{command}` makes slips on purpose, one at a time, in
+{", ".join(files)}, and `check` looks at each. The page is written by the command; do not edit it.
+
+Slips are a digit lost, swapped or taken for one that looks alike, a number that is one off, a bit, a boolean, another
+word of a list or another name, a letter lost from a name, an item or a key left out, two items in the wrong order, and
+a value that stands where the next item's should. *Same* are those that change nothing in any output but an order in
+which nothing lies. *Left out* pass, but leave nothing wrong. *Texts* and *code* are wrong values that pass: what only
+documents show, and what code computes with; *wrong* is their share. In classes with * a wrong value moves a position,
+breaks a check or an access, or comes at the wrong time: none may pass.
+"""
+    return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
+
+
+def file_name(path: str) -> str:
+    """A file as the page names it."""
+    return PurePath(path).name

@@ -1,0 +1,152 @@
+"""Mutants: what slips make of a spec, and that none passes ``check`` where it moves a position or breaks an access."""
+
+from __future__ import annotations
+
+import pathlib
+from collections import Counter
+
+import pytest
+from codewheel.spec.document import Document
+from codewheel.spec.problems import Report
+from codewheel.spec.read import read_document
+from mutation.campaign import drawn, tried
+from mutation.effects import Effect
+from mutation.places import STRICT, places
+from mutation.report import Outcome, Row
+from mutation.slips import Mutant, mutants, mutated
+from mutation.trial import Trial
+
+#: Of each class in which nothing may pass, in each of the four specs.
+OF_EACH = 3
+SPECS = ("am36", "amm5", "asc85", "sma21")
+
+
+@pytest.fixture(scope="module")
+def trial() -> Trial:
+    return Trial()
+
+
+@pytest.mark.slow
+def test_no_wrong_value_passes_where_it_moves_a_position_or_breaks_an_access(trial: Trial) -> None:
+    """A small campaign, the same each time. Each class is there with slips of several kinds."""
+    strict = [mutant for mutant in trial.mutants(SPECS) if mutant.place.fact in STRICT and not mutant.is_left_out]
+    chosen = drawn(strict, OF_EACH * len(SPECS) * len(STRICT), seed=12)
+    outcome = Outcome(trial, tried(trial, chosen, jobs=1))
+    assert set(outcome.rows) == STRICT
+    assert min(row.mutants for row in outcome.rows.values()) >= OF_EACH
+    assert [(item.place, item.said) for item in outcome.passed] == []
+    assert outcome.crashes == []
+
+
+def test_a_fact_that_is_left_out_of_a_second_reading_is_missed(trial: Trial) -> None:
+    """By ``check --coverage``, whose counts lie beside each spec."""
+    mutant = found(trial, "amm5.second", ("interfaces", "ssi", "clock"), "max_hz", "one more or less")
+    assert trial.verdict(mutant).rules == ("readings-disagree",)
+    mutant = found(trial, "am36.second", ("supply",), "supply", "key lost")
+    assert trial.verdict(mutant).rules == ("read once",)
+
+
+def found(trial: Trial, name: str, path: tuple[str | int, ...], key: str, slip: str) -> Mutant:
+    return next(
+        item
+        for item in trial.mutants([name])
+        if item.slip == slip and item.place.path[: len(path)] == path and item.place.path[-1] == key
+    )
+
+
+def test_a_wrong_value_that_passes_is_told_by_what_it_does(trial: Trial) -> None:
+    title = found(trial, "am36", ("title",), "title", "digit mistaken")
+    assert trial.verdict(title).word == "code"  # The name of the family for people is data of the Python package.
+    meaning = found(trial, "am36", ("parameters", "positions"), "source", "digit mistaken")
+    assert trial.verdict(meaning).word == "texts"
+    order = found(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key lost")
+    assert trial.verdict(order).word == "refused"
+
+
+SPEC = """\
+codewheel: 1
+device: made_up
+movement: rotary
+crcs:
+  - {name: biss_6, width: 6, poly: 0x103, refin: false}
+registers:
+  - {name: one, address: 0x48, access: read_only}
+  - {name: two, address: 0x49, access: read_write}
+"""
+
+
+@pytest.fixture
+def made_up(tmp_path: pathlib.Path) -> Document:
+    path = tmp_path / "made_up.yaml"
+    path.write_text(SPEC, encoding="utf-8")
+    document = read_document(path, Report())
+    assert document is not None
+    return document
+
+
+def slips_of(document: Document, *path: str | int) -> dict[str, list[object]]:
+    """The values that slips leave at a place, by the kind of slip; the first change of each."""
+    made: dict[str, list[object]] = {}
+    for mutant in mutants(document):
+        if mutant.place.path == path:
+            made.setdefault(mutant.slip, []).append(mutant.changes[0][1])
+    return made
+
+
+def test_slips_of_a_number_follow_how_it_is_written(made_up: Document) -> None:
+    made = slips_of(made_up, "crcs", 0, "poly")
+    assert made["digit lost"] == [0x03, 0x13, 0x10]
+    assert made["digits swapped"] == [0x013, 0x130]
+    assert made["digit mistaken"] == [0x703, 0x183, 0x163, 0x108]
+    assert made["one more or less"] == [0x102, 0x104]
+    assert len(made["bit flipped"]) == 9
+
+
+def test_slips_of_words_booleans_and_items(made_up: Document) -> None:
+    assert slips_of(made_up, "crcs", 0, "refin")["boolean turned"] == [True]
+    assert slips_of(made_up, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
+    exchanged = next(
+        item
+        for item in mutants(made_up)
+        if item.place.path == ("registers", 0, "address") and item.slip == "exchanged with the next"
+    )
+    assert [item["address"] for item in mutated(made_up, exchanged)["registers"]] == [0x49, 0x48]
+    lost = next(item for item in mutants(made_up) if item.slip == "item lost" and item.place.path == ("registers", 0))
+    assert [item["name"] for item in mutated(made_up, lost)["registers"]] == ["two"]
+    assert [item["name"] for item in made_up.data["registers"]] == ["one", "two"]
+
+
+def test_every_value_has_a_class(trial: Trial) -> None:
+    """Of the specs only the list of what is alike in all devices of a manufacturer has none: it is no fact."""
+    unclassed = {place.keys for document in trial.documents for place in places(document) if place.fact == "other"}
+    assert unclassed == {"alike", "alike.crcs", "alike.registers"}
+
+
+def test_a_draw_is_even_and_repeats(trial: Trial) -> None:
+    every = trial.mutants(["am36"])
+    some = drawn(every, 200, seed=1)
+    assert some == drawn(every, 200, seed=1)
+    assert some != drawn(every, 200, seed=2)
+    there = Counter(mutant.place.fact for mutant in every)
+    taken = Counter(mutant.place.fact for mutant in some)
+    most = max(taken.values())
+    assert all(count in (most, most - 1, there[name]) for name, count in taken.items())
+    assert set(taken) == set(there)
+
+
+def test_the_table_counts_wrong_values_alone() -> None:
+    row = Row(mutants=12, refused=5, same=2, left_out=2, texts=2, code=1)
+    assert row.cells() == ("12", "5", "2", "2", "2", "1", "30.0%")
+
+
+def test_the_worst_effect_is_last() -> None:
+    assert [effect.value for effect in Effect] == ["nothing", "order", "second reading", "texts", "code"]
+
+
+@pytest.mark.slow
+def test_no_name_in_a_measurement_stops_the_tool(trial: Trial) -> None:
+    """Two to the power of a large parameter has no value that anybody needs; it is a problem like any other."""
+    place = ("interfaces", "biss", "measurement", "highest")
+    verdicts = [trial.verdict(item) for item in trial.mutants(["sma21"]) if item.place.path == place]
+    assert len(verdicts) > 5
+    assert {verdict.word for verdict in verdicts} == {"refused"}
