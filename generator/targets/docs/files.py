@@ -240,7 +240,7 @@ def _times_read(counts: TimesRead | None) -> str:
         return ""
     every = counts.twice + counts.explained + counts.once
     otherwise = f", {counts.explained} otherwise for reasons that the errata give" if counts.explained else ""
-    return f"By two readers who did not know of each other: {counts.twice} of {every} facts alike{otherwise}"
+    return f"Twice, and settled by the manual: {counts.twice} of {every} facts are alike in both readings{otherwise}"
 
 
 #: What an interface says of itself, by which its errata are found.
