@@ -23,6 +23,8 @@ from .device import (
 )
 from .examples import CrcExample, Example, FrameExample, MeasureExample, ProcedureExample, RegisterExample, Write
 from .facts import (
+    LEFT_OUT,
+    NOT_KNOWN,
     Alarm,
     Characteristic,
     Connector,
@@ -36,6 +38,7 @@ from .facts import (
     LostFigure,
     Manual,
     Manufacturer,
+    Overlay,
     Revision,
     Source,
     Sources,
@@ -68,6 +71,8 @@ from .steps import (
 )
 
 __all__ = [
+    "LEFT_OUT",
+    "NOT_KNOWN",
     "INTERFACES",
     "Alarm",
     "Alignment",
@@ -123,6 +128,7 @@ __all__ = [
     "Network",
     "Number",
     "OrderCode",
+    "Overlay",
     "OutputCode",
     "Parameter",
     "Parity",

@@ -21,6 +21,7 @@ from .facts import (
     LostFigure,
     Manual,
     Manufacturer,
+    Overlay,
     Sources,
     Supply,
     Table,
@@ -277,6 +278,9 @@ class Device:
     supply: Supply | None = None
     alternatives: tuple[Alternative, ...] = ()
     times_read: TimesRead | None = None
+    #: What was laid over the spec, and the family of which this is a special model or another edition.
+    overlays: tuple[Overlay, ...] = ()
+    base: str = ""
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:

@@ -1,0 +1,183 @@
+"""Overlays over families: which belongs to which, and the family that comes out.
+
+One that applies to the whole family takes its place. One for a special model, whose order code ends in /Sxxx, makes a
+family beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Example, Overlay
+from ..spec.check import check_overlay
+from ..spec.document import Document
+from ..spec.overlay import SUFFIX, Laid, Layer, Laying
+from ..spec.problems import Problem, Report, quoted, suggestion
+from .record import record
+
+#: Builds the family of a document; what is wrong with it goes into the report.
+Build = Callable[[Document, Report], Device | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """A device with its spec, and the name of every file that it comes from, its manufacturer's included.
+
+    ``plain`` is the same family without the overlays that were laid over it.
+    """
+
+    device: Device
+    document: Document
+    files: frozenset[str]
+    plain: Family | None = None
+
+
+def is_overlay(document: Document) -> bool:
+    return "overlay" in document.data or "changes" in document.data
+
+
+def overlays_beside(documents: Iterable[Document]) -> list[Path]:
+    """The files beside specs that are overlays of them by their names: ``amm5.overlay.yaml``, ``amm5.x.overlay.yaml``."""
+    found: list[Path] = []
+    for document in documents:
+        spec = Path(document.file)
+        if "device" in document.data and spec.parent.is_dir():
+            named = (path for path in spec.parent.iterdir() if path.suffix == spec.suffix)
+            mine = (path for path in named if path.stem.endswith(SUFFIX) and path.stem.startswith(f"{spec.stem}."))
+            found += sorted(mine)
+    return found
+
+
+def lay_over(
+    families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report
+) -> list[Family]:
+    """The families with every overlay laid over the one that it names, and those that overlays make, in order of name.
+
+    Args:
+        families: The families of the specs as they are.
+        overlays: The overlays, in the order in which they are laid.
+        build: Builds the family of a document.
+        report: Gets what is wrong with an overlay, and with what it makes.
+    """
+    sound = [item for item in overlays if check_overlay(item, report)]
+    by_name = {family.device.name: family for family in families}
+    for item in sound:
+        if item.data["of"] not in by_name:
+            hint = suggestion(item.data["of"], by_name, "there are")
+            wrong = f"there is no family {quoted(item.data['of'])} among the specs that were read{hint}"
+            report.add("undefined-reference", item, ("of",), wrong)
+    _refuse_same_names(sound, report)
+    made: list[Family] = []
+    for name, family in by_name.items():
+        mine = [item for item in sound if item.data["of"] == name]
+        for_all = [item for item in mine if "applies_to" not in item.data]
+        changed = _laid(family, for_all, "", build, report) if for_all else family
+        made.append(changed or family)
+        specials = dict.fromkeys(item.data["applies_to"]["special"] for item in mine if "applies_to" in item.data)
+        for special in specials:
+            of_it = [item for item in mine if item.data.get("applies_to", {}).get("special") == special]
+            special_family = _laid(family, [*for_all, *of_it], special, build, report)
+            made += [special_family] if special_family is not None else []
+    return sorted(made, key=lambda family: family.device.name)
+
+
+def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
+    first: dict[str, Document] = {}
+    for item in overlays:
+        other = first.setdefault(item.data["overlay"], item)
+        if other is not item:
+            wrong = f"{Path(other.file).name} is called {quoted(item.data['overlay'])} as well"
+            report.add("duplicate-name", item, ("overlay",), wrong)
+
+
+def _laid(
+    family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
+) -> Family | None:
+    """The family that overlays make of another."""
+    laying = Laying(family.document, report)
+    before = len(report)
+    laying.lay([Layer(item, ("changes",), "overlay", item.data["overlay"]) for item in overlays])
+    document = laying.document(f"{family.device.name}_{special.lower()}" if special else "")
+    inside = Report()
+    device = build(document, inside)
+    if len(report) == before:  # What could not be laid would seem to be missing.
+        _hand_on(inside, family.document, overlays[-1], report)
+    if device is None:
+        return None
+    device = replace(
+        device,
+        errata=(*device.errata, *map(erratum_of, laying.laid)),
+        overlays=tuple(_overlay(item) for item in overlays),
+        base=family.device.name if special else "",
+        times_read=family.device.times_read,
+    )
+    if special:
+        device = _of_codes(device, overlays, report)
+    files = family.files | {item.file for item in overlays}
+    return Family(device, document, files, plain=None if special else family)
+
+
+def _overlay(document: Document) -> Overlay:
+    special = document.data.get("applies_to", {}).get("special", "")
+    return Overlay(document.data["overlay"], document.data["title"], special)
+
+
+def erratum_of(laid: Laid) -> Erratum:
+    """A change as outputs tell it, beside the errata of the manual."""
+    raw = laid.raw
+    return record(
+        Erratum,
+        {"severity": "wrong_data", "source": raw["source"], "why": raw["why"], **_severity(raw.get("severity"))},
+        name=f"{laid.layer.name}_{laid.number + 1}",
+        printed=laid.was,
+        used=(laid.now or LEFT_OUT) if laid.is_known else NOT_KNOWN,
+        status="settled" if laid.is_known else "open",
+        affects=laid.affects,
+        **{laid.layer.kind: laid.layer.name},
+    )
+
+
+def _severity(given: str | None) -> dict[str, str]:
+    return {"severity": given} if given else {}
+
+
+def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
+    """The device with only the order codes that the overlays apply to."""
+    known = {variant.code for variant in device.variants}
+    wanted: set[str] = set()
+    for item in overlays:
+        codes = item.data.get("applies_to", {}).get("order_codes", ())
+        for index, code in enumerate(codes):
+            if code not in known:
+                wrong = f"{quoted(code)} is no listed order code of the family{suggestion(code, known)}"
+                report.add("undefined-reference", item, ("applies_to", "order_codes", index), wrong)
+        wanted |= set(codes)
+    return with_codes(device, wanted) if wanted else device
+
+
+def with_codes(device: Device, codes: set[str]) -> Device:
+    """The device with only these order codes, and without the examples of others."""
+    variants = tuple(item for item in device.variants if item.code in codes)
+
+    def holds(example: Example) -> bool:
+        code = getattr(example, "order_code", "")
+        return code in codes or not code
+
+    return replace(device, variants=variants, examples=tuple(filter(holds, device.examples)))
+
+
+def _hand_on(inside: Report, spec: Document, overlay: Document, report: Report) -> None:
+    """Tells what is wrong with the family that came out, in the overlay even where the spec shows it."""
+    known = set(report.problems)
+    for item in inside.problems:
+        if item.file == spec.file and item not in known:
+            where = f"{Path(spec.file).name}:{item.line}, {item.path}" if item.path else Path(spec.file).name
+            _tell(item, overlay, f"with this overlay over it, {where}: {item.message}", report)
+        elif item not in known:
+            report.add_at(item.file, item.line, item.column, item.rule, item.message, path=item.path, text=item.text)
+
+
+def _tell(item: Problem, overlay: Document, message: str, report: Report) -> None:
+    report.add(item.rule, overlay, ("overlay",), message)
