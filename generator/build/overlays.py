@@ -6,11 +6,13 @@ family beside it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Example, Overlay
+from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay
+from ..reference.parts import for_codes
 from ..spec.check import check_overlay
 from ..spec.document import Document
 from ..spec.overlay import SUFFIX, Laid, Layer, Laying
@@ -39,7 +41,7 @@ def is_overlay(document: Document) -> bool:
 
 
 def overlays_beside(documents: Iterable[Document]) -> list[Path]:
-    """The files beside specs that are overlays of them by their names: ``amm5.overlay.yaml``, ``amm5.x.overlay.yaml``."""
+    """The files beside specs that are overlays of them by their names, such as ``amm5.overlay.yaml``."""
     found: list[Path] = []
     for document in documents:
         spec = Path(document.file)
@@ -50,9 +52,7 @@ def overlays_beside(documents: Iterable[Document]) -> list[Path]:
     return found
 
 
-def lay_over(
-    families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report
-) -> list[Family]:
+def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report) -> list[Family]:
     """The families with every overlay laid over the one that it names, and those that overlays make, in order of name.
 
     Args:
@@ -92,9 +92,7 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
             report.add("duplicate-name", item, ("overlay",), wrong)
 
 
-def _laid(
-    family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
-) -> Family | None:
+def _laid(family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report) -> Family | None:
     """The family that overlays make of another."""
     laying = Laying(family.document, report)
     before = len(report)
@@ -108,8 +106,9 @@ def _laid(
         return None
     device = replace(
         device,
-        errata=(*device.errata, *map(erratum_of, laying.laid)),
+        errata=(*device.errata, *errata_of(laying.laid)),
         overlays=tuple(_overlay(item) for item in overlays),
+        title=f"{device.title}, special models /{special}" if special else device.title,
         base=family.device.name if special else "",
         times_read=family.device.times_read,
     )
@@ -124,23 +123,23 @@ def _overlay(document: Document) -> Overlay:
     return Overlay(document.data["overlay"], document.data["title"], special)
 
 
-def erratum_of(laid: Laid) -> Erratum:
-    """A change as outputs tell it, beside the errata of the manual."""
-    raw = laid.raw
-    return record(
-        Erratum,
-        {"severity": "wrong_data", "source": raw["source"], "why": raw["why"], **_severity(raw.get("severity"))},
-        name=f"{laid.layer.name}_{laid.number + 1}",
-        printed=laid.was,
-        used=(laid.now or LEFT_OUT) if laid.is_known else NOT_KNOWN,
-        status="settled" if laid.is_known else "open",
-        affects=laid.affects,
-        **{laid.layer.kind: laid.layer.name},
-    )
-
-
-def _severity(given: str | None) -> dict[str, str]:
-    return {"severity": given} if given else {}
+def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
+    """The changes as outputs tell them, beside the errata of the manual."""
+    numbers: Counter[str] = Counter()
+    for item in laid:
+        layer, raw = item.layer, item.raw
+        numbers[layer.name] += 1
+        told = {"severity": "wrong_data", **raw}
+        yield record(
+            Erratum,
+            {key: told[key] for key in ("severity", "why", "source")},
+            name=f"{layer.name.replace('.', '_')}_{numbers[layer.name]}",
+            printed=item.was,
+            used=(item.now or LEFT_OUT) if item.is_known else NOT_KNOWN,
+            status="settled" if item.is_known else "open",
+            affects=item.affects,
+            **{layer.kind: layer.name},
+        )
 
 
 def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
@@ -154,18 +153,7 @@ def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> D
                 wrong = f"{quoted(code)} is no listed order code of the family{suggestion(code, known)}"
                 report.add("undefined-reference", item, ("applies_to", "order_codes", index), wrong)
         wanted |= set(codes)
-    return with_codes(device, wanted) if wanted else device
-
-
-def with_codes(device: Device, codes: set[str]) -> Device:
-    """The device with only these order codes, and without the examples of others."""
-    variants = tuple(item for item in device.variants if item.code in codes)
-
-    def holds(example: Example) -> bool:
-        code = getattr(example, "order_code", "")
-        return code in codes or not code
-
-    return replace(device, variants=variants, examples=tuple(filter(holds, device.examples)))
+    return for_codes(device, wanted & known) if wanted & known else device
 
 
 def _hand_on(inside: Report, spec: Document, overlay: Document, report: Report) -> None:

@@ -71,9 +71,9 @@ from .steps import (
 )
 
 __all__ = [
+    "INTERFACES",
     "LEFT_OUT",
     "NOT_KNOWN",
-    "INTERFACES",
     "Alarm",
     "Alignment",
     "Alternative",
@@ -128,8 +128,8 @@ __all__ = [
     "Network",
     "Number",
     "OrderCode",
-    "Overlay",
     "OutputCode",
+    "Overlay",
     "Parameter",
     "Parity",
     "Piece",

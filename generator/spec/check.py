@@ -95,6 +95,11 @@ def _with_words(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
 
 def _whole(data: dict[str, Any], codes: bool, document: Document) -> dict[str, Any]:
     """The data with stand-ins for what is missing at the top and at the top of an interface."""
-    whole = {"device": document.family or family_of(document.file), **_STAND_INS, **data, **({} if codes else _NO_CODES)}
+    whole = {
+        "device": document.family or family_of(document.file),
+        **_STAND_INS,
+        **data,
+        **({} if codes else _NO_CODES),
+    }
     whole["interfaces"] = {kind: {"layouts": [], **item} for kind, item in whole["interfaces"].items()}
     return whole

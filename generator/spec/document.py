@@ -64,10 +64,8 @@ class Document:
 
     def file_of(self, path: Path) -> str:
         """The file in which that stands for which ``position`` gives the line; empty for the own file."""
-        mark = self.marks
-        for _, mark in self._walk(path):
-            pass
-        return mark.file
+        found = [mark.file for _, mark in self._walk(path)]
+        return found[-1] if found else ""
 
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
         """Line and column of what stands at ``path``, both from 1; of its nearest ancestor where there is nothing.

@@ -109,7 +109,11 @@ def _names_a_spec(keys: frozenset[str] | None) -> bool:
 
 
 def _is_device(keys: frozenset[str] | None) -> bool:
-    return keys is not None and keys.isdisjoint({"master", "overlay"}) and ("device" in keys or _has_parts_of_a_device(keys))
+    return (
+        keys is not None
+        and keys.isdisjoint({"master", "overlay"})
+        and ("device" in keys or _has_parts_of_a_device(keys))
+    )
 
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path as File
 from typing import Any
 
-from .document import Document, Path
+from .document import Document, Path, label_of
 from .places import (
     NothingThere,
     as_affected,
@@ -135,78 +135,70 @@ class Laying:
 
     def _change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
         texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
-        done = []
         for index, text in enumerate(texts):
             place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
             if text.partition(".")[0] in _FIXED:
                 wrong = f"{quoted(text)} is not for an overlay; it changes what a manual says of the encoder"
                 self._tell("overlay-change", layer, place, wrong)
-                continue
-            made = self._added(layer, place, text, change) if kind == "add" else self._changed(layer, place, text, kind)
-            done += [made] if made is not None else []
-        if done:
-            was, now, affects = zip(*done, strict=True)
-            spoken = Laid(
-                layer,
-                number,
-                ", ".join(dict.fromkeys(was)),
-                ", ".join(dict.fromkeys(filter(None, now))),
-                tuple(dict.fromkeys(filter(None, affects))),
-                kind != "unknown",
-            )
-            self.laid.append(spoken)
+            elif kind == "add":
+                self._added(layer, place, text, change)
+            else:
+                self._changed(layer, place, text, kind)
 
-    def _added(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> tuple[str, str, str] | None:
-        value, mark = change["value"], self._mark(layer, (place[0], "value"))
+    def _added(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
+        value = change["value"]
         try:
             path = resolve(self._data, text)
         except NothingThere as nothing:
             if nothing.step == text.rpartition(".")[2] and isinstance(value_at(self._data, nothing.found), dict):
-                path = (*nothing.found, nothing.step)
-                return self._put(layer, place, path, value, mark, "") if self._is_free(layer, place, path) else None
+                if self._is_free(layer, place, (*nothing.found, nothing.step)):
+                    self._put(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
+                return
             self._tell_nothing(layer, place, text, nothing)
-            return None
+            return
         there = value_at(self._data, path)
+        name = label_of(value)
         if not isinstance(there, list):
             self._tell("overlay-unused", layer, place, f"there is a {quoted(text)} already; change it with 'set'")
-            return None
-        name = value.get("name") if isinstance(value, dict) else None
-        if name is not None and any(isinstance(item, dict) and item.get("name") == name for item in there):
+        elif name is not None and name in map(label_of, there):
             wrong = f"{quoted(text)} has {quoted(name)} already; change it with 'set'"
             self._tell("overlay-unused", layer, place, wrong)
-            return None
-        return self._put(layer, place, (*path, len(there)), value, mark, "")
+        else:
+            self._put(layer, place, (*path, len(there)), f"{_short(text)} without it")
 
-    def _changed(self, layer: Layer, place: Path, text: str, kind: str) -> tuple[str, str, str] | None:
+    def _changed(self, layer: Layer, place: Path, text: str, kind: str) -> None:
         try:
             path = resolve(self._data, text)
         except NothingThere as nothing:
             self._tell_nothing(layer, place, text, nothing)
-            return None
+            return
         if not self._is_free(layer, place, path):
-            return None
-        was = _shown(text, value_at(self._data, path), self._source_text(path))
-        if kind == "set":
-            value = layer.changes[int(place[0])]["to"]
-            if _same(value, value_at(self._data, path)):
-                wrong = f"{was} in the spec already; leave the change out"
-                self._tell("overlay-unused", layer, place, wrong)
-                return None
-            return self._put(layer, place, path, value, self._mark(layer, (place[0], "to")), was)
-        above = path[:-1]
-        affects = as_affected(self._data, path)
-        self._data, self._marks = taken_away(self._data, self._marks, path)
-        touched = affects if leads_somewhere(self._data, affects) else as_affected(self._data, above)
-        return text, "", touched
+            return
+        there = value_at(self._data, path)
+        if kind == "set" and _same(layer.changes[place_number(place)]["to"], there):
+            wrong = f"the spec has {_shown(there, self._written(path))} here already; leave the change out"
+            self._tell("overlay-unused", layer, place, wrong)
+        elif kind == "set":
+            self._put(layer, place, path, f"{_short(text)}: {_shown(there, self._written(path))}")
+        else:
+            affects, above = as_affected(self._data, path), as_affected(self._data, path[:-1])
+            self._data, self._marks = taken_away(self._data, self._marks, path)
+            touched = affects if leads_somewhere(self._data, affects) else above
+            self._note(layer, place, _short(text), "", touched, kind != "unknown")
 
-    def _put(
-        self, layer: Layer, place: Path, path: Path, value: Any, mark: Any, was: str
-    ) -> tuple[str, str, str] | None:
-        self._data, self._marks = put(self._data, self._marks, path, value, mark)
-        text = str(layer.changes[int(place[0])][place[1]])
-        line = layer.document.line(mark.line)
-        now = _shown(text, value, line[mark.column - 1 :])
-        return was or f"no {text}" if isinstance(path[-1], str) else f"{text}: without it", now, as_affected(self._data, path)
+    def _put(self, layer: Layer, place: Path, path: Path, was: str) -> None:
+        """Puts the value of a change at a path."""
+        number = place_number(place)
+        key = _VALUE_OF[str(place[1])]
+        value = layer.changes[number][key]
+        mark = mark_at(layer.document.marks, (*layer.path, number, key))
+        own = "" if layer.document.file == self._base.file else layer.document.file
+        self._data, self._marks = put(self._data, self._marks, path, value, from_file(mark, own))
+        now = _shown(value, layer.document.line(mark.line)[mark.column - 1 :])
+        self._note(layer, place, was, now, as_affected(self._data, path), True)
+
+    def _note(self, layer: Layer, place: Path, was: str, now: str, affects: str, is_known: bool) -> None:
+        self.laid.append(Laid(layer, place_number(place), was, now, (affects,) if affects else (), is_known))
 
     def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
         """Whether no other change touches the place, something above it or below it."""
@@ -219,19 +211,14 @@ class Laying:
                 wrong = f"{where} changes the same place; keep one of the two"
                 self._tell("overlay-conflict", layer, place, wrong)
                 return False
-        self._set[path] = (layer, int(place[0]))
+        self._set[path] = (layer, place_number(place))
         return True
 
-    def _mark(self, layer: Layer, place: Path) -> Any:
-        file = layer.document.file
-        return from_file(
-            mark_at(layer.document.marks, (*layer.path, *place)), "" if file == self._base.file else file
-        )
-
-    def _source_text(self, path: Path) -> str:
+    def _written(self, path: Path) -> str:
         """The line of the spec from the value on."""
         mark = mark_at(self._marks, path)
-        return self.document().line(mark.line, mark.file)[mark.column - 1 :]
+        lines = self._others[mark.file] if mark.file else self._base.lines
+        return lines[mark.line - 1][mark.column - 1 :]
 
     def _tell_nothing(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
         below = self._base.name_path(nothing.found) or "the spec"
@@ -247,14 +234,22 @@ def _same(one: Any, other: Any) -> bool:
     return type(one) is type(other) and bool(one == other)
 
 
-def _shown(text: str, value: Any, written: str) -> str:
-    """``command.wait_at_least_ms: 30``; a number as it is written, maps and lists in braces and brackets."""
-    name = text.removeprefix("registers.")
+def place_number(place: Path) -> int:
+    """Which change of its layer a place is in, counted from 0."""
+    return int(place[0])
+
+
+def _short(text: str) -> str:
+    return text.removeprefix("registers.")
+
+
+def _shown(value: Any, written: str) -> str:
+    """A value for a reader; a number as it is written, maps and lists in braces and brackets."""
     if isinstance(value, int) and not isinstance(value, bool):
         word = written.split(maxsplit=1)[0].rstrip(",}]") if written.split() else ""
-        return f"{name}: {word if word.startswith('0x') else value}"
+        return word if word.startswith("0x") else str(value)
     shown = _plain(value)
-    return f"{name}: {shown if len(shown) <= _LONGEST_SHOWN else shown[: _LONGEST_SHOWN - 3] + '...'}"
+    return shown if len(shown) <= _LONGEST_SHOWN else shown[: _LONGEST_SHOWN - 3] + "..."
 
 
 def _plain(value: Any) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -68,7 +69,7 @@ def named(data: Any, path: Path) -> Path:
     """The path with the names of items in the place of their indices; its last step need not lead anywhere yet."""
     found: Path = ()
     for step in path:
-        inside = data[step] if isinstance(data, list) or step in data else None
+        inside: Any = data[step] if isinstance(step, int) or step in data else None
         found += ((label_of(inside) or step) if isinstance(step, int) else step,)
         data = inside
     return found
@@ -99,11 +100,8 @@ def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any
 
     def edit(holder: Any, held: Mark) -> tuple[Any, Mark]:
         key = path[-1]
-        made = list(holder) if isinstance(holder, list) else dict(holder)
-        if isinstance(made, list) and key == len(made):
-            made.append(value)
-        else:
-            made[key] = value
+        made: Any = [*holder, None] if isinstance(holder, list) and key == len(holder) else copy(holder)
+        made[key] = value
         return made, replace(held, children={**held.children, key: mark})
 
     return _edited(data, marks, path[:-1], edit)
@@ -118,8 +116,10 @@ def taken_away(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
             left = {name: item for name, item in holder.items() if name != key}
             return left, replace(held, children={name: item for name, item in held.children.items() if name != key})
         kept = [index for index in range(len(holder)) if index != key]
-        children = {place: held.children[index] for place, index in enumerate(kept) if index in held.children}
-        return [holder[index] for index in kept], replace(held, children=dict(children))
+        children: dict[str | int, Mark] = {
+            place: held.children[index] for place, index in enumerate(kept) if index in held.children
+        }
+        return [holder[index] for index in kept], replace(held, children=children)
 
     return _edited(data, marks, path[:-1], edit)
 
@@ -129,7 +129,7 @@ def _edited(data: Any, mark: Mark, path: Path, edit: _Edit) -> tuple[Any, Mark]:
         return edit(data, mark)
     key = path[0]
     inside, marked = _edited(data[key], mark.children[key], path[1:], edit)
-    made = list(data) if isinstance(data, list) else dict(data)
+    made = copy(data)
     made[key] = inside
     return made, replace(mark, children={**mark.children, key: marked})
 

@@ -17,8 +17,9 @@ from ...say import register as say_register
 from ...say.alternative import needs
 from ...say.markdown import cited, code, joined, link, text
 from ...say.name import full_title, title, words
+from ...say.origin import origin
 from ...say.place import addresses
-from ...say.text import Code
+from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from . import codes, facts, layouts, usable
@@ -66,6 +67,7 @@ class Evidence(TypedDict):
 
 class DevicePage(Codes, Wiring, Evidence):
     device: Annotated[Device, "the family"]
+    origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
     alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, reasons, frames"]
     has_masters: Annotated[bool, "whether there is a page of master settings"]
@@ -154,6 +156,7 @@ def _pictures(device: Device) -> dict[str, str]:
 def _device_values(device: Device) -> DevicePage:
     return {
         "device": device,
+        "origin": list(origin(device)),
         "usable_page": usable.PAGE,
         "alternatives": codes.alternatives(device),
         "has_masters": masters_page.has_masters(device),
@@ -394,11 +397,12 @@ def _wiring(device: Device) -> Wiring:
 
 
 def _evidence(device: Device) -> Evidence:
-    is_open = [item for item in device.errata if item.status == "open"]
+    of_manual = [item for item in device.errata if not (item.overlay or item.edition)]
+    is_open = [item for item in of_manual if item.status == "open"]
     return {
         "examples": [{"example": item, "rows": facts.example_facts(device, item)} for item in device.examples],
-        "errata_summary": f"{len(device.errata)} places where the manual cannot be taken literally; "
-        f"{len(is_open)} of them are open.",
+        "errata_summary": f"{len(of_manual)} places where the manual cannot be taken literally; "
+        f"{len(is_open)} of them are open." + facts.changes(len(device.errata) - len(of_manual)),
         "erratum_rows": [
             (
                 link(code(item.name), f"#erratum-{item.name}"),
@@ -413,8 +417,7 @@ def _evidence(device: Device) -> Evidence:
             {
                 "erratum": item,
                 "rows": [
-                    ("Printed", text(item.printed)),
-                    ("Used", text(item.used)),
+                    *facts.printed_and_used(item),
                     ("Why", text(item.why)),
                     ("Status", facts.status(item.status)),
                     ("Literally", facts.severity(item.severity)),

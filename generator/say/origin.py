@@ -1,0 +1,30 @@
+"""What a family is made of beside its manual: overlays, and what they or another edition take away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import LEFT_OUT, NOT_KNOWN, Device
+from .erratum import erratum
+from .text import Code, Said, said
+
+
+def origin(device: Device) -> Iterator[Said]:
+    """Whether it is the family of the manual; nothing where it is, as the manual has it."""
+    special = next((item.special for item in device.overlays if item.special), "")
+    if special:
+        yield said(
+            "Only for encoders whose order code ends in ", Code(f"/{special}"), "; all others are ", Code(device.base)
+        )
+    for item in device.overlays:
+        yield said(
+            f"Over what the manual says lies the overlay {item.name}, “{item.title}”. "
+            "Each of its changes is told where it is, with its reason and its source"
+        )
+
+
+def taken_away(device: Device) -> Iterator[Said]:
+    """The changes by overlays and editions that have left nothing at which they could be told."""
+    for item in device.errata:
+        if (item.overlay or item.edition) and item.used in (LEFT_OUT, NOT_KNOWN):
+            yield erratum(item)
