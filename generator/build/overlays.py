@@ -73,8 +73,10 @@ def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Bu
     for name, family in by_name.items():
         mine = [item for item in sound if item.data["of"] == name]
         for_all = [item for item in mine if "applies_to" not in item.data]
-        changed = _laid(family, for_all, "", build, report) if for_all else family
-        made.append(changed or family)
+        changed = _laid(family, for_all, "", build, report) if for_all else None
+        # A correction that cannot be made leaves a family that nobody should take for corrected.
+        files = {item.file for item in overlays if item.data.get("of") == name and "applies_to" not in item.data}
+        made.append(changed or replace(family, files=family.files | files))
         specials = dict.fromkeys(item.data["applies_to"]["special"] for item in mine if "applies_to" in item.data)
         for special in specials:
             of_it = [item for item in mine if item.data.get("applies_to", {}).get("special") == special]

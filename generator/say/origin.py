@@ -26,5 +26,5 @@ def origin(device: Device) -> Iterator[Said]:
 def taken_away(device: Device) -> Iterator[Said]:
     """The changes by overlays and editions that have left nothing at which they could be told."""
     for item in device.errata:
-        if (item.overlay or item.edition) and item.used in (LEFT_OUT, NOT_KNOWN):
+        if (item.overlay or item.edition) and item.used in (LEFT_OUT, NOT_KNOWN) and item.severity != "wording":
             yield erratum(item)

@@ -49,7 +49,7 @@ Parts: {lists}."""
 
 def spec_page() -> str:
     """The page as ``docs/spec-language.md`` holds it."""
-    device, maker = load_schema("device"), load_schema("manufacturer")
+    device, maker, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
     lines = [
         "<!-- Made from generator/spec/*.schema.json by: make spec-page -->",
         "",
@@ -77,6 +77,15 @@ def spec_page() -> str:
         "",
         _properties(maker, {}),
         "",
+        "## The overlay",
+        "",
+        paragraph(text(overlay["description"])),
+        "",
+        "[A page of its own](overlays.md) shows one at work.",
+        "",
+        _properties(overlay, overlay["$defs"]),
+        "",
+        *_definition("change", overlay["$defs"]["change"], overlay["$defs"]),
         "## The second reading",
         "",
         _SECOND.format(prose=_coded(PROSE), lists=_coded(NO_FACTS)),
