@@ -19,6 +19,7 @@ from ..spec.read import read_document, read_specs
 from .alike import check_alike
 from .counts import read_counts
 from .device import build_device
+from .editions import edition_of, notes
 from .facts import build_manufacturer
 from .overlays import Family as Family
 from .overlays import is_overlay, lay_over, overlays_beside
@@ -114,7 +115,8 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
         device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
         if device is None:
             continue
-        device = replace(device, times_read=read_counts(Path(document.file), report))
+        counts, told = read_counts(Path(document.file), report), tuple(notes(data))
+        device = replace(device, times_read=counts, errata=(*device.errata, *told))
         _compare_with_others(device, [family.device for family in families], document, report)
         makers_files = (item for item in documents if "device" not in item.data)
         of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}
@@ -122,6 +124,12 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
     check_alike(documents, report)
     plain = sorted(families, key=lambda family: family.device.name)
     return lay_over(plain, overlays, partial(_built_again, makers), report) if overlays else plain
+
+
+def in_edition(family: Family, revision: str, report: Report) -> Family | None:
+    """A family in another edition of its manual; what is wrong with that goes into ``report``."""
+    maker = family.device.manufacturer
+    return edition_of(family, revision, partial(_built_again, {maker.name: maker}), report)
 
 
 def _built_again(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:

@@ -6,9 +6,11 @@ family beside it.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay
@@ -18,6 +20,10 @@ from ..spec.document import Document
 from ..spec.overlay import SUFFIX, Laid, Layer, Laying
 from ..spec.problems import Problem, Report, quoted, suggestion
 from .record import record
+
+#: Places that one sentence names.
+_MOST_NAMED = 8
+_WORD = re.compile(r"[^a-z0-9]+")
 
 #: Builds the family of a document; what is wrong with it goes into the report.
 Build = Callable[[Document, Report], Device | None]
@@ -108,7 +114,7 @@ def _laid(family: Family, overlays: Sequence[Document], special: str, build: Bui
         return None
     device = replace(
         device,
-        errata=(*device.errata, *errata_of(laying.laid)),
+        errata=(*device.errata, *(item for item in family.device.errata if item.edition), *errata_of(laying.laid)),
         overlays=tuple(_overlay(item) for item in overlays),
         title=f"{device.title}, special models /{special}" if special else device.title,
         base=family.device.name if special else "",
@@ -126,22 +132,35 @@ def _overlay(document: Document) -> Overlay:
 
 
 def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
-    """The changes as outputs tell them, beside the errata of the manual."""
+    """The changes as outputs tell them, beside the errata of the manual: one by one, or of an edition all of a reason."""
     numbers: Counter[str] = Counter()
-    for item in laid:
-        layer, raw = item.layer, item.raw
-        numbers[layer.name] += 1
-        told = {"severity": "wrong_data", **raw}
+    for (kind, name, _), found in groupby(laid, key=_one_story):
+        items = list(found)
+        numbers[name] += 1
+        told = {"severity": "wrong_data", **items[0].raw}
         yield record(
             Erratum,
             {key: told[key] for key in ("severity", "why", "source")},
-            name=f"{layer.name.replace('.', '_')}_{numbers[layer.name]}",
-            printed=item.was,
-            used=(item.now or LEFT_OUT) if item.is_known else NOT_KNOWN,
-            status="settled" if item.is_known else "open",
-            affects=item.affects,
-            **{layer.kind: layer.name},
+            name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{numbers[name]}",
+            printed=few([item.was for item in items]),
+            used=(few([item.now for item in items if item.now]) or LEFT_OUT) if items[0].is_known else NOT_KNOWN,
+            status="settled" if items[0].is_known else "open",
+            affects=tuple(dict.fromkeys(path for item in items for path in item.affects)),
+            **{kind: name},
         )
+
+
+def _one_story(item: Laid) -> tuple[str, str, object]:
+    """What is told in one go."""
+    layer = item.layer
+    return layer.kind, layer.name, (layer.path, item.number) if layer.kind == "edition" else item
+
+
+def few(names: Sequence[str]) -> str:
+    """The names, or the first ones and how many more there are."""
+    listed = list(dict.fromkeys(names))
+    more = len(listed) - _MOST_NAMED
+    return ", ".join(listed if more < 2 else listed[:_MOST_NAMED]) + (f" and {more} more" if more >= 2 else "")
 
 
 def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:

@@ -205,6 +205,28 @@ class Erratum:
 
 
 @dataclass(frozen=True, slots=True)
+class EditionTest:
+    """A register that tells an older encoder: ``run`` of it, read as the edition has it, is out of bounds there."""
+
+    register: str
+    run: str
+    min: int
+    max: int
+    why: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class ManualEdition:
+    """An edition of the manual that can be asked for; ``labels`` are patterns of labels that are written as in it."""
+
+    revision: str
+    date: str
+    labels: tuple[str, ...] = ()
+    tests: tuple[EditionTest, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Overlay:
     """What was laid over a spec: a correction, or what the maker says of the models that end in ``special``."""
 

@@ -85,7 +85,6 @@ def spec_page() -> str:
         "",
         _properties(overlay, overlay["$defs"]),
         "",
-        *_definition("change", overlay["$defs"]["change"], overlay["$defs"]),
         "## The second reading",
         "",
         _SECOND.format(prose=_coded(PROSE), lists=_coded(NO_FACTS)),
@@ -172,10 +171,13 @@ def _kind(shape: Shape) -> str:
         "number": "number",
         "null": "nothing",
     }
+    if not shape.keys() - {"description"}:
+        return "any value"
     types = shape.get("type", "string")
     named = " or ".join(words[item] for item in ([types] if isinstance(types, str) else types))
     if "items" in shape:
-        return f"list of {_plural(shape['items'])}"
+        one = "" if types == "array" else "one, or a "
+        return f"{one}list of {_plural(shape['items'])}"
     other = shape.get("additionalProperties")
     if isinstance(other, Mapping):
         return f"map from names to {_plural(other)}"

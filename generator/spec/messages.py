@@ -65,6 +65,8 @@ PATTERNS = {
 #: What one item of a list, or one entry of a map of names, is called where cutting the plural s does not give it.
 _ITEMS = {
     "errata": "an erratum",
+    "before": "a change",
+    "then": "a change",
     "history": "a revision",
     "crcs": "a CRC",
     "leds": "an LED",

@@ -30,7 +30,7 @@ from .rules.values import bad_source
 
 #: The end of the name of an overlay that is found beside its spec: ``amm5.overlay.yaml``, ``amm5.s042.overlay.yaml``.
 SUFFIX = ".overlay"
-_KINDS = ("set", "add", "remove", "unknown")
+_KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
 #: What says which family a spec is, and what is no part of what a manual says of the encoder.
 _FIXED = frozenset("codewheel device manufacturer editions".split())
@@ -103,7 +103,7 @@ class Laying:
                     self._change(layer, number, kinds[0], change)
                 elif len(kinds) != 1:
                     said = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
-                    wrong = f"this change {said}; give it one of set, add, remove and unknown"
+                    wrong = f"this change {said}; give it one of set, add, remove, unknown and also"
                     self._tell("overlay-change", layer, (number,), wrong)
 
     def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
@@ -134,6 +134,9 @@ class Laying:
             bad_source(layer.document.data, self._data, self._report.for_document(layer.document))
 
     def _change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
+        if kind == "also":
+            self._note(layer, (number, kind), change[kind], "", "", False)
+            return
         texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
         for index, text in enumerate(texts):
             place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)

@@ -86,7 +86,8 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         (
             "  - set: registers.comand.access\n    to: read_write\n" + OWN,
             (
-                "o0.yaml:6:10: overlay-unused: there is nothing at 'registers.comand.access': 'registers' has no 'comand'; "
+                "o0.yaml:6:10: overlay-unused: there is nothing at 'registers.comand.access': "
+                "'registers' has no 'comand'; "
                 "did you mean 'command'?"
             ),
         ),
@@ -130,13 +131,13 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         (
             "  - set: registers.command.note\n    to: A\n    remove: registers.command\n" + OWN,
             (
-                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; give it one of set, add, remove and "
-                "unknown"
+                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; give it one of set, add, remove, "
+                "unknown and also"
             ),
         ),
         (
             "  - to: 5\n" + OWN,
-            "o0.yaml:6:5: overlay-change: this change does nothing; give it one of set, add, remove and unknown",
+            "o0.yaml:6:5: overlay-change: this change does nothing; give it one of set, add, remove, unknown and also",
         ),
         ("  - set: title\n" + OWN, "o0.yaml:6:5: overlay-change: a change with 'set' needs 'to'"),
         (
@@ -153,7 +154,8 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
         (
             "  - set: ../../etc/passwd\n    to: x\n" + OWN,
             (
-                "o0.yaml:6:10: bad-pattern: 'set' cannot be '../../etc/passwd': a place is keys and names joined by dots, "
+                "o0.yaml:6:10: bad-pattern: 'set' cannot be '../../etc/passwd': a place is keys and names joined "
+                "by dots, "
                 "items without a name by their number, as in procedures.set_preset.steps[3]"
             ),
         ),
