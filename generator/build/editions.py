@@ -82,6 +82,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         laying.lay([Layer(family.document, ("editions", index, key), "edition", name)])
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = laying.document(name)
+    document = replace(document, data={key: item for key, item in document.data.items() if key != "editions"})
     inside = Report()
     device = build(document, inside)
     known = set(report.problems)
@@ -99,6 +100,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         manual=replace(device.manual, revision=revision, date=date, editions=()),
         errata=(*device.errata, *errata_of(laying.laid)),
         overlays=family.device.overlays,
+        editions=(),
         base=family.device.name,
         edition=revision,
         times_read=None,

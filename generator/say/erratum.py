@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from ..model import NOT_KNOWN, Device, Erratum
+from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from .text import Ref, Said, said
 from .words import sentence
 
@@ -48,6 +48,10 @@ def erratum(item: Erratum) -> Said:
 
 def _change(item: Erratum) -> Said:
     label = f"Overlay {item.overlay}" if item.overlay else f"Edition {item.edition}"
-    there = f"The spec has {item.printed}; here it is {item.used}"
+    if item.edition.startswith("before "):
+        label = f"Editions {item.edition}"
+    there = f"The spec has {item.printed}; {'there' if item.edition else 'here'} it is {item.used}"
+    if item.used == LEFT_OUT and item.edition:
+        there = f"There is no {item.printed}"
     changed = f"Not known: {item.printed}" if item.used == NOT_KNOWN else there
     return said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source)

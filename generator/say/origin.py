@@ -16,6 +16,13 @@ def origin(device: Device) -> Iterator[Said]:
         yield said(
             "Only for encoders whose order code ends in ", Code(f"/{special}"), "; all others are ", Code(device.base)
         )
+    if device.edition:
+        date = f" of {device.manual.date}" if device.manual.date else ""
+        yield said(
+            f"As edition {device.edition} of the manual{date} had it, as far as that is known; the newest is ",
+            Code(device.base),
+            ". What was otherwise is told with its source, and what is not known is left out",
+        )
     for item in device.overlays:
         yield said(
             f"Over what the manual says lies the overlay {item.name}, “{item.title}”. "
