@@ -155,7 +155,7 @@ def _affected(raw: Raw, text: str) -> str:
 
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
-    """Tells an edition that cannot be where it stands, labels that nothing is written as, and registers without digits."""
+    """Tells an edition that cannot be where it stands, and labels and registers that there are not."""
     history = [item["revision"] for item in raw["manual"].get("history", ())]
     own = raw["manual"]["revision"]
     past = history[: history.index(own) + 1] if own in history else [own]

@@ -384,7 +384,7 @@ def _show(chosen: argparse.Namespace) -> int:
     if chosen.edition is not None:
         from .editions import asked_for
 
-        device, match = asked_for(chosen.specs, device, match, chosen.edition, chosen.what, {})
+        device, match, _ = asked_for(chosen.specs, device, match, chosen.edition, chosen.what, {})
     if chosen.json:
         from ..dump.plain import device_dump, variant_dump
 
@@ -481,15 +481,14 @@ def _decode(chosen: argparse.Namespace) -> int:
     from .decode_run import Decoding, Request, frames
 
     device, found = look_up.order_code(chosen.specs, chosen.order_code)
-    match = found
+    match, held = found, _held(chosen.register)
     if chosen.edition is not None:
         from .editions import asked_for
 
-        told = _held(chosen.register)
-        device, again = asked_for(chosen.specs, device, found, chosen.edition, chosen.order_code, told)
+        device, again, held = asked_for(chosen.specs, device, found, chosen.edition, chosen.order_code, held)
         match = again or found
     answers = answers_of(device, match.variant, chosen.choose)
-    held, fixed = _held(chosen.register), fixed_addresses(device, match.variant)
+    fixed = fixed_addresses(device, match.variant)
     changing = {address: value for address, value in held.items() if address not in fixed}
     try:
         variant = decided(device, with_registers(device, match.variant, changing), answers)

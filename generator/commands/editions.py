@@ -8,7 +8,7 @@ from pathlib import Path
 from ..build.editions import UnknownEdition, chosen
 from ..build.load import Family, in_edition, load_families
 from ..model import Device
-from ..reference.editions import told_by_label, told_by_registers
+from ..reference.editions import told_by_label, told_by_registers, without_tests
 from ..reference.order_codes import Match, UnknownOrderCode, find
 from ..spec.problems import Report
 from . import look_up
@@ -20,8 +20,8 @@ BY_LABEL, BY_REGISTERS = "label", "registers"
 
 def asked_for(
     specs: Sequence[Path], device: Device, match: Match | None, wanted: str, text: str, held: Mapping[int, int]
-) -> tuple[Device, Match | None]:
-    """A family in the edition that is wanted, and the order code ``text`` in it.
+) -> tuple[Device, Match | None, dict[int, int]]:
+    """A family in the edition that is wanted, the order code ``text`` in it, and those registers that told no edition.
 
     Args:
         specs: The specs that are read.
@@ -37,7 +37,8 @@ def asked_for(
     try:
         revision = _revision(device, match, wanted, held)
         made = _in_edition(specs, device, revision)
-        return made, find(made, text) if match is not None else None
+        left = without_tests(device, held) if wanted == BY_REGISTERS else dict(held)
+        return made, find(made, text) if match is not None else None, left
     except UnknownOrderCode as error:
         raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
     except (UnknownEdition, ValueError) as error:

@@ -64,7 +64,7 @@ _RENAMED = {
     "FrameExample": {"sender": "from"},
 }
 #: What has no source because it is one, or stands outside the manual.
-_UNSOURCED = {"Overlay", "Manufacturer", "Manual", "Edition", "Revision", "Document"}
+_UNSOURCED = {"Overlay", "ManualEdition", "Manufacturer", "Manual", "Edition", "Revision", "Document"}
 _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 
 
@@ -103,6 +103,8 @@ class _Dump:
             "family": device.name,
             "base": device.base,
             "overlays": self.plain(device.overlays, ()),
+            "edition": device.edition,
+            "editions": self.plain(device.editions, ()),
             "title": device.title,
             "movement": device.movement,
             "order_code": self.variant.code if self.variant is not None else None,

@@ -43,8 +43,8 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
             bounds = f"{test.min} to {test.max}"
             before = edition_before(device, revision)
             message = (
-                f"{test.run} is {found}, and can only be {bounds}. An encoder of before manual {revision} may hold this: "
-                f"what its {register.replace('_', ' ')} is, --edition {before} says"
+                f"{test.run} is {found}, and can only be {bounds}. An encoder of before manual {revision} may hold "
+                f"this: what its {register.replace('_', ' ')} is, --edition {before} says"
             )
             yield Difference(test.run, found, bounds, message, True)
 
@@ -71,6 +71,13 @@ def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> 
     if not given:
         raise ValueError(_needed(device))
     return device.manual.revision
+
+
+def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
+    """What registers hold beside those that tell the edition."""
+    registers = [device.register(test.register) for item in device.editions for test in item.tests]
+    telling = {address for item in registers for address in range(item.address, item.last_address + 1)}
+    return {address: value for address, value in held.items() if address not in telling}
 
 
 def _needed(device: Device) -> str:

@@ -6,6 +6,33 @@ Made from the manual “AMM5A AMM5B”, revision 1.9 of 2021-12-09 (en). Section
 manual; a source that begins with a language code is another edition, one that begins with another key stands in
 DOCUMENTS.
 
+Editions before 1.8: There is no order_code.parts.mount.values.B. Why: AMM5B was introduced with this revision.
+[Document release]
+
+Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to 47h were updated; how
+they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE
+here and says that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
+
+Editions before 1.7: Not known: device_id. Why: The registers 78h to 7Dh were updated; what they held before, is not
+said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the
+software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
+
+Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit,
+crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were BiSS.
+[Document release]
+
+Editions before 1.5: Not known: connectors.ssi_biss_connector.contacts.1, characteristics.ground. Why: Pin 1 was
+connected to ground with this revision. What it was before, is not said. [Document release]
+
+Editions before 1.4: Not known: Register 3Bh, Counting direction. Why: The register was removed with this revision. What
+it took and when, is not said. [Document release]
+
+Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
+Command register was updated, so that older encoders may have other values or another pause. Every procedure ends with
+it, so that none of them is known to be right there. [Document release]
+
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
@@ -512,6 +539,11 @@ def crc_rs485_8(data: bytes) -> int:
     bits of a string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1 with input and output
     reflected. Why: Fed with the bits of the example LSB first the code returns CDh, the printed B3h with its bits
     reversed; it returns B3h only when each byte is fed MSB first. [7.6]
+
+    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
+    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
+    revision; before, all were BiSS. [Document release]
     """
     return crc_by_xor(data)
 
@@ -577,6 +609,11 @@ class EepromAddress(Enum):
     printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5, where this manual has
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+
+    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
+    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
+    revision; before, all were BiSS. [Document release]
     """
 
     AS_PRINTED = (1, 0)
@@ -604,6 +641,11 @@ class EepromAddress(Enum):
 # Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4
 # MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
 # MHz. [5.3]
+#
+# Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+# interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit,
+# crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were BiSS.
+# [Document release]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -770,6 +812,11 @@ class SsiWord(NamedTuple):
 #
 # Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz
 # as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40; prot: p.18]
+#
+# Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+# procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
+# Command register was updated, so that older encoders may have other values or another pause. Every procedure ends with
+# it, so that none of them is known to be right there. [Document release]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -1021,6 +1068,11 @@ class SingleCycleData(NamedTuple):
 # Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
 # 7.4.2 p.45]
+#
+# Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+# interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit,
+# crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were BiSS.
+# [Document release]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -1176,7 +1228,7 @@ class DataRequest(NamedTuple):
 
     One byte, without a CRC.
 
-    Of its parts, see ERRATA: control_field_structure.
+    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
 
     Attributes:
         data_id: Data ID: What the request asks for; a reply repeats it.
@@ -1253,7 +1305,7 @@ class EepromWriteRequest(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure.
+    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -1357,7 +1409,7 @@ class EepromReadRequest(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure.
+    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -1457,7 +1509,8 @@ class SingleturnReply(NamedTuple):
     right. A reply begins with the control field of its request; 32h is that of data ID 6, whose reply has four bytes
     and no SF. No data ID has four data bytes. [7.6]
 
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
+    edition_before_1_6_1.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1615,7 +1668,8 @@ class MultiturnReply(NamedTuple):
     error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.
     [7.3.2 p.42; 7.4.1 p.44]
 
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
+    edition_before_1_6_1.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1771,7 +1825,7 @@ class EncoderIdReply(NamedTuple):
     p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit.
+    busy_and_errors_in_one_bit, edition_before_1_6_1.
 
     Attributes:
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
@@ -1906,7 +1960,7 @@ class CompleteReply(NamedTuple):
     p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear.
+    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear, edition_before_1_6_1.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -2176,7 +2230,7 @@ class EepromWriteReply(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure.
+    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -2293,7 +2347,7 @@ class EepromReadReply(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure.
+    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -3356,6 +3410,10 @@ class SerialNumber(NamedTuple):
     that an older AMM5 may answer in the other order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38;
     amm80: 6.4 p.41]
 
+    Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to 47h were updated;
+    how they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A
+    E8 69 EE here and says that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
+
     Attributes:
         year: Year of production.
         week: Week of production.
@@ -3422,6 +3480,11 @@ class Command(IntEnum):
     after a write.
 
     After a command the register goes back to 00 by itself.
+
+    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
+    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
+    with it, so that none of them is known to be right there. [Document release]
     """
 
     SAVE_PARAMETERS = 1
@@ -3457,6 +3520,10 @@ class DeviceId(NamedTuple):
 
     Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all models. Used: As
     printed. [6.4 p.39; prot: p.14-15]
+
+    Editions before 1.7: Not known: device_id. Why: The registers 78h to 7Dh were updated; what they held before, is not
+    said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the
+    software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
 
     Attributes:
         name: Name of the device, 41 4D 4D 35 in hexadecimal. ASCII text. Holds ``AMM5``, which identifies the encoder;
@@ -3594,6 +3661,11 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Result: The position at which the activation arrived has the preset value; all other positions follow from it.
 
+    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
+    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
+    with it, so that none of them is known to be right there. [Document release]
+
     Args:
         variant: The encoder.
         position: Value that the present position is to get; written to ``preset``.
@@ -3635,6 +3707,11 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Result: The preset is saved; the position is the same as before.
 
+    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
+    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
+    with it, so that none of them is known to be right there. [Document release]
+
     Args:
         variant: The encoder.
         position: Value to keep for a later activation; written to ``preset``.
@@ -3674,6 +3751,11 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
 
     Result: Newly set register values are saved.
 
+    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
+    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
+    with it, so that none of them is known to be right there. [Document release]
+
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
@@ -3695,6 +3777,11 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     Before: Suggested with the shaft at a standstill.
 
     Result: The position at which the command arrived has the preset value.
+
+    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
+    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
+    with it, so that none of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3735,6 +3822,11 @@ def reset_singleturn_and_multiturn(variant: Variant | None = None) -> tuple[Step
     (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
     7.4.2 p.45]
 
+    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
+    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
+    revision; before, all were BiSS. [Document release]
+
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
@@ -3772,6 +3864,11 @@ def reset_multiturn_and_errors(variant: Variant | None = None) -> tuple[Step, ..
     (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
     7.4.2 p.45]
 
+    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
+    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
+    revision; before, all were BiSS. [Document release]
+
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
@@ -3807,6 +3904,11 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft is in stop
     (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
     7.4.2 p.45]
+
+    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
+    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
+    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
+    revision; before, all were BiSS. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -5122,6 +5224,222 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         affects=("alarms.busy", "field_groups.alarm_field.busy"),
         source="7.4.1 p.44; it: 7.4.1 p.44",
     ),
+    Erratum(
+        name="edition_before_1_8_1",
+        printed="order_code.parts.mount.values.B",
+        used="left out",
+        why="AMM5B was introduced with this revision.",
+        status="settled",
+        severity="wrong_limit",
+        affects=("order_code.mount",),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_8_2",
+        printed=(
+            "characteristics.mounting_support, characteristics.ferromagnetic_flange, characteristics.shaft_diameter, "
+            "characteristics.spacer, characteristics.disk_grub_screws, characteristics.disk_grub_screw_torque, "
+            "characteristics.encoder_placement, characteristics.encoder_screws and 3 more"
+        ),
+        used="not known",
+        why=(
+            "Mounting information and characteristics of the mounting flange were updated; which of section 3, is not "
+            "said."
+        ),
+        status="open",
+        severity="wording",
+        affects=(
+            "characteristics.mounting_support",
+            "characteristics.ferromagnetic_flange",
+            "characteristics.shaft_diameter",
+            "characteristics.spacer",
+            "characteristics.disk_grub_screws",
+            "characteristics.disk_grub_screw_torque",
+            "characteristics.encoder_placement",
+            "characteristics.encoder_screws",
+            "characteristics.encoder_screw_torque",
+            "characteristics.disk_alignment",
+            "characteristics.disk_misaligned",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_7_1",
+        printed="serial_number, examples.serial_number",
+        used="not known",
+        why=(
+            "The registers 44h to 47h were updated; how they read before, is not said. The manual of the AMM36, a "
+            "sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be reversed. An "
+            "older AMM5 may be like it."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=("registers.serial_number", "examples.serial_number"),
+        source="Document release; amm36: p.38",
+    ),
+    Erratum(
+        name="edition_before_1_7_2",
+        printed="device_id",
+        used="not known",
+        why=(
+            "The registers 78h to 7Dh were updated; what they held before, is not said. The manual of the AMM36, a "
+            "sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the software release in "
+            "7Dh. An older AMM5 may be like it."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=("registers.device_id",),
+        source="Document release; amm36_device_id: p.39",
+    ),
+    Erratum(
+        name="edition_before_1_6_1",
+        printed=(
+            "order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1, interfaces.ssi, "
+            "interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, "
+            "crcs.rs485_8 and 27 more"
+        ),
+        used="left out",
+        why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
+        status="settled",
+        severity="wrong_limit",
+        affects=(
+            "order_code.interface",
+            "interfaces.ssi",
+            "interfaces.rs485",
+            "alternatives.eeprom_address",
+            "parameters.eeprom_address_bit",
+            "parameters.mem_busy_bit",
+            "crcs.rs485_8",
+            "field_groups.control_field",
+            "field_groups.status_field",
+            "field_groups.alarm_field",
+            "field_groups.address_of_request",
+            "field_groups.address_of_write_reply",
+            "field_groups.address_of_read_reply",
+            "alarms.busy",
+            "alarms.ps_error",
+            "alarms.st_error",
+            "alarms.battery_alarm",
+            "alarms.mt_error",
+            "procedures.reset_singleturn_and_multiturn",
+            "procedures.reset_multiturn_and_errors",
+            "procedures.reset_errors",
+            "connectors.rs485_connector",
+            "connectors.rs485_cable",
+            "examples.request_of_data_id_0",
+            "examples.crc_of_the_manual",
+            "examples.crc_example_as_frame",
+            "examples.public_singleturn_reply",
+            "examples.public_all_data_reply",
+            "examples.public_eeprom_page_crc",
+            "examples.public_eeprom_write_crc",
+            "examples.public_eeprom_read_crc",
+            "examples.public_eeprom_page_request",
+            "examples.public_eeprom_write_request",
+            "examples.public_eeprom_read_request",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_6_2",
+        printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
+        used="['biss']",
+        why="There was no SSI yet.",
+        status="settled",
+        severity="wording",
+        affects=("connectors.ssi_biss_connector.interfaces", "connectors.ssi_biss_cable.interfaces"),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_5_1",
+        printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
+        used="not known",
+        why="Pin 1 was connected to ground with this revision. What it was before, is not said.",
+        status="open",
+        severity="wrong_data",
+        affects=("connectors.ssi_biss_connector.1", "characteristics.ground"),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_4_1",
+        printed="Register 3Bh, Counting direction",
+        used="not known",
+        why="The register was removed with this revision. What it took and when, is not said.",
+        status="open",
+        severity="wrong_data",
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_4_2",
+        printed=(
+            "command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset, "
+            "procedures.save_parameters, procedures.activate_preset, examples.preset_procedure"
+        ),
+        used="not known",
+        why=(
+            "The Command register was updated, so that older encoders may have other values or another pause. Every "
+            "procedure ends with it, so that none of them is known to be right there."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=(
+            "registers.command",
+            "interfaces.biss.eeprom_write",
+            "procedures.set_preset",
+            "procedures.store_preset",
+            "procedures.save_parameters",
+            "procedures.activate_preset",
+            "examples.preset_procedure",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_4_3",
+        printed="characteristics.counting_direction",
+        used="not known",
+        why="The information on the counting direction was updated.",
+        status="open",
+        severity="wording",
+        affects=("characteristics.counting_direction",),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_2_1",
+        printed=(
+            "characteristics.cable, characteristics.cable_model, characteristics.cable_cross_section, "
+            "characteristics.cable_jacket, characteristics.cable_shield, characteristics.cable_diameter, "
+            "characteristics.cable_bending_radius, characteristics.cable_temperature and 4 more"
+        ),
+        used="not known",
+        why="Cable information and the replacement of the battery came with this revision.",
+        status="open",
+        severity="wording",
+        affects=(
+            "characteristics.cable",
+            "characteristics.cable_model",
+            "characteristics.cable_cross_section",
+            "characteristics.cable_jacket",
+            "characteristics.cable_shield",
+            "characteristics.cable_diameter",
+            "characteristics.cable_bending_radius",
+            "characteristics.cable_temperature",
+            "characteristics.cable_resistance",
+            "characteristics.battery_replacement_without_error",
+            "characteristics.battery_replacement_with_error",
+            "connectors.ssi_biss_cable",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_1_1",
+        printed="leds.led_1_error, leds.led_2_warning, characteristics.connection_order",
+        used="not known",
+        why="The information on the LEDs was updated, and so were the mounting instructions.",
+        status="open",
+        severity="wording",
+        affects=("leds.led_1_error", "leds.led_2_warning", "characteristics.connection_order"),
+        source="Document release",
+    ),
 )
 
 #: Documents that sources cite by their key.
@@ -5141,6 +5459,11 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
         "amm36",
         "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
         url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
+    ),
+    Document(
+        "amm36_device_id",
+        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the device ID",
+        url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html",
     ),
     Document(
         "amm80",

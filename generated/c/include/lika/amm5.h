@@ -9,6 +9,33 @@
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; read beside it: it 1.9)
  * In brackets: its sections and pages.
+ *
+ * Editions before 1.8: There is no order_code.parts.mount.values.B. Why: AMM5B was introduced with
+ * this revision. [Document release]
+ * Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to
+ * 47h were updated; how they read before, is not said. The manual of the AMM36, a sister, prints EE
+ * 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5
+ * may be like it. [Document release; amm36: p.38]
+ * Editions before 1.7: Not known: device_id. Why: The registers 78h to 7Dh were updated; what they
+ * held before, is not said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh
+ * alone, the type of time-out in 7Ch and the software release in 7Dh. An older AMM5 may be like it.
+ * [Document release; amm36_device_id: p.39]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
+ * Editions before 1.5: Not known: connectors.ssi_biss_connector.contacts.1, characteristics.ground.
+ * Why: Pin 1 was connected to ground with this revision. What it was before, is not said. [Document
+ * release]
+ * Editions before 1.4: Not known: Register 3Bh, Counting direction. Why: The register was removed
+ * with this revision. What it took and when, is not said. [Document release]
+ * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
+ * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
+ * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
+ * that older encoders may have other values or another pause. Every procedure ends with it, so that
+ * none of them is known to be right there. [Document release]
+ *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
@@ -20,6 +47,9 @@
  *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
  *   amm36: AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number -
  *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
+ *   amm36_device_id: AMM36 manual, English edition 1.0, Lika Electronic; the page with the device
+ *                    ID -
+ *                    https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html
  *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
  *
@@ -66,6 +96,13 @@ extern "C" {
  * Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the
  * English table of word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition
  * have 65KBG1; no model has KG1. [5.2; it: 5.2]
+ * Editions before 1.8: There is no order_code.parts.mount.values.B. Why: AMM5B was introduced with
+ * this revision. [Document release]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 
 /* What differs between order codes. */
@@ -320,6 +357,11 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
  * which is x^8 + 1 with input and output reflected. Why: Fed with the bits of the example LSB first
  * the code returns CDh, the printed B3h with its bits reversed; it returns B3h only when each byte
  * is fed MSB first. [7.6]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  * With this polynomial the CRC of whole bytes is their XOR.
  */
 static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
@@ -347,6 +389,11 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
  * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
  * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
  * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 typedef enum lika_amm5_eeprom_address {
     /* Bits 7:1, MEM BUSY in bit 0, as the manual prints it [7.5 p.46]. */
@@ -535,6 +582,11 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
  * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
  * the table no cable may be run at 400 kHz to 4 MHz. [5.3]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.29]. */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U
@@ -675,6 +727,11 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
  * Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is
  * worked out for 50 kHz as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz.
  * [6.5 p.40; prot: p.18]
+ * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
+ * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
+ * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
+ * that older encoders may have other values or another pause. Every procedure ends with it, so that
+ * none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /* Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U
@@ -923,6 +980,11 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_singl
  * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
  * p.44; it: 7.4.1 p.44]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 /* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
@@ -2507,6 +2569,10 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * example, reads EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
  * one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may answer in the other
  * order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
+ * Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to
+ * 47h were updated; how they read before, is not said. The manual of the AMM36, a sister, prints EE
+ * 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5
+ * may be like it. [Document release; amm36: p.38]
  *   bits 31:0  serial
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
@@ -2611,6 +2677,11 @@ static inline lika_result lika_amm5_read_serial_number(
  * Wait at least 30 ms after a write, before the next command.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
+ * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
+ * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
+ * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
+ * that older encoders may have other values or another pause. Every procedure ends with it, so that
+ * none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_REG_COMMAND_ADDRESS 0x77U
 #define LIKA_AMM5_REG_COMMAND_LENGTH 1U /* byte */
@@ -2650,6 +2721,10 @@ static inline lika_result lika_amm5_write_command(
  * Byte order: high byte first, at 78h.
  * Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all
  * models. Used: As printed. [6.4 p.39; prot: p.14-15]
+ * Editions before 1.7: Not known: device_id. Why: The registers 78h to 7Dh were updated; what they
+ * held before, is not said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh
+ * alone, the type of time-out in 7Ch and the software release in 7Dh. An older AMM5 may be like it.
+ * [Document release; amm36_device_id: p.39]
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -2877,6 +2952,11 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the activation arrived has the preset value; all other positions
  * follow from it.
+ * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
+ * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
+ * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
+ * that older encoders may have other values or another pause. Every procedure ends with it, so that
+ * none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
@@ -2937,6 +3017,11 @@ static inline lika_result lika_amm5_set_preset(
  * Set and save a preset without activating it [6.4 p.35].
  * position: Value to keep for a later activation; written to Preset.
  * Result: The preset is saved; the position is the same as before.
+ * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
+ * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
+ * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
+ * that older encoders may have other values or another pause. Every procedure ends with it, so that
+ * none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
 
@@ -2994,6 +3079,11 @@ static inline lika_result lika_amm5_store_preset(
 /*
  * Save the parameters [6.4 p.39].
  * Result: Newly set register values are saved.
+ * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
+ * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
+ * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
+ * that older encoders may have other values or another pause. Every procedure ends with it, so that
+ * none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT 2U
 
@@ -3022,6 +3112,11 @@ static inline lika_result lika_amm5_save_parameters(
  * Activate the saved preset [6.4 p.39].
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the command arrived has the preset value.
+ * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
+ * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
+ * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
+ * that older encoders may have other values or another pause. Every procedure ends with it, so that
+ * none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT 2U
 
@@ -3064,6 +3159,11 @@ static inline lika_result lika_amm5_activate_preset(
  * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
  * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
  * printed. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT 2U
 
@@ -3105,6 +3205,11 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
  * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
  * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
  * printed. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT 2U
 
@@ -3145,6 +3250,11 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
  * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
  * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
  * printed. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_RESET_ERRORS_STEPS_COUNT 2U
 
@@ -3182,6 +3292,11 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
  * p.44; it: 7.4.1 p.44]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_BUSY_MASK 0x02U
 
@@ -3192,6 +3307,11 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_PS_ERROR_MASK 0x20U
 
@@ -3203,6 +3323,11 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U
 
@@ -3220,6 +3345,11 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
  * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
  * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_MASK 0x80U
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U
@@ -3235,6 +3365,11 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
  * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
  * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
+ * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
+ * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
+ * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+ * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U
 #define LIKA_AMM5_ALARM_MT_ERROR_BELOW_MV 3050U
