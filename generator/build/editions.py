@@ -17,7 +17,7 @@ from ..spec.document import Path
 from ..spec.overlay import Layer, Laying
 from ..spec.places import NothingThere, as_affected, resolve
 from ..spec.problems import DocumentReport, Report, listed, quoted
-from .overlays import Build, Family, errata_of, few
+from .overlays import Build, Family, errata_of, few, without_examples
 from .record import record
 
 _DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
@@ -139,7 +139,7 @@ def _note(raw: Raw, change: Raw, name: str, number: int) -> Erratum:
         Erratum,
         {"severity": "wrong_data", **{key: change[key] for key in ("why", "source", "severity") if key in change}},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        printed=few([text.removeprefix("registers.") for text in texts]),
+        printed=few(without_examples([text.removeprefix("registers.") for text in texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(filter(None, affects))),

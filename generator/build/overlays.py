@@ -142,7 +142,7 @@ def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
             Erratum,
             {key: told[key] for key in ("severity", "why", "source")},
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{numbers[name]}",
-            printed=few([item.was for item in items]),
+            printed=few(without_examples([item.was for item in items])),
             used=(few([item.now for item in items if item.now]) or LEFT_OUT) if items[0].is_known else NOT_KNOWN,
             status="settled" if items[0].is_known else "open",
             affects=tuple(dict.fromkeys(path for item in items for path in item.affects)),
@@ -154,6 +154,11 @@ def _one_story(item: Laid) -> tuple[str, str, object]:
     """What is told in one go."""
     layer = item.layer
     return layer.kind, layer.name, (layer.path, item.number) if layer.kind == "edition" else item
+
+
+def without_examples(names: Sequence[str]) -> Sequence[str]:
+    """The names but for those of examples, which go with what they are of; all, if they are the only ones."""
+    return [name for name in names if not name.startswith("examples.")] or names
 
 
 def few(names: Sequence[str]) -> str:

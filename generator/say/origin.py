@@ -23,6 +23,13 @@ def origin(device: Device) -> Iterator[Said]:
             Code(device.base),
             ". What was otherwise is told with its source, and what is not known is left out",
         )
+    if device.editions:
+        example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
+        yield said(
+            "Where encoders of other editions of the manual may differ, it is said at the place; ",
+            Code(example),
+            " makes files for such encoders",
+        )
     for item in device.overlays:
         yield said(
             f"Over what the manual says lies the overlay {item.name}, “{item.title}”. "
@@ -33,5 +40,11 @@ def origin(device: Device) -> Iterator[Said]:
 def taken_away(device: Device) -> Iterator[Said]:
     """The changes by overlays and editions that have left nothing at which they could be told."""
     for item in device.errata:
-        if (item.overlay or item.edition) and item.used in (LEFT_OUT, NOT_KNOWN) and item.severity != "wording":
+        nowhere = device.base or item.overlay or not item.affects
+        if (
+            (item.overlay or item.edition)
+            and nowhere
+            and item.used in (LEFT_OUT, NOT_KNOWN)
+            and item.severity != "wording"
+        ):
             yield erratum(item)

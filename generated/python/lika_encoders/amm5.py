@@ -6,32 +6,11 @@ Made from the manual “AMM5A AMM5B”, revision 1.9 of 2021-12-09 (en). Section
 manual; a source that begins with a language code is another edition, one that begins with another key stands in
 DOCUMENTS.
 
-Editions before 1.8: There is no order_code.parts.mount.values.B. Why: AMM5B was introduced with this revision.
-[Document release]
-
-Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to 47h were updated; how
-they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE
-here and says that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
-
-Editions before 1.7: Not known: device_id. Why: The registers 78h to 7Dh were updated; what they held before, is not
-said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the
-software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
-
-Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit,
-crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were BiSS.
-[Document release]
-
-Editions before 1.5: Not known: connectors.ssi_biss_connector.contacts.1, characteristics.ground. Why: Pin 1 was
-connected to ground with this revision. What it was before, is not said. [Document release]
+Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
+amm5=1.0`` makes files for such encoders.
 
 Editions before 1.4: Not known: Register 3Bh, Counting direction. Why: The register was removed with this revision. What
 it took and when, is not said. [Document release]
-
-Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
-Command register was updated, so that older encoders may have other values or another pause. Every procedure ends with
-it, so that none of them is known to be right there. [Document release]
 
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
@@ -539,11 +518,6 @@ def crc_rs485_8(data: bytes) -> int:
     bits of a string in order. Used: The XOR of all bytes before the CRC, which is x^8 + 1 with input and output
     reflected. Why: Fed with the bits of the example LSB first the code returns CDh, the printed B3h with its bits
     reversed; it returns B3h only when each byte is fed MSB first. [7.6]
-
-    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
-    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
-    revision; before, all were BiSS. [Document release]
     """
     return crc_by_xor(data)
 
@@ -609,11 +583,6 @@ class EepromAddress(Enum):
     printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5, where this manual has
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
-
-    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
-    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
-    revision; before, all were BiSS. [Document release]
     """
 
     AS_PRINTED = (1, 0)
@@ -643,9 +612,8 @@ class EepromAddress(Enum):
 # MHz. [5.3]
 #
 # Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-# interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit,
-# crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were BiSS.
-# [Document release]
+# interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+# BiSS. [Document release]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -814,9 +782,9 @@ class SsiWord(NamedTuple):
 # as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40; prot: p.18]
 #
 # Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-# procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
-# Command register was updated, so that older encoders may have other values or another pause. Every procedure ends with
-# it, so that none of them is known to be right there. [Document release]
+# procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
+# updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none of
+# them is known to be right there. [Document release]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -1070,9 +1038,8 @@ class SingleCycleData(NamedTuple):
 # 7.4.2 p.45]
 #
 # Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-# interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit,
-# crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were BiSS.
-# [Document release]
+# interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came with this revision; before, all were
+# BiSS. [Document release]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -1228,7 +1195,7 @@ class DataRequest(NamedTuple):
 
     One byte, without a CRC.
 
-    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
+    Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
         data_id: Data ID: What the request asks for; a reply repeats it.
@@ -1305,7 +1272,7 @@ class EepromWriteRequest(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
+    Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -1409,7 +1376,7 @@ class EepromReadRequest(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
+    Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -1509,8 +1476,7 @@ class SingleturnReply(NamedTuple):
     right. A reply begins with the control field of its request; 32h is that of data ID 6, whose reply has four bytes
     and no SF. No data ID has four data bytes. [7.6]
 
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    edition_before_1_6_1.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1668,8 +1634,7 @@ class MultiturnReply(NamedTuple):
     error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.
     [7.3.2 p.42; 7.4.1 p.44]
 
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    edition_before_1_6_1.
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1825,7 +1790,7 @@ class EncoderIdReply(NamedTuple):
     p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit, edition_before_1_6_1.
+    busy_and_errors_in_one_bit.
 
     Attributes:
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
@@ -1960,7 +1925,7 @@ class CompleteReply(NamedTuple):
     p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear, edition_before_1_6_1.
+    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -2230,7 +2195,7 @@ class EepromWriteReply(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
+    Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -2347,7 +2312,7 @@ class EepromReadReply(NamedTuple):
     EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst;
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
-    Of its parts, see ERRATA: control_field_structure, edition_before_1_6_1.
+    Of its parts, see ERRATA: control_field_structure.
 
     Attributes:
         eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
@@ -3410,9 +3375,9 @@ class SerialNumber(NamedTuple):
     that an older AMM5 may answer in the other order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38;
     amm80: 6.4 p.41]
 
-    Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to 47h were updated;
-    how they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A
-    E8 69 EE here and says that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
+    Editions before 1.7: Not known: serial_number. Why: The registers 44h to 47h were updated; how they read before, is
+    not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says
+    that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
 
     Attributes:
         year: Year of production.
@@ -3482,9 +3447,9 @@ class Command(IntEnum):
     After a command the register goes back to 00 by itself.
 
     Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
-    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
-    with it, so that none of them is known to be right there. [Document release]
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
     """
 
     SAVE_PARAMETERS = 1
@@ -3662,9 +3627,9 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     Result: The position at which the activation arrived has the preset value; all other positions follow from it.
 
     Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
-    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
-    with it, so that none of them is known to be right there. [Document release]
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder.
@@ -3708,9 +3673,9 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     Result: The preset is saved; the position is the same as before.
 
     Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
-    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
-    with it, so that none of them is known to be right there. [Document release]
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder.
@@ -3752,9 +3717,9 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
     Result: Newly set register values are saved.
 
     Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
-    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
-    with it, so that none of them is known to be right there. [Document release]
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3779,9 +3744,9 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     Result: The position at which the command arrived has the preset value.
 
     Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset, examples.preset_procedure. Why: The
-    Command register was updated, so that older encoders may have other values or another pause. Every procedure ends
-    with it, so that none of them is known to be right there. [Document release]
+    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3822,11 +3787,6 @@ def reset_singleturn_and_multiturn(variant: Variant | None = None) -> tuple[Step
     (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
     7.4.2 p.45]
 
-    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
-    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
-    revision; before, all were BiSS. [Document release]
-
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
@@ -3864,11 +3824,6 @@ def reset_multiturn_and_errors(variant: Variant | None = None) -> tuple[Step, ..
     (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
     7.4.2 p.45]
 
-    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
-    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
-    revision; before, all were BiSS. [Document release]
-
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
@@ -3904,11 +3859,6 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft is in stop
     (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as printed. [7.4.2 p.45; it:
     7.4.2 p.45]
-
-    Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-    interfaces.ssi, interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit,
-    parameters.mem_busy_bit, crcs.rs485_8 and 27 more. Why: The versions with SSI and with RS-485 came with this
-    revision; before, all were BiSS. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -5265,7 +5215,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_7_1",
-        printed="serial_number, examples.serial_number",
+        printed="serial_number",
         used="not known",
         why=(
             "The registers 44h to 47h were updated; how they read before, is not said. The manual of the AMM36, a "
@@ -5295,17 +5245,27 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_6_1",
         printed=(
             "order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1, interfaces.ssi, "
-            "interfaces.rs485, alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, "
-            "crcs.rs485_8 and 27 more"
+            "interfaces.rs485"
         ),
         used="left out",
         why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
         status="settled",
         severity="wrong_limit",
+        affects=("order_code.interface", "interfaces.ssi", "interfaces.rs485"),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_6_2",
+        printed=(
+            "alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
+            "field_groups.control_field, field_groups.status_field, field_groups.alarm_field, "
+            "field_groups.address_of_request and 12 more"
+        ),
+        used="left out",
+        why="They belong to RS-485.",
+        status="settled",
+        severity="wording",
         affects=(
-            "order_code.interface",
-            "interfaces.ssi",
-            "interfaces.rs485",
             "alternatives.eeprom_address",
             "parameters.eeprom_address_bit",
             "parameters.mem_busy_bit",
@@ -5341,7 +5301,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="Document release",
     ),
     Erratum(
-        name="edition_before_1_6_2",
+        name="edition_before_1_6_3",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
         used="['biss']",
         why="There was no SSI yet.",
@@ -5373,7 +5333,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="edition_before_1_4_2",
         printed=(
             "command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset, "
-            "procedures.save_parameters, procedures.activate_preset, examples.preset_procedure"
+            "procedures.save_parameters, procedures.activate_preset"
         ),
         used="not known",
         why=(

@@ -10,31 +10,10 @@
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; read beside it: it 1.9)
  * In brackets: its sections and pages.
  *
- * Editions before 1.8: There is no order_code.parts.mount.values.B. Why: AMM5B was introduced with
- * this revision. [Document release]
- * Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to
- * 47h were updated; how they read before, is not said. The manual of the AMM36, a sister, prints EE
- * 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5
- * may be like it. [Document release; amm36: p.38]
- * Editions before 1.7: Not known: device_id. Why: The registers 78h to 7Dh were updated; what they
- * held before, is not said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh
- * alone, the type of time-out in 7Ch and the software release in 7Dh. An older AMM5 may be like it.
- * [Document release; amm36_device_id: p.39]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
- * Editions before 1.5: Not known: connectors.ssi_biss_connector.contacts.1, characteristics.ground.
- * Why: Pin 1 was connected to ground with this revision. What it was before, is not said. [Document
- * release]
+ * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
+ * generate --edition amm5=1.0 makes files for such encoders.
  * Editions before 1.4: Not known: Register 3Bh, Counting direction. Why: The register was removed
  * with this revision. What it took and when, is not said. [Document release]
- * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
- * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
- * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
- * that older encoders may have other values or another pause. Every procedure ends with it, so that
- * none of them is known to be right there. [Document release]
  *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -99,10 +78,8 @@ extern "C" {
  * Editions before 1.8: There is no order_code.parts.mount.values.B. Why: AMM5B was introduced with
  * this revision. [Document release]
  * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485. Why: The versions with
+ * SSI and with RS-485 came with this revision; before, all were BiSS. [Document release]
  */
 
 /* What differs between order codes. */
@@ -357,11 +334,6 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
  * which is x^8 + 1 with input and output reflected. Why: Fed with the bits of the example LSB first
  * the code returns CDh, the printed B3h with its bits reversed; it returns B3h only when each byte
  * is fed MSB first. [7.6]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  * With this polynomial the CRC of whole bytes is their XOR.
  */
 static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
@@ -389,11 +361,6 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
  * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
  * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
  * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 typedef enum lika_amm5_eeprom_address {
     /* Bits 7:1, MEM BUSY in bit 0, as the manual prints it [7.5 p.46]. */
@@ -583,10 +550,8 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
  * the table no cable may be run at 400 kHz to 4 MHz. [5.3]
  * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485. Why: The versions with
+ * SSI and with RS-485 came with this revision; before, all were BiSS. [Document release]
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.29]. */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U
@@ -729,9 +694,9 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
  * [6.5 p.40; prot: p.18]
  * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
  * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
- * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
- * that older encoders may have other values or another pause. Every procedure ends with it, so that
- * none of them is known to be right there. [Document release]
+ * procedures.activate_preset. Why: The Command register was updated, so that older encoders may
+ * have other values or another pause. Every procedure ends with it, so that none of them is known
+ * to be right there. [Document release]
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /* Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U
@@ -981,10 +946,8 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_singl
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
  * p.44; it: 7.4.1 p.44]
  * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
+ * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485. Why: The versions with
+ * SSI and with RS-485 came with this revision; before, all were BiSS. [Document release]
  */
 /* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
@@ -2569,10 +2532,10 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * example, reads EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
  * one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may answer in the other
  * order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
- * Editions before 1.7: Not known: serial_number, examples.serial_number. Why: The registers 44h to
- * 47h were updated; how they read before, is not said. The manual of the AMM36, a sister, prints EE
- * 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5
- * may be like it. [Document release; amm36: p.38]
+ * Editions before 1.7: Not known: serial_number. Why: The registers 44h to 47h were updated; how
+ * they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the
+ * number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5 may be like it.
+ * [Document release; amm36: p.38]
  *   bits 31:0  serial
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
@@ -2679,9 +2642,9 @@ static inline lika_result lika_amm5_read_serial_number(
  * After a command the register goes back to 00 by itself.
  * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
  * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
- * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
- * that older encoders may have other values or another pause. Every procedure ends with it, so that
- * none of them is known to be right there. [Document release]
+ * procedures.activate_preset. Why: The Command register was updated, so that older encoders may
+ * have other values or another pause. Every procedure ends with it, so that none of them is known
+ * to be right there. [Document release]
  */
 #define LIKA_AMM5_REG_COMMAND_ADDRESS 0x77U
 #define LIKA_AMM5_REG_COMMAND_LENGTH 1U /* byte */
@@ -2954,9 +2917,9 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  * follow from it.
  * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
  * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
- * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
- * that older encoders may have other values or another pause. Every procedure ends with it, so that
- * none of them is known to be right there. [Document release]
+ * procedures.activate_preset. Why: The Command register was updated, so that older encoders may
+ * have other values or another pause. Every procedure ends with it, so that none of them is known
+ * to be right there. [Document release]
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
@@ -3019,9 +2982,9 @@ static inline lika_result lika_amm5_set_preset(
  * Result: The preset is saved; the position is the same as before.
  * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
  * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
- * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
- * that older encoders may have other values or another pause. Every procedure ends with it, so that
- * none of them is known to be right there. [Document release]
+ * procedures.activate_preset. Why: The Command register was updated, so that older encoders may
+ * have other values or another pause. Every procedure ends with it, so that none of them is known
+ * to be right there. [Document release]
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
 
@@ -3081,9 +3044,9 @@ static inline lika_result lika_amm5_store_preset(
  * Result: Newly set register values are saved.
  * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
  * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
- * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
- * that older encoders may have other values or another pause. Every procedure ends with it, so that
- * none of them is known to be right there. [Document release]
+ * procedures.activate_preset. Why: The Command register was updated, so that older encoders may
+ * have other values or another pause. Every procedure ends with it, so that none of them is known
+ * to be right there. [Document release]
  */
 #define LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT 2U
 
@@ -3114,9 +3077,9 @@ static inline lika_result lika_amm5_save_parameters(
  * Result: The position at which the command arrived has the preset value.
  * Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write,
  * procedures.set_preset, procedures.store_preset, procedures.save_parameters,
- * procedures.activate_preset, examples.preset_procedure. Why: The Command register was updated, so
- * that older encoders may have other values or another pause. Every procedure ends with it, so that
- * none of them is known to be right there. [Document release]
+ * procedures.activate_preset. Why: The Command register was updated, so that older encoders may
+ * have other values or another pause. Every procedure ends with it, so that none of them is known
+ * to be right there. [Document release]
  */
 #define LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT 2U
 
@@ -3159,11 +3122,6 @@ static inline lika_result lika_amm5_activate_preset(
  * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
  * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
  * printed. [7.4.2 p.45; it: 7.4.2 p.45]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT 2U
 
@@ -3205,11 +3163,6 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
  * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
  * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
  * printed. [7.4.2 p.45; it: 7.4.2 p.45]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT 2U
 
@@ -3250,11 +3203,6 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
  * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
  * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
  * printed. [7.4.2 p.45; it: 7.4.2 p.45]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_RESET_ERRORS_STEPS_COUNT 2U
 
@@ -3292,11 +3240,6 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
  * p.44; it: 7.4.1 p.44]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_BUSY_MASK 0x02U
 
@@ -3307,11 +3250,6 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_PS_ERROR_MASK 0x20U
 
@@ -3323,11 +3261,6 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U
 
@@ -3345,11 +3278,6 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
  * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
  * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_MASK 0x80U
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U
@@ -3365,11 +3293,6 @@ static inline lika_result lika_amm5_reset_errors(
  * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
  * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
  * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485,
- * alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8
- * and 27 more. Why: The versions with SSI and with RS-485 came with this revision; before, all were
- * BiSS. [Document release]
  */
 #define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U
 #define LIKA_AMM5_ALARM_MT_ERROR_BELOW_MV 3050U
