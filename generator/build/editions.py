@@ -96,7 +96,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     date = next((item.date for item in family.device.editions if item.revision == revision), "")
     device = replace(
         device,
-        title=f"{device.title}, edition {revision} of the manual",
+        title=f"{device.title}, edition {revision}",
         manual=replace(device.manual, revision=revision, date=date, editions=()),
         errata=(*device.errata, *errata_of(laying.laid)),
         overlays=family.device.overlays,

@@ -19,7 +19,7 @@ def origin(device: Device) -> Iterator[Said]:
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
         yield said(
-            f"As edition {device.edition} of the manual{date} had it, as far as that is known; the newest is ",
+            f"As edition {device.edition} of the manual{date} had it, as far as that is known; the one that the spec transcribes is ",
             Code(device.base),
             ". What was otherwise is told with its source, and what is not known is left out",
         )
