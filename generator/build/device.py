@@ -41,7 +41,7 @@ from ..reference.run_time import resolve_parameters
 from ..spec.problems import DocumentReport, Path
 from ..spec.rules.walk import interface_of
 from .agree import check_agreement
-from .editions import check_editions, editions
+from .editions import editions
 from .examples import build_examples, check_examples
 from .facts import supply, table
 from .fields import Context, Site
@@ -74,7 +74,6 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_measurements(device, report)
     device = replace(device, editions=editions(raw))
     check_agreement(raw, device, report)
-    check_editions(raw, device, report)
     check_examples(device, report)
     return device
 

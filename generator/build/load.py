@@ -19,7 +19,7 @@ from ..spec.read import read_document, read_specs
 from .alike import check_alike
 from .counts import read_counts
 from .device import build_device
-from .editions import edition_of, notes
+from .editions import check_editions, edition_of, notes
 from .facts import build_manufacturer
 from .overlays import Family as Family
 from .overlays import is_overlay, lay_over, overlays_beside
@@ -115,6 +115,7 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
         device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
         if device is None:
             continue
+        check_editions(data, device, report.for_document(document))
         counts, told = read_counts(Path(document.file), report), tuple(notes(data))
         device = replace(device, times_read=counts, errata=(*device.errata, *told))
         _compare_with_others(device, [family.device for family in families], document, report)
