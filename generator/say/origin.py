@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import LEFT_OUT, NOT_KNOWN, Device
+from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest
 from .erratum import erratum
-from .text import Code, Said, said
+from .text import Code, Ref, Said, said
+from .words import sentence
 
 
 def origin(device: Device) -> Iterator[Said]:
@@ -19,7 +20,8 @@ def origin(device: Device) -> Iterator[Said]:
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
         yield said(
-            f"As edition {device.edition} of the manual{date} had it, as far as that is known; the one that the spec transcribes is ",
+            f"As edition {device.edition} of the manual{date} had it, as far as that is known; "
+            "the one that the spec transcribes is ",
             Code(device.base),
             ". What was otherwise is told with its source, and what is not known is left out",
         )
@@ -48,3 +50,14 @@ def taken_away(device: Device) -> Iterator[Said]:
             and item.severity != "wording"
         ):
             yield erratum(item)
+
+
+def edition_test(revision: str, test: EditionTest) -> Said:
+    """What tells an encoder of before an edition."""
+    register = Ref("register", test.register, test.register.replace("_", " "))
+    return said(
+        register,
+        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Another value tells an encoder of before edition "
+        f"{revision}; one of these tells nothing for sure",
+        source=test.source,
+    )

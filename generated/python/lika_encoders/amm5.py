@@ -611,9 +611,8 @@ class EepromAddress(Enum):
 # MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
 # MHz. [5.3]
 #
-# Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-# interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came with this revision; before, all were
-# BiSS. [Document release]
+# Editions before 1.6: There is no interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came
+# with this revision; before, all were BiSS. [Document release]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -1037,9 +1036,8 @@ class SingleCycleData(NamedTuple):
 # Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
 # 7.4.2 p.45]
 #
-# Editions before 1.6: There is no order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1,
-# interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came with this revision; before, all were
-# BiSS. [Document release]
+# Editions before 1.6: There is no interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came
+# with this revision; before, all were BiSS. [Document release]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -5243,19 +5241,26 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_1",
-        printed=(
-            "order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1, interfaces.ssi, "
-            "interfaces.rs485"
-        ),
+        printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
         used="left out",
         why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
         status="settled",
         severity="wrong_limit",
-        affects=("order_code.interface", "interfaces.ssi", "interfaces.rs485"),
+        affects=("order_code.interface",),
         source="Document release",
     ),
     Erratum(
         name="edition_before_1_6_2",
+        printed="interfaces.ssi, interfaces.rs485",
+        used="left out",
+        why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
+        status="settled",
+        severity="wrong_limit",
+        affects=("interfaces.ssi", "interfaces.rs485"),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_6_3",
         printed=(
             "alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
             "field_groups.control_field, field_groups.status_field, field_groups.alarm_field, "
@@ -5301,7 +5306,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="Document release",
     ),
     Erratum(
-        name="edition_before_1_6_3",
+        name="edition_before_1_6_4",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
         used="['biss']",
         why="There was no SSI yet.",

@@ -17,7 +17,7 @@ from ...say import register as say_register
 from ...say.alternative import needs
 from ...say.markdown import cited, code, joined, link, text
 from ...say.name import full_title, title, words
-from ...say.origin import origin
+from ...say.origin import edition_test, origin
 from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
@@ -55,7 +55,12 @@ class Wiring(TypedDict):
     characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
 
 
-class Evidence(TypedDict):
+class EditionRows(TypedDict):
+    edition_rows: Annotated[Rows, "the editions that can be asked for, and what is otherwise in them"]
+    edition_tests: Annotated[list[Said], "registers that tell an encoder of an older edition"]
+
+
+class Evidence(EditionRows):
     examples: Annotated[list[Section], "the worked examples: example, rows"]
     errata_summary: Annotated[str, "how many errata there are, and how many are open"]
     erratum_rows: Annotated[Rows, "the errata in short, each with a link"]
@@ -206,6 +211,7 @@ def _contents(device: Device) -> list[tuple[str, str]]:
         ("Characteristics, mounting, safety", "characteristics", device.characteristics),
         *((item.title, f"table-{item.name}", True) for item in device.tables),
         ("Worked examples", "examples", device.examples),
+        ("Editions of the manual", "editions", device.editions),
         ("Errata", "errata", device.errata),
         ("Figures that were not available", "lost-figures", device.lost_figures),
         ("Sources", "documents", True),
@@ -427,6 +433,7 @@ def _evidence(device: Device) -> Evidence:
             }
             for item in device.errata
         ],
+        **_editions(device),
         "lost_rows": [(text(item.content), cited(item.source)) for item in device.lost_figures],
         "document_rows": facts.document_rows(device.documents),
         "history_rows": [
@@ -434,6 +441,22 @@ def _evidence(device: Device) -> Evidence:
             for item in device.manual.history
         ],
     }
+
+
+def _editions(device: Device) -> EditionRows:
+    """What is otherwise in other editions, by the revision that changed it, and what tells an older encoder."""
+
+    def links(name: str) -> str:
+        found = (item.name for item in device.errata if item.edition == name)
+        return ", ".join(link(code(item), f"#erratum-{item}") for item in found)
+
+    rows: Rows = [
+        (text(name), item.date, links(f"before {name}"), links(name), ", ".join(map(code, item.labels)))
+        for item in device.editions
+        for name in [item.revision]
+    ]
+    tests = [edition_test(item.revision, test) for item in device.editions for test in item.tests]
+    return {"edition_rows": rows, "edition_tests": tests}
 
 
 TEMPLATES = Templates(

@@ -78,8 +78,8 @@ extern "C" {
  * Editions before 1.8: There is no order_code.parts.mount.values.B. Why: AMM5B was introduced with
  * this revision. [Document release]
  * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485. Why: The versions with
- * SSI and with RS-485 came with this revision; before, all were BiSS. [Document release]
+ * order_code.parts.interface.values.JP1. Why: The versions with SSI and with RS-485 came with this
+ * revision; before, all were BiSS. [Document release]
  */
 
 /* What differs between order codes. */
@@ -549,9 +549,8 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
  * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
  * the table no cable may be run at 400 kHz to 4 MHz. [5.3]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485. Why: The versions with
- * SSI and with RS-485 came with this revision; before, all were BiSS. [Document release]
+ * Editions before 1.6: There is no interfaces.ssi, interfaces.rs485. Why: The versions with SSI and
+ * with RS-485 came with this revision; before, all were BiSS. [Document release]
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.29]. */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U
@@ -945,9 +944,8 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_singl
  * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
  * p.44; it: 7.4.1 p.44]
- * Editions before 1.6: There is no order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1, interfaces.ssi, interfaces.rs485. Why: The versions with
- * SSI and with RS-485 came with this revision; before, all were BiSS. [Document release]
+ * Editions before 1.6: There is no interfaces.ssi, interfaces.rs485. Why: The versions with SSI and
+ * with RS-485 came with this revision; before, all were BiSS. [Document release]
  */
 /* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
