@@ -57,7 +57,7 @@ def edition_test(revision: str, test: EditionTest) -> Said:
     register = Ref("register", test.register, test.register.replace("_", " "))
     return said(
         register,
-        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Another value tells an encoder of before edition "
-        f"{revision}; one of these tells nothing for sure",
+        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Another value tells an encoder of before "
+        f"edition {revision}; one of these tells nothing for sure",
         source=test.source,
     )

@@ -152,7 +152,7 @@ def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
 
 def changes(number: int) -> str:
     """How many of the errata are none of the manual."""
-    return f" {number} more are changes by overlays, or what is otherwise in this edition." if number else ""
+    return f" {number} more are changes by overlays, or what is otherwise in another edition." if number else ""
 
 
 def status(value: str) -> str:
