@@ -25,17 +25,21 @@ def origin(device: Device) -> Iterator[Said]:
             Code(device.base),
             ". What was otherwise is told with its source, and what is not known is left out",
         )
+    for item in device.overlays:
+        yield said(
+            f"Over what the manual says lies the overlay {item.name}, “{item.title}”. "
+            "Each of its changes is told where it is, with its reason and its source"
+        )
+
+
+def other_editions(device: Device) -> Iterator[Said]:
+    """That encoders of other editions may differ, and how files for them are made."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield said(
             "Where encoders of other editions of the manual may differ, it is said at the place; ",
             Code(example),
             " makes files for such encoders",
-        )
-    for item in device.overlays:
-        yield said(
-            f"Over what the manual says lies the overlay {item.name}, “{item.title}”. "
-            "Each of its changes is told where it is, with its reason and its source"
         )
 
 

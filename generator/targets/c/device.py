@@ -11,7 +11,7 @@ from ...model import Device
 from ...plan.crcs import crc_functions
 from ...plan.held import held_parameters
 from ...say.erratum import errata, erratum
-from ...say.origin import origin, taken_away
+from ...say.origin import origin, other_editions, taken_away
 from ...say.text import BY_TITLE as S
 from .. import TargetError
 from .about import about_input
@@ -100,7 +100,9 @@ class DeviceView:
     @property
     def origin(self) -> list[Paragraph]:
         """What the family is beside what its manual says; empty for most."""
-        return [S.sentence(item) for item in (*origin(self.device), *taken_away(self.device))]
+        return [
+            S.sentence(item) for item in (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
+        ]
 
     @property
     def documents(self) -> list[Paragraph]:

@@ -17,7 +17,7 @@ from ...say import register as say_register
 from ...say.alternative import needs
 from ...say.markdown import cited, code, joined, link, text
 from ...say.name import full_title, title, words
-from ...say.origin import edition_test, origin
+from ...say.origin import edition_test, origin, other_editions
 from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
@@ -161,7 +161,7 @@ def _pictures(device: Device) -> dict[str, str]:
 def _device_values(device: Device) -> DevicePage:
     return {
         "device": device,
-        "origin": list(origin(device)),
+        "origin": [*origin(device), *other_editions(device)],
         "usable_page": usable.PAGE,
         "alternatives": codes.alternatives(device),
         "has_masters": masters_page.has_masters(device),
