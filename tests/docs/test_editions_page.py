@@ -144,7 +144,8 @@ assert type(new) is lika.amm5.Variant and type(old) is lika.amm5_1_6.Variant
 assert new.decode(0xF4243D3).position == old.decode(0xF4243D3).position == 1000003
 assert str(lika.amm5.SerialNumber.decode(bytes.fromhex("0ae869ee"))).endswith("week=30, number=3630)")
 assert not hasattr(lika.amm5_1_6, "SerialNumber") and not hasattr(lika.amm5_1_3, "set_preset")
-for label, module in (("AMM5B21/65KSC1", lika.amm5_1_7), ("AMM5A21/65KJP1", lika.amm5_1_5), ("AM3616/4096-BG", lika.am36_1_1)):
+unknown = {"AMM5B21/65KSC1": lika.amm5_1_7, "AMM5A21/65KJP1": lika.amm5_1_5, "AM3616/4096-BG": lika.am36_1_1}
+for label, module in unknown.items():
     lika.lookup(label)
     try:
         module.lookup(label)
@@ -224,8 +225,8 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
         (
             ["show", "amm5", "--edition", "2.0"],
             (
-                "the spec of amm5 tells of no edition '2.0'; there are 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8 and 1.9, or "
-                "a date such as 2020-03-31"
+                "the spec of amm5 tells of no edition '2.0'; there are 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8 "
+                "and 1.9, or a date such as 2020-03-31"
             ),
         ),
         (
@@ -302,7 +303,8 @@ SLIPS = {
     "no such run": (
         "        run: week\n        min",
         "        run: day\n        min",
-        "undefined-reference: 'serial_number' has no field or run of digits 'day'; it has serial, year, week and number",
+        "undefined-reference: 'serial_number' has no field or run of digits 'day'; it has serial, year, week "
+        "and number",
     ),
     "bounds": ("        min: 1\n        max: 53", "        min: 54\n        max: 53", "out-of-range: 'min' is 54"),
 }
