@@ -47,7 +47,7 @@ def is_overlay(document: Document) -> bool:
 
 
 def overlays_beside(documents: Iterable[Document]) -> list[Path]:
-    """The files beside specs that are overlays of them by their names, such as ``amm5.overlay.yaml``."""
+    """The files beside specs that are overlays of them by their names, such as ``FAMILY.overlay.yaml``."""
     found: list[Path] = []
     for document in documents:
         spec = Path(document.file)

@@ -114,7 +114,7 @@ def _add_generate(commands: _Commands) -> None:
         action="append",
         default=[],
         metavar="FAMILY=EDITION",
-        help="make another edition of a family beside it, such as amm5=1.6; may be repeated",
+        help="make another edition of a family beside it, by its revision or a date; may be repeated",
     )
     _add_own_files(parser)
     parser.more_help = _targets_for_help

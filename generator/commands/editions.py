@@ -71,7 +71,7 @@ def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
 
 
 def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
-    """The families of ``amm5=1.6`` and the like, to be made beside the others.
+    """The families of ``FAMILY=1.6`` and the like, to be made beside the others.
 
     Raises:
         Stop: A text is none, or there is no such family or edition; exit code 2.
@@ -83,7 +83,7 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
         if not equals or name not in by_name:
             known = ", ".join(by_name)
             raise Stop(
-                f"'{text}' is no family and edition; write it as in {next(iter(by_name), 'amm5')}=1.0 ({known})", 2
+                f"'{text}' is no family and edition; write it as in {next(iter(by_name), 'FAMILY')}=1.0 ({known})", 2
             )
         family = by_name[name]
         try:

@@ -79,7 +79,7 @@ def load_for(
 ) -> tuple[tuple[Device, ...], Report]:
     """The devices that the specs describe, and a report that says as well what these targets cannot express.
 
-    ``editions`` are those to be made beside them, such as ``amm5=1.6``.
+    ``editions`` are those to be made beside them, such as ``FAMILY=1.6``.
 
     Raises:
         Stop: A target fails; exit code 1.

@@ -28,7 +28,7 @@ from .places import (
 from .problems import Report, quoted, suggestion
 from .rules.values import bad_source
 
-#: The end of the name of an overlay that is found beside its spec: ``amm5.overlay.yaml``, ``amm5.s042.overlay.yaml``.
+#: The end of the name of an overlay that is found beside its spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
 SUFFIX = ".overlay"
 _KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}

@@ -303,8 +303,10 @@ SLIPS = {
     "no such run": (
         "        run: week\n        min",
         "        run: day\n        min",
-        "undefined-reference: 'serial_number' has no field or run of digits 'day'; it has serial, year, week "
-        "and number",
+        (
+            "undefined-reference: 'serial_number' has no field or run of digits 'day'; it has serial, year, week "
+            "and number"
+        ),
     ),
     "bounds": ("        min: 1\n        max: 53", "        min: 54\n        max: 53", "out-of-range: 'min' is 54"),
 }
