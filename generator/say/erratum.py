@@ -51,7 +51,6 @@ def _change(item: Erratum) -> Said:
     if item.edition.startswith("before "):
         label = f"Editions {item.edition}"
     there = f"The spec has {item.printed}; {'there' if item.edition else 'here'} it is {item.used}"
-    if item.used == LEFT_OUT and item.edition:
-        there = f"There is no {item.printed}"
-    changed = f"Not known: {item.printed}" if item.used == NOT_KNOWN else there
+    is_gone = item.used == NOT_KNOWN or (item.used == LEFT_OUT and item.edition)
+    changed = f"{item.printed}: {item.used}" if is_gone else there
     return said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source)

@@ -576,7 +576,7 @@ class EnablePreset(IntEnum):
 # Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12
 # µs (Tp > 12 µs). Used: At least 12 µs; take more. [5.1; 5.3; amm5: 5.3]
 #
-# Edition 1.1: Not known: order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi. Why: No
+# Edition 1.1: order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi: not known. Why: No
 # page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more. [am36_1_1_biss:
 # p.21]
 
@@ -760,10 +760,10 @@ class SsiWord(NamedTuple):
 # of 1.1. The encoder is always a slave, alone with one master. It must never be installed in a network of several
 # slaves. Why: Section 6.6 with the clock is not on a public page. [am36_1_1_biss: p.21]
 #
-# Edition 1.1: Not known: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-# interfaces.biss.timings and 2 more. Why: Page 24 lists the registers by address, the pages that describe these are not
-# public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause after it, are not.
-# No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+# Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+# interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+# these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause after
+# it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.6 p.32"),
@@ -1363,10 +1363,10 @@ class ProfileId(NamedTuple):
     SMA21 and ASC85 manuals have 28xx, with the data length in the low byte, for variants 0-24 and the like. Nor does a
     position of up to 36 bits fit 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
 
-    Edition 1.1: Not known: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
-    printed_defaults, interfaces.biss.timings and 2 more. Why: Page 24 lists the registers by address, the pages that
-    describe these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the
-    pause after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
     Attributes:
         profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder; decoding accepts any value.
@@ -1425,10 +1425,10 @@ class SerialNumber(NamedTuple):
     decimal digits of one number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36
     manual prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38]
 
-    Edition 1.1: Not known: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
-    printed_defaults, interfaces.biss.timings and 2 more. Why: Page 24 lists the registers by address, the pages that
-    describe these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the
-    pause after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
     Attributes:
         year: Year of production, register 44h.
@@ -1497,10 +1497,10 @@ class Command(IntEnum):
     stores the resolution but zeroes the preset. Used: set_resolution saves the resolution first, and only then writes
     and activates the preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
 
-    Edition 1.1: Not known: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
-    printed_defaults, interfaces.biss.timings and 2 more. Why: Page 24 lists the registers by address, the pages that
-    describe these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the
-    pause after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     NORMAL_OPERATIONAL_STATE = 0
@@ -1885,10 +1885,10 @@ class DeviceType(NamedTuple):
 
     Default: ``02``.
 
-    Edition 1.1: Not known: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
-    printed_defaults, interfaces.biss.timings and 2 more. Why: Page 24 lists the registers by address, the pages that
-    describe these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the
-    pause after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
     Attributes:
         device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
@@ -2058,10 +2058,10 @@ class DeviceId(NamedTuple):
     Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software version, for all
     models. Used: As printed. [6.5 p.31; prot: p.14-15]
 
-    Edition 1.1: Not known: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
-    printed_defaults, interfaces.biss.timings and 2 more. Why: Page 24 lists the registers by address, the pages that
-    describe these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the
-    pause after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
     Attributes:
         model: Encoder model, AMx36; 41 4D in hexadecimal. ASCII text. Holds ``AM``, which identifies the encoder;
@@ -2135,10 +2135,10 @@ class ManufacturerId(NamedTuple):
 
     Byte order: high byte first, at 7Eh.
 
-    Edition 1.1: Not known: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
-    printed_defaults, interfaces.biss.timings and 2 more. Why: Page 24 lists the registers by address, the pages that
-    describe these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the
-    pause after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
     Attributes:
         name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding

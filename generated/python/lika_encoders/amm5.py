@@ -9,7 +9,7 @@ DOCUMENTS.
 Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
 amm5=1.0`` makes files for such encoders.
 
-Editions before 1.4: Not known: Register 3Bh, Counting direction. Why: The register was removed with this revision. What
+Editions before 1.4: Register 3Bh, Counting direction: not known. Why: The register was removed with this revision. What
 it took and when, is not said. [Document release]
 
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
@@ -611,8 +611,8 @@ class EepromAddress(Enum):
 # MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
 # MHz. [5.3]
 #
-# Editions before 1.6: There is no interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came
-# with this revision; before, all were BiSS. [Document release]
+# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
+# this revision; before, all were BiSS. [Document release]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -780,10 +780,10 @@ class SsiWord(NamedTuple):
 # Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz
 # as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40; prot: p.18]
 #
-# Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-# procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
-# updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none of
-# them is known to be right there. [Document release]
+# Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+# procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+# older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known to
+# be right there. [Document release]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -1036,8 +1036,8 @@ class SingleCycleData(NamedTuple):
 # Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
 # 7.4.2 p.45]
 #
-# Editions before 1.6: There is no interfaces.ssi, interfaces.rs485. Why: The versions with SSI and with RS-485 came
-# with this revision; before, all were BiSS. [Document release]
+# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
+# this revision; before, all were BiSS. [Document release]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -3373,7 +3373,7 @@ class SerialNumber(NamedTuple):
     that an older AMM5 may answer in the other order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38;
     amm80: 6.4 p.41]
 
-    Editions before 1.7: Not known: serial_number. Why: The registers 44h to 47h were updated; how they read before, is
+    Editions before 1.7: serial_number: not known. Why: The registers 44h to 47h were updated; how they read before, is
     not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says
     that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
 
@@ -3444,10 +3444,10 @@ class Command(IntEnum):
 
     After a command the register goes back to 00 by itself.
 
-    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
-    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
-    of them is known to be right there. [Document release]
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
     """
 
     SAVE_PARAMETERS = 1
@@ -3484,7 +3484,7 @@ class DeviceId(NamedTuple):
     Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all models. Used: As
     printed. [6.4 p.39; prot: p.14-15]
 
-    Editions before 1.7: Not known: device_id. Why: The registers 78h to 7Dh were updated; what they held before, is not
+    Editions before 1.7: device_id: not known. Why: The registers 78h to 7Dh were updated; what they held before, is not
     said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the
     software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
 
@@ -3624,10 +3624,10 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Result: The position at which the activation arrived has the preset value; all other positions follow from it.
 
-    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
-    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
-    of them is known to be right there. [Document release]
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
 
     Args:
         variant: The encoder.
@@ -3670,10 +3670,10 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Result: The preset is saved; the position is the same as before.
 
-    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
-    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
-    of them is known to be right there. [Document release]
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
 
     Args:
         variant: The encoder.
@@ -3714,10 +3714,10 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
 
     Result: Newly set register values are saved.
 
-    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
-    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
-    of them is known to be right there. [Document release]
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3741,10 +3741,10 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
 
     Result: The position at which the command arrived has the preset value.
 
-    Editions before 1.4: Not known: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
-    procedures.store_preset, procedures.save_parameters, procedures.activate_preset. Why: The Command register was
-    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
-    of them is known to be right there. [Document release]
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.

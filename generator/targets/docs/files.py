@@ -17,12 +17,12 @@ from ...say import register as say_register
 from ...say.alternative import needs
 from ...say.markdown import cited, code, joined, link, text
 from ...say.name import full_title, title, words
-from ...say.origin import edition_test, origin, other_editions
+from ...say.origin import origin, other_editions
 from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import codes, facts, layouts, usable
+from . import codes, editions, facts, layouts, usable
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -55,12 +55,7 @@ class Wiring(TypedDict):
     characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
 
 
-class EditionRows(TypedDict):
-    edition_rows: Annotated[Rows, "the editions that can be asked for, and what is otherwise in them"]
-    edition_tests: Annotated[list[Said], "registers that tell an encoder of an older edition"]
-
-
-class Evidence(EditionRows):
+class Evidence(editions.EditionRows):
     examples: Annotated[list[Section], "the worked examples: example, rows"]
     errata_summary: Annotated[str, "how many errata there are, and how many are open"]
     erratum_rows: Annotated[Rows, "the errata in short, each with a link"]
@@ -433,7 +428,7 @@ def _evidence(device: Device) -> Evidence:
             }
             for item in device.errata
         ],
-        **_editions(device),
+        **editions.rows_and_tests(device),
         "lost_rows": [(text(item.content), cited(item.source)) for item in device.lost_figures],
         "document_rows": facts.document_rows(device.documents),
         "history_rows": [
@@ -441,22 +436,6 @@ def _evidence(device: Device) -> Evidence:
             for item in device.manual.history
         ],
     }
-
-
-def _editions(device: Device) -> EditionRows:
-    """What is otherwise in other editions, by the revision that changed it, and what tells an older encoder."""
-
-    def links(name: str) -> str:
-        found = (item.name for item in device.errata if item.edition == name)
-        return ", ".join(link(code(item), f"#erratum-{item}") for item in found)
-
-    rows: Rows = [
-        (text(name), item.date, links(f"before {name}"), links(name), ", ".join(map(code, item.labels)))
-        for item in device.editions
-        for name in [item.revision]
-    ]
-    tests = [edition_test(item.revision, test) for item in device.editions for test in item.tests]
-    return {"edition_rows": rows, "edition_tests": tests}
 
 
 TEMPLATES = Templates(
