@@ -69,13 +69,15 @@ def _text_keys() -> frozenset[str]:
     """The keys under which plain data have words for people."""
     schema = load_schema("show")
     parts: list[Mapping[str, Any]] = [schema, *schema["$defs"].values()]
-    return frozenset(
-        key
-        for part in parts
-        for key, item in part.get("properties", {}).items()
-        for reference in (item.get("$ref", ""), item.get("items", {}).get("$ref", ""))
-        if reference.rpartition("/")[2] in ("text", "names", "source") and key not in _FACTS
-    )
+    members = [member for part in parts for member in part.get("properties", {}).items()]
+    facts = {key for key, item in members if not _is_text(item)}
+    return frozenset(key for key, item in members if _is_text(item)) - facts - _FACTS
+
+
+def _is_text(item: Mapping[str, Any]) -> bool:
+    """Whether a member of plain data has words for people."""
+    references = (item.get("$ref", ""), item.get("items", {}).get("$ref", ""))
+    return any(reference.rpartition("/")[2] in ("text", "names", "source") for reference in references)
 
 
 def _unordered(data: Any, key: str = "") -> Any:

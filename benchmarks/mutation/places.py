@@ -18,6 +18,7 @@ _CLASSES = (
     ("source", r".*\b(source|alignment_source|output_code_source)"),
     ("manual", r"(codewheel|device|manufacturer|title|manual\b.*|python_package|version|trademarks|vendor)"),
     ("BiSS manufacturer ID", r"biss_id"),
+    ("edition", r"editions\b.*"),
     ("movement", r"movement"),
     ("supply", r".*\bsupply\b.*"),
     ("parameter", r"parameters\.NAME\.(equals|hexadecimal|unit|alternative|interface|read_from)"),

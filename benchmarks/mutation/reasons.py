@@ -27,8 +27,8 @@ _REASONS = (
     ),
     (
         "read once: another edition",
-        "Labels as another edition prints them. Its manual is not the one that was read twice.",
-        {"keys": r"order_code\.also_written\b.*"},
+        "What another edition prints. Its manual is not the one that was read twice.",
+        {"keys": r"(order_code\.also_written|editions)\b.*"},
     ),
     (
         "names of two groups with the same bits",

@@ -41,6 +41,7 @@ from ..reference.run_time import resolve_parameters
 from ..spec.problems import DocumentReport, Path
 from ..spec.rules.walk import interface_of
 from .agree import check_agreement
+from .editions import editions
 from .examples import build_examples, check_examples
 from .facts import supply, table
 from .fields import Context, Site
@@ -71,6 +72,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     _check_control_bytes(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
+    device = replace(device, editions=editions(raw))
     check_agreement(raw, device, report)
     check_examples(device, report)
     return device

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import keyword
 import sys
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,10 @@ from ..spec.read import read_document, read_specs
 from .alike import check_alike
 from .counts import read_counts
 from .device import build_device
+from .editions import check_editions, edition_of, notes
 from .facts import build_manufacturer
+from .overlays import Family as Family
+from .overlays import is_overlay, lay_over, overlays_beside
 
 
 def packaged_specs() -> Path:
@@ -37,15 +41,6 @@ def _packaged_families() -> list[Path]:
         for path in packaged_specs().iterdir()
         if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml"))
     )
-
-
-@dataclass(frozen=True, eq=False)
-class Family:
-    """A device with its spec, and the name of every file that it comes from, its manufacturer's included."""
-
-    device: Device
-    document: Document
-    files: frozenset[str]
 
 
 def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
@@ -78,6 +73,8 @@ def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
 
 def _share(one: Device, other: Device) -> bool:
     """Whether two devices have one name or order code, so that neither can be told from the other."""
+    if one.base or other.base:  # These share order codes with the family that they were made of, and are told apart.
+        return one.name == other.name
     codes = {item.code for item in one.variants}
     return one.name == other.name or any(item.code in codes for item in other.variants)
 
@@ -86,12 +83,18 @@ def load_families(paths: Sequence[Path] = ()) -> tuple[list[Family], Report]:
     """Like ``load_library``, with the spec and the files of each device."""
     report = Report()
     documents = read_specs(paths or _packaged_families(), report)
+    if documents and all(map(is_overlay, documents)):  # They lie over what ships with the tool.
+        documents += read_specs(_packaged_families(), report)
     documents += _missing_manufacturers(documents, report)
+    given = {Path(document.file).resolve() for document in documents}
+    documents += read_specs((path for path in overlays_beside(documents) if path.resolve() not in given), report)
     return families_of(documents, report), report
 
 
 def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
     """The families of documents that have been read, in order of name; what is wrong with them goes into ``report``."""
+    overlays = [document for document in documents if is_overlay(document)]
+    documents = [document for document in documents if not is_overlay(document)]
     checked = [(document, check_document(document, report)) for document in documents]
     makers = _makers(checked, report)
     # A manufacturer file with problems of its own is there all the same.
@@ -112,13 +115,31 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
         device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
         if device is None:
             continue
-        device = replace(device, times_read=read_counts(Path(document.file), report))
+        check_editions(data, device, report.for_document(document))
+        counts, told = read_counts(Path(document.file), report), tuple(notes(data))
+        device = replace(device, times_read=counts, errata=(*device.errata, *told))
         _compare_with_others(device, [family.device for family in families], document, report)
         makers_files = (item for item in documents if "device" not in item.data)
         of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}
         families.append(Family(device, document, frozenset({document.file, *of_maker})))
     check_alike(documents, report)
-    return sorted(families, key=lambda family: family.device.name)
+    plain = sorted(families, key=lambda family: family.device.name)
+    return lay_over(plain, overlays, partial(_built_again, makers), report) if overlays else plain
+
+
+def in_edition(family: Family, revision: str, report: Report) -> Family | None:
+    """A family in another edition of its manual; what is wrong with that goes into ``report``."""
+    maker = family.device.manufacturer
+    return edition_of(family, revision, partial(_built_again, {maker.name: maker}), report)
+
+
+def _built_again(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
+    """The device of a document that was made of one that had been built."""
+    data = check_document(document, report)
+    if data is None:
+        return None
+    maker = makers.get(data["manufacturer"]) or _unknown_manufacturer(data["manufacturer"])
+    return build_device(data, maker, report.for_document(document))
 
 
 def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report) -> dict[str, Manufacturer]:

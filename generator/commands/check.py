@@ -12,6 +12,7 @@ from ..readings.second import Readings, compare_readings, sound_specs
 from ..say.words import counted
 from ..spec.problems import Report
 from ..targets import Target
+from .editions import check_all
 from .look_up import read_line
 from .outputs import tell_unfit
 
@@ -32,6 +33,7 @@ def run(paths: Sequence[Path], targets: Iterable[Target]) -> Checked:
         Stop: A target fails; exit code 1.
     """
     families, report = load_families(paths)
+    check_all(families, report)
     return look_at(families, targets, report)
 
 

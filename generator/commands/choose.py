@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
 
-from ..dump.plain import for_interface
 from ..model import Alternative, Device, Layout, Variant
+from ..reference.parts import for_interface
 from ..spec.problems import quoted, visible
 from .terminal import Stop
 

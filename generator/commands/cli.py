@@ -109,6 +109,13 @@ def _add_generate(commands: _Commands) -> None:
     parser.add_argument(
         "--force", action="store_true", help="overwrite files in the way that codewheel has not written"
     )
+    parser.add_argument(
+        "--edition",
+        action="append",
+        default=[],
+        metavar="FAMILY=EDITION",
+        help="make another edition of a family beside it, by its revision or a date; may be repeated",
+    )
     _add_own_files(parser)
     parser.more_help = _targets_for_help
     parser.set_defaults(run=_generate)
@@ -170,6 +177,9 @@ def _add_show(commands: _Commands) -> None:
     parser.add_argument(
         "what", metavar="FAMILY|ORDER-CODE", help="the name of a family as list shows it, or the code on a label"
     )
+    parser.add_argument(
+        "--edition", metavar="EDITION", help="as another edition of the manual has it: a revision, a date, or 'label'"
+    )
     _add_spec_option(parser)
     parser.set_defaults(run=_show)
 
@@ -200,6 +210,11 @@ def _add_decode(commands: _Commands) -> None:
         metavar="NAME=ANSWER",
         help="answer a question that the manual leaves open, as show lists them; may be repeated (else: frames that "
         "depend on it are not decoded)",
+    )
+    parser.add_argument(
+        "--edition",
+        metavar="EDITION",
+        help="by another edition of the manual: a revision, a date, or what tells it, 'label' or 'registers'",
     )
     parser.add_argument(
         "--layout",
@@ -324,7 +339,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd is for the target biss", 2)
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
-    devices, report = load_for(paths, targets)
+    devices, report = load_for(paths, targets, chosen.edition)
     if report:
         raise look_up.problems(report)
     print(look_up.read_line(paths, devices, report))
@@ -366,6 +381,10 @@ def _list(chosen: argparse.Namespace) -> int:
 
 def _show(chosen: argparse.Namespace) -> int:
     device, match = look_up.family_or_code(chosen.specs, chosen.what)
+    if chosen.edition is not None:
+        from .editions import asked_for
+
+        device, match, _ = asked_for(chosen.specs, device, match, chosen.edition, chosen.what, {})
     if chosen.json:
         from ..dump.plain import device_dump, variant_dump
 
@@ -461,9 +480,15 @@ def _decode(chosen: argparse.Namespace) -> int:
     from .choose import answers_of
     from .decode_run import Decoding, Request, frames
 
-    device, match = look_up.order_code(chosen.specs, chosen.order_code)
+    device, found = look_up.order_code(chosen.specs, chosen.order_code)
+    match, held = found, _held(chosen.register)
+    if chosen.edition is not None:
+        from .editions import asked_for
+
+        device, again, held = asked_for(chosen.specs, device, found, chosen.edition, chosen.order_code, held)
+        match = again or found
     answers = answers_of(device, match.variant, chosen.choose)
-    held, fixed = _held(chosen.register), fixed_addresses(device, match.variant)
+    fixed = fixed_addresses(device, match.variant)
     changing = {address: value for address, value in held.items() if address not in fixed}
     try:
         variant = decided(device, with_registers(device, match.variant, changing), answers)

@@ -15,6 +15,8 @@ from ..reference.order_codes import Match
 from ..reference.parameters import parameters_of
 from ..reference.run_time import decode_register
 from ..say.lines import WIDTH, wrapped
+from ..say.origin import origin
+from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence
 from ..why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
 from .frame_text import FrameTextError, checked, frame_bytes, frame_number
@@ -219,6 +221,8 @@ def _label_lines(device: Device, match: Match) -> Iterator[str]:
         state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in held)
         yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, "  ")
     yield from label_differences(device, replace(match, tail=""))
+    for item in origin(device):
+        yield wrapped(BY_NAME.sentence(item), WIDTH, "  ")
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:

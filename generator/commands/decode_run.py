@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from ..model import Device, Verdict
 from ..reference import codec
+from ..reference.editions import strange_values
 from ..reference.findings import Difference, Findings, findings
 from ..reference.order_codes import Match
 from ..reference.run_time import RegisterError
@@ -78,7 +79,8 @@ class Decoding:
                 print(f"codewheel: {where}{error}", file=sys.stderr)
                 continue
             said = findings(self._request.device, self._request.match.variant, decoded)
-            said = replace(said, differences=(*self._request.others, *said.differences))
+            strange = strange_values(self._request.device, decoded)
+            said = replace(said, differences=(*self._request.others, *said.differences, *strange))
             self._codes.add(_code(decoded, said))
             # A reader of many frames need not wait for the end.
             print(self._text(number, decoded, said, why), flush=number is not None)

@@ -111,12 +111,24 @@ def find(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> tuple[D
     from ..reference.order_codes import find as find_in
 
     explanation = ""
-    for device in devices:
+    for device in in_order(devices, text):
         try:
             return device, find_in(device, text)
         except UnknownOrderCode as reason:
             explanation = explanation or (str(reason) if reason.close else "")
     raise Stop(explanation or _unknown(devices, text, specs), 2)
+
+
+def in_order(devices: Sequence[Device], text: str) -> list[Device]:
+    """The families that may have the order code ``text``: first one of special models, if the code ends as theirs do.
+
+    Special models of another sort are not looked at, nor older editions: they share order codes with a family.
+    """
+    code = "".join(text.split()).upper()
+    special = [
+        item for item in devices if any(code.endswith(f"/{over.special}") for over in item.overlays if over.special)
+    ]
+    return [*special, *(item for item in devices if not item.base)]
 
 
 def _unknown(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> str:

@@ -11,6 +11,7 @@ from ..model import Device
 from ..spec.problems import Report, listed, suggestion
 from ..targets import Library, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, load_target, problems_of, target_names
+from .editions import beside
 from .terminal import Stop
 
 _WIDTH = 79
@@ -73,15 +74,20 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
         raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, values, 'it can be')}", 2)
 
 
-def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
+def load_for(
+    paths: Sequence[Path], targets: Iterable[Target], editions: Iterable[str] = ()
+) -> tuple[tuple[Device, ...], Report]:
     """The devices that the specs describe, and a report that says as well what these targets cannot express.
+
+    ``editions`` are those to be made beside them, such as ``FAMILY=1.6``.
 
     Raises:
         Stop: A target fails; exit code 1.
     """
     families, report = load_families(paths)
     tell_unfit(families, targets, report)
-    return tuple(family.device for family in families), report
+    devices = [*(family.device for family in families), *beside(families, editions, report)]
+    return tuple(sorted(devices, key=lambda device: device.name)), report
 
 
 def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Report) -> None:

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..dump.plain import for_interface
 from ..model import Device, Measurement, Parameter, Sources, Variant, cite
 from ..reference.order_codes import Match
 from ..reference.parameters import parameters_of, run_time_names
+from ..reference.parts import for_interface
 from ..say.erratum import erratum
 from ..say.lines import WIDTH, pairs, wrapped
 from ..say.measurement import measurement
 from ..say.order_code import open_values, spelling
+from ..say.origin import origin as says_origin
 from ..say.parameter import parameter, value
 from ..say.text import BY_NAME
 from ..say.words import language
@@ -111,7 +112,10 @@ def _manual(device: Device) -> list[str]:
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
     origin = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
-    return [wrapped(origin, WIDTH, "  ")]
+    said = [BY_NAME.sentence(item) for item in says_origin(device)]
+    if device.editions:
+        said.append(f"--edition shows another one: {', '.join(item.revision for item in device.editions)}")
+    return [wrapped(line, WIDTH, "  ") for line in (origin, *said)]
 
 
 def _parameters(device: Device, variant: Variant) -> list[str]:

@@ -11,33 +11,27 @@ The shape is described by ``spec/show.schema.json``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any
 
 from ..model import (
-    Biss,
     Choice,
     Constant,
-    CrcExample,
     CrcValue,
     Decimal,
     Device,
     Example,
     Field,
     Flag,
-    FrameExample,
     Interface,
     Join,
     Kind,
     Layout,
-    MeasureExample,
     Number,
     Parity,
-    ProcedureExample,
     Register,
-    RegisterExample,
     Source,
     Sources,
     Step,
@@ -48,7 +42,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..reference.order_codes import Match
-from ..reference.parameters import parameters_of
+from ..reference.parts import for_interface
 from .shape import filled
 
 VERSION = 1
@@ -70,7 +64,7 @@ _RENAMED = {
     "FrameExample": {"sender": "from"},
 }
 #: What has no source because it is one, or stands outside the manual.
-_UNSOURCED = {"Manufacturer", "Manual", "Edition", "Revision", "Document"}
+_UNSOURCED = {"Overlay", "ManualEdition", "Manufacturer", "Manual", "Edition", "Revision", "Document"}
 _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 
 
@@ -107,6 +101,10 @@ class _Dump:
         return {
             "version": VERSION,
             "family": device.name,
+            "base": device.base,
+            "overlays": self.plain(device.overlays, ()),
+            "edition": device.edition,
+            "editions": self.plain(device.editions, ()),
             "title": device.title,
             "movement": device.movement,
             "order_code": self.variant.code if self.variant is not None else None,
@@ -302,94 +300,3 @@ def _cited(sources: Sources) -> Item:
 
 def _source(source: Source) -> Item:
     return {"document": source.document, "section": source.section, "page": source.page}
-
-
-def for_interface(device: Device, kind: str) -> Device:
-    """The device with only one of its interfaces, and without what belongs to the others."""
-    part = _with_used(_with_own(device, kind))
-    kept = {
-        "interfaces": _names(part.interfaces),
-        "registers": _names(part.registers),
-        "procedures": _names(part.procedures),
-        "crcs": _names(part.crcs),
-        "field_groups": _names(part.field_groups),
-        "alarms": _names(part.alarms),
-        "connectors": _names(part.connectors),
-        "parameters": _names(parameters_of(device, kind)),
-        "alternatives": _names(part.alternatives),
-    }
-    layouts = {layout.name for item in part.interfaces for layout in item.layouts}
-    examples = tuple(item for item in device.examples if _holds_for(item, kind, device, kept | {"layouts": layouts}))
-    here = _is_here(kept | {"examples": _names(examples)})
-    errata = tuple(item for item in device.errata if not item.affects or any(map(here, item.affects)))
-    return replace(part, examples=examples, errata=errata)
-
-
-def _with_own(device: Device, kind: str) -> Device:
-    """The device with only those parts that belong to an interface by what they say themselves."""
-    return replace(
-        device,
-        interfaces=tuple(item for item in device.interfaces if item.name == kind),
-        registers=tuple(item for item in device.registers if item.interface == kind),
-        procedures=tuple(item for item in device.procedures if item.interface == kind),
-        connectors=tuple(item for item in device.connectors if not item.interfaces or kind in item.interfaces),
-    )
-
-
-def _with_used(device: Device) -> Device:
-    """The device with only the CRCs, groups, alarms and alternatives that its frames and registers use."""
-    sent = [field for item in device.interfaces for layout in item.layouts for field in layout.fields]
-    crcs = {field.kind.crc for field in sent if isinstance(field.kind, CrcValue)}
-    crcs |= {part.crc for item in device.interfaces if isinstance(item, Biss) for part in item.control_data}
-    groups, registers = {"", *(field.group for field in sent)}, {"", *_names(device.registers)}
-    layouts = [layout for item in device.interfaces for layout in item.layouts]
-    layouts += [item.layout for item in device.registers]
-    decisions = {item.name for layout in layouts for item in device.alternatives_of(layout)}
-    return replace(
-        device,
-        crcs=tuple(item for item in device.crcs if item.name in crcs),
-        field_groups=tuple(item for item in device.field_groups if item.name in groups),
-        alarms=tuple(item for item in device.alarms if item.group in groups and item.register in registers),
-        alternatives=tuple(item for item in device.alternatives if item.name in decisions),
-    )
-
-
-class _Named(Protocol):
-    @property
-    def name(self) -> str: ...
-
-
-def _names(items: Iterable[_Named]) -> set[str]:
-    return {item.name for item in items}
-
-
-def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
-    """Whether a path of an erratum leads to something that this interface has.
-
-    Paths that belong to no interface always do.
-    """
-
-    def found(path: str) -> bool:
-        parts = path.split(".")
-        return len(parts) == 1 or parts[1] in kept.get(parts[0], {parts[1]})
-
-    return found
-
-
-def _holds_for(example: Example, interface: str, device: Device, kept: Mapping[str, set[str]]) -> bool:
-    """Whether an example is about something that the interface has, and its order code one with this interface."""
-    match example:
-        case FrameExample():
-            found = example.layout in {"", *kept["layouts"]}
-        case RegisterExample():
-            found = example.register in kept["registers"]
-        case ProcedureExample():
-            found = example.procedure in kept["procedures"]
-        case CrcExample():
-            return example.crc in kept["crcs"]
-        case MeasureExample():
-            found = True
-        case _:
-            assert_never(example)
-    codes = (variant for variant in device.variants if variant.code == example.order_code)
-    return found and all(variant.interface == interface for variant in codes)

@@ -20,7 +20,9 @@ from .facts import (
     Led,
     LostFigure,
     Manual,
+    ManualEdition,
     Manufacturer,
+    Overlay,
     Sources,
     Supply,
     Table,
@@ -277,6 +279,12 @@ class Device:
     supply: Supply | None = None
     alternatives: tuple[Alternative, ...] = ()
     times_read: TimesRead | None = None
+    #: What was laid over the spec, and the family of which this is a special model or another edition.
+    overlays: tuple[Overlay, ...] = ()
+    base: str = ""
+    #: The editions of the manual, oldest first, and the one that this is, if not that of the spec.
+    editions: tuple[ManualEdition, ...] = ()
+    edition: str = ""
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:

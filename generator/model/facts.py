@@ -180,8 +180,18 @@ class Table:
     source: Sources
 
 
+#: What is used instead of something that an overlay or another edition has not, and of what nobody knows.
+LEFT_OUT, NOT_KNOWN = "left out", "not known"
+
+
 @dataclass(frozen=True, slots=True)
 class Erratum:
+    """A place where the manual cannot be taken literally.
+
+    Or, with ``overlay`` or ``edition``, what that lays over the spec: ``printed`` is what the spec has, ``used`` what
+    is here instead, which may be ``LEFT_OUT`` or ``NOT_KNOWN``.
+    """
+
     name: str
     printed: str
     used: str
@@ -190,6 +200,39 @@ class Erratum:
     severity: str
     affects: tuple[str, ...]
     source: Sources
+    overlay: str = ""
+    edition: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class EditionTest:
+    """A register that tells an older encoder: ``run`` of it, read as the edition has it, is out of bounds there."""
+
+    register: str
+    run: str
+    min: int
+    max: int
+    why: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class ManualEdition:
+    """An edition of the manual that can be asked for; ``labels`` are patterns of labels that are written as in it."""
+
+    revision: str
+    date: str
+    labels: tuple[str, ...] = ()
+    tests: tuple[EditionTest, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Overlay:
+    """What was laid over a spec: a correction, or what the maker says of the models that end in ``special``."""
+
+    name: str
+    title: str
+    special: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from ..model import Device, Parameter, Register, Variant
+from ..model import NOT_KNOWN, Device, Erratum, Parameter, Register, Variant, cite
 from ..model.expressions import Expression, ExpressionError
 from ..say.words import counted
 from . import codec
@@ -116,6 +116,9 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     registers = {item.name: item for item in device.registers if item.interface == variant.interface}
     register = registers.get(name.lower())
     if register is None:
+        told = next(filter(None, (_not_known(device, item, name.lower()) for item in device.errata)), "")
+        if told:
+            raise RegisterError(told)
         known = ", ".join(registers) or "none"
         raise RegisterError(f"{variant.code} has no register '{name}'; it has: {known}")
     if len(data) != register.length:
@@ -123,3 +126,11 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     return codec.decode(
         device, register.layout.place(variant.parameters), codec.number_from_bytes(register.layout, data)
     )
+
+
+def _not_known(device: Device, item: Erratum, name: str) -> str:
+    """Why nobody knows what a register is in this edition or with this overlay; empty where that is not said."""
+    where = f"in edition {device.edition} of the manual" if item.edition else f"by the overlay {item.overlay}"
+    if item.used != NOT_KNOWN or not (item.overlay or device.edition) or name not in item.printed.split(", "):
+        return ""
+    return f"what '{name}' is {where}, is not known: {item.why} [{cite(item.source)}]"

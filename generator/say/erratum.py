@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from ..model import Device, Erratum
+from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from .text import Ref, Said, said
 from .words import sentence
 
@@ -34,8 +34,23 @@ def reference(item: Erratum) -> Ref:
 
 
 def erratum(item: Erratum) -> Said:
-    """What is printed and what is used; and the evidence, where it is short or wrong bytes could be sent."""
+    """What is printed and what is used; and the evidence, where it is short or wrong bytes could be sent.
+
+    Of a change by an overlay or another edition: what the spec has, what is here, and always why.
+    """
+    if item.overlay or item.edition:
+        return _change(item)
     why = f" Why: {sentence(item.why)}" if item.severity == "wrong_data" or len(item.why) <= _SHORT else ""
     text = f"Printed: {sentence(item.printed)} Used: {sentence(item.used)}{why}"
     standing = f"{item.status}, {item.severity.replace('_', ' ')}"
     return said(text, label=f"Erratum {item.name} ({standing})", source=item.source)
+
+
+def _change(item: Erratum) -> Said:
+    label = f"Overlay {item.overlay}" if item.overlay else f"Edition {item.edition}"
+    if item.edition.startswith("before "):
+        label = f"Editions {item.edition}"
+    there = f"The spec has {item.printed}; {'there' if item.edition else 'here'} it is {item.used}"
+    is_gone = item.used == NOT_KNOWN or (item.used == LEFT_OUT and item.edition)
+    changed = f"{item.printed}: {item.used}" if is_gone else there
+    return said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source)

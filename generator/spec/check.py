@@ -41,6 +41,12 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     return checked.data if checked.complete and len(report) == before else None
 
 
+def check_overlay(document: Document, report: Report) -> bool:
+    """Checks an overlay by itself, before it is laid over a spec; whether it can be."""
+    checked = check_schema(document, report, FileKind.OVERLAY)
+    return checked is not None and checked.complete and not checked.cut and not report.faults(document)
+
+
 def check_second(document: Document, report: Report) -> dict[str, Any] | None:
     """Checks a second reading, which has no words for people; stand-ins take their place.
 
@@ -89,6 +95,11 @@ def _with_words(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
 
 def _whole(data: dict[str, Any], codes: bool, document: Document) -> dict[str, Any]:
     """The data with stand-ins for what is missing at the top and at the top of an interface."""
-    whole = {"device": family_of(document.file), **_STAND_INS, **data, **({} if codes else _NO_CODES)}
+    whole = {
+        "device": document.family or family_of(document.file),
+        **_STAND_INS,
+        **data,
+        **({} if codes else _NO_CODES),
+    }
     whole["interfaces"] = {kind: {"layouts": [], **item} for kind, item in whole["interfaces"].items()}
     return whole

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,13 +17,17 @@ _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")
 
 @dataclass(slots=True)
 class Mark:
-    """Where a value and its key begin, counted from 1, and the same for what is inside. A list item is its own key."""
+    """Where a value and its key begin, counted from 1, and the same for what is inside. A list item is its own key.
+
+    ``file`` is empty for what stands in the document's own file; an overlay brings values of another.
+    """
 
     line: int
     column: int
     key_line: int
     key_column: int
     children: dict[str | int, Mark] = field(default_factory=dict)
+    file: str = ""
 
 
 @dataclass
@@ -34,6 +38,8 @@ class Document:
     has already complained; what stands there is only a stand-in. ``doubtful`` lists those where something was left out,
     such as a key that comes twice. ``kept`` is filled by the schema check: for a list that lost items,
     the original index of each item that stayed, so that paths into the pruned data still find their lines.
+    ``others`` are the lines of other files from which changes came. ``family`` is the name of a family that was made
+    of the one in the file, such as an older edition; empty for the one that the file holds.
     """
 
     file: str
@@ -43,10 +49,23 @@ class Document:
     broken: tuple[Path, ...] = ()
     doubtful: tuple[Path, ...] = ()
     kept: dict[Path, tuple[int, ...]] = field(default_factory=dict)
+    others: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    family: str = ""
 
-    def line(self, number: int) -> str:
-        """The text of a line, counted from 1; empty beyond the end."""
-        return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
+    @property
+    def key(self) -> str:
+        """What tells it from every other document, also from one that was made of the same file."""
+        return f"{self.file}\0{self.family}" if self.family else self.file
+
+    def line(self, number: int, file: str = "") -> str:
+        """The text of a line, counted from 1, of the own file or of one of ``others``; empty beyond the end."""
+        lines = self.others.get(file, ()) if file else self.lines
+        return lines[number - 1] if 0 < number <= len(lines) else ""
+
+    def file_of(self, path: Path) -> str:
+        """The file in which that stands for which ``position`` gives the line; empty for the own file."""
+        found = [mark.file for _, mark in self._walk(path)]
+        return found[-1] if found else ""
 
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
         """Line and column of what stands at ``path``, both from 1; of its nearest ancestor where there is nothing.
@@ -75,7 +94,7 @@ class Document:
         for step in self.original(path):
             if isinstance(node, list) and isinstance(step, int):
                 node = node[step] if step < len(node) else None
-                label = _label(node)
+                label = label_of(node)
                 text += f".{label}" if label and _PLAIN_LABEL.fullmatch(label) else f"[{step + 1}]"
             else:
                 node = node.get(step) if isinstance(node, dict) else None
@@ -103,7 +122,7 @@ class Document:
                     kept = self.kept.get(result)
                     step = given if kept is None or given >= len(kept) else kept[given]
                 else:
-                    step = next((index for index, item in enumerate(node) if _label(item) == given), given)
+                    step = next((index for index, item in enumerate(node) if label_of(item) == given), given)
                 node = node[step] if isinstance(step, int) and 0 <= step < len(node) else None
             else:
                 node = node.get(step) if isinstance(node, dict) else None
@@ -111,7 +130,8 @@ class Document:
         return result
 
 
-def _label(item: Any) -> str | None:
+def label_of(item: Any) -> str | None:
+    """By what an item of a list is called, if it has a name of some sort."""
     if not isinstance(item, dict):
         return None
     key = next((key for key in _ITEM_KEYS if key in item), None)

@@ -17,7 +17,7 @@ from .second import is_second
 
 SUFFIXES = (".yaml", ".yml")
 #: Any one of these at the top makes a YAML file a spec.
-NAMING_KEYS = frozenset({"codewheel", "device", "manufacturer", "master"})
+NAMING_KEYS = frozenset({"codewheel", "device", "manufacturer", "master", "overlay"})
 #: What makes a folder a virtual environment, in which nobody keeps specs but where codewheel's own may lie.
 _ENVIRONMENT = "pyvenv.cfg"
 #: As much of a file as is looked at.
@@ -109,7 +109,11 @@ def _names_a_spec(keys: frozenset[str] | None) -> bool:
 
 
 def _is_device(keys: frozenset[str] | None) -> bool:
-    return keys is not None and "master" not in keys and ("device" in keys or _has_parts_of_a_device(keys))
+    return (
+        keys is not None
+        and keys.isdisjoint({"master", "overlay"})
+        and ("device" in keys or _has_parts_of_a_device(keys))
+    )
 
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:

@@ -49,7 +49,7 @@ Parts: {lists}."""
 
 def spec_page() -> str:
     """The page as ``docs/spec-language.md`` holds it."""
-    device, maker = load_schema("device"), load_schema("manufacturer")
+    device, maker, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
     lines = [
         "<!-- Made from generator/spec/*.schema.json by: make spec-page -->",
         "",
@@ -76,6 +76,14 @@ def spec_page() -> str:
         "It lies beside the device files as `manufacturer.yaml`.",
         "",
         _properties(maker, {}),
+        "",
+        "## The overlay",
+        "",
+        paragraph(text(overlay["description"])),
+        "",
+        "[A page of its own](overlays.md) shows one at work.",
+        "",
+        _properties(overlay, overlay["$defs"]),
         "",
         "## The second reading",
         "",
@@ -163,10 +171,13 @@ def _kind(shape: Shape) -> str:
         "number": "number",
         "null": "nothing",
     }
+    if not shape.keys() - {"description"}:
+        return "any value"
     types = shape.get("type", "string")
     named = " or ".join(words[item] for item in ([types] if isinstance(types, str) else types))
     if "items" in shape:
-        return f"list of {_plural(shape['items'])}"
+        one = "" if types == "array" else "one, or a "
+        return f"{one}list of {_plural(shape['items'])}"
     other = shape.get("additionalProperties")
     if isinstance(other, Mapping):
         return f"map from names to {_plural(other)}"

@@ -54,12 +54,19 @@ PATTERNS = {
     "^[a-z][a-z0-9_]*\\.[a-z][a-z0-9_]*$": "it names a register and its field, as in configuration.output_code",
     "^[A-Za-z0-9_.-]+$": "a file name has letters, digits, '_', '.' and '-'",
     "^[a-z0-9_]+(\\.[a-z0-9_]+)*$": "a path is names joined by dots, as in registers.preset",
+    "^S[A-Z0-9]+$": "a special model is called as on its label after the slash, as in S042",
+    "^[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*(\\.[A-Za-z0-9_/-]+(\\[[0-9]{1,4}\\])*)*$": (
+        "a place is keys and names joined by dots, items without a name by their number, as in "
+        "procedures.set_preset.steps[3]"
+    ),
     "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version is three numbers joined by dots, as in 0.1.0",
 }
 
 #: What one item of a list, or one entry of a map of names, is called where cutting the plural s does not give it.
 _ITEMS = {
     "errata": "an erratum",
+    "before": "a change",
+    "then": "a change",
     "history": "a revision",
     "crcs": "a CRC",
     "leds": "an LED",
@@ -106,7 +113,7 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
 
     Args:
         error: A ``jsonschema.ValidationError``.
-        kind: ``device``, ``second``, ``manufacturer`` or ``master``.
+        kind: ``device``, ``second``, ``manufacturer``, ``master`` or ``overlay``.
     """
     path: Path = tuple(error.absolute_path)
     if "propertyNames" in error.relative_schema_path:
@@ -177,7 +184,7 @@ def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:
 def _owner(error: Any, path: Path, kind: str) -> str:
     """Who needs a key: ``a register`` for items and named entries, else the key of the map itself."""
     if not path:
-        return "a second reading" if kind == "second" else f"a {kind} file"
+        return {"second": "a second reading", "overlay": "an overlay"}.get(kind, f"a {kind} file")
     schema_path = list(error.absolute_schema_path)
     if len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties"):
         return _item(next(step for step in reversed(path[:-1]) if isinstance(step, str)))

@@ -85,9 +85,11 @@ class Report:
             in_words: Only words are at fault: all that is made of the place can be relied on.
         """
         if not in_words and path and path[-1] not in WORDS_ONLY:
-            self._faults.setdefault(document.file, set()).add(document.original(path))
+            self._faults.setdefault(document.key, set()).add(document.original(path))
         line, column = document.position(path, at_key)
-        self.add_at(document.file, line, column, rule, message, path=document.name_path(path), text=document.line(line))
+        file = document.file_of(path)
+        text = document.line(line, file)
+        self.add_at(file or document.file, line, column, rule, message, path=document.name_path(path), text=text)
 
     def add_at(
         self, file: str, line: int, column: int, rule: str, message: str, *, path: str = "", text: str = ""
@@ -97,13 +99,13 @@ class Report:
 
     def mark(self, document: Document, paths: Iterable[Path]) -> None:
         """Notes places of a document as at fault without a word on them: what was left out with a part of it."""
-        self._faults.setdefault(document.file, set()).update(
+        self._faults.setdefault(document.key, set()).update(
             path for path in paths if path and path[-1] not in WORDS_ONLY
         )
 
     def faults(self, document: Document) -> frozenset[Path]:
         """Where a document is at fault so far, as paths into the data as read; slips in mere words left out."""
-        return frozenset(self._faults.get(document.file, ()))
+        return frozenset(self._faults.get(document.key, ()))
 
     def for_document(self, document: Document) -> DocumentReport:
         """The view of this report through which rules speak about one document."""

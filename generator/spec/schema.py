@@ -36,6 +36,7 @@ class FileKind(Enum):
     SECOND = "second"
     MANUFACTURER = "manufacturer"
     MASTER = "master"
+    OVERLAY = "overlay"
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +109,7 @@ def load_schema(kind: str) -> dict[str, Any]:
 
 @functools.cache
 def keys_of(kind: str) -> frozenset[str]:
-    """The keys that may stand at the top of a ``device``, ``manufacturer`` or ``master`` file."""
+    """The keys that may stand at the top of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
     return frozenset(load_schema(kind)["properties"])
 
 
@@ -117,6 +118,8 @@ def _kind(data: dict[str, Any]) -> FileKind | None:
     shared = set(load_schema("manufacturer")["properties"])
     if "master" in data or "takes" in data:
         return FileKind.MASTER
+    if "overlay" in data or "changes" in data:
+        return FileKind.OVERLAY
     if "device" in data or any(key in data for key in load_schema("device")["properties"] if key not in shared):
         return FileKind.DEVICE
     return FileKind.MANUFACTURER if "manufacturer" in data else None

@@ -22,7 +22,7 @@ PROSE = frozenset(
     """.split()
 )
 #: Parts of a device file that tell, work out or explain.
-NO_FACTS = frozenset("documents lost_figures tables leds characteristics examples errata".split())
+NO_FACTS = frozenset("documents lost_figures tables leds characteristics examples errata editions".split())
 #: Keys that a spec has to have, and of which its second reading says nothing.
 _NOT_NEEDED = frozenset(("manufacturer",))
 

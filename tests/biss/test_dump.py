@@ -119,6 +119,8 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 
 #: Keys whose value says how the spec is written; what they say is in positions, kinds and widths.
 WRITTEN = {"codewheel", "use", "at", "top_bit", "values_of", "text", "active"}
+#: Where an edition changes something; what it does is told in words.
+WRITTEN |= {"set", "add", "remove", "unknown"}
 
 
 #: What an erratum says of the second reading, and what the manual prints once more: check alone reads them.

@@ -5,6 +5,9 @@
 Made from the manual “AM36 AMC36”, revision 1.0 (en). Sections and pages in this module are those of that manual; a
 source that begins with a language code is another edition, one that begins with another key stands in DOCUMENTS.
 
+Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
+am36=1.0`` makes files for such encoders.
+
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
@@ -572,6 +575,10 @@ class EnablePreset(IntEnum):
 #
 # Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12
 # µs (Tp > 12 µs). Used: At least 12 µs; take more. [5.1; 5.3; amm5: 5.3]
+#
+# Edition 1.1: order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi: not known. Why: No
+# page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more. [am36_1_1_biss:
+# p.21]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
@@ -748,6 +755,15 @@ class SsiWord(NamedTuple):
 #
 # Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock, 10 µs max. Used: At
 # most 10 µs, without a rule. [6.6 p.32; prot: p.18]
+#
+# Edition 1.1: The spec has interfaces.biss.note; there it is The range of the clock is that of edition 1.0, not known
+# of 1.1. The encoder is always a slave, alone with one master. It must never be installed in a network of several
+# slaves. Why: Section 6.6 with the clock is not on a public page. [am36_1_1_biss: p.21]
+#
+# Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+# interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+# these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause after
+# it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.6 p.32"),
@@ -1347,6 +1363,11 @@ class ProfileId(NamedTuple):
     SMA21 and ASC85 manuals have 28xx, with the data length in the low byte, for variants 0-24 and the like. Nor does a
     position of up to 36 bits fit 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
 
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+
     Attributes:
         profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder; decoding accepts any value.
     """
@@ -1403,6 +1424,11 @@ class SerialNumber(NamedTuple):
     counts from, and which of 46h and 47h is the high byte is not said, and there is no example. The same registers hold
     decimal digits of one number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36
     manual prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38]
+
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
     Attributes:
         year: Year of production, register 44h.
@@ -1470,6 +1496,11 @@ class Command(IntEnum):
     set to zero. 48h, 50h: with a new resolution and a new preset set together, Save parameters and activate Preset
     stores the resolution but zeroes the preset. Used: set_resolution saves the resolution first, and only then writes
     and activates the preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
+
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     NORMAL_OPERATIONAL_STATE = 0
@@ -1527,6 +1558,11 @@ class Configuration(NamedTuple):
     Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address 49, bit 2, data 0.
     Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is written as a whole byte;
     00h in 49h would also set the output code to Gray (bit 5). [6.5]
+
+    Edition 1.1: The spec has configuration.note; there it is Of edition 1.1 only its address is known, and that one of
+    its bits has to be 1 before a preset can be entered, which 1.0 has as well and which is an erratum there. The
+    meaning of its bits is that of edition 1.0; the code of the position hangs on one of them. Why: The page that
+    describes it is not public. [am36_1_1: p.24; am36_1_1: p.30]
 
     Attributes:
         counting_direction: Counting direction: Rotation with which the position counts up, seen from the shaft, while
@@ -1849,6 +1885,11 @@ class DeviceType(NamedTuple):
 
     Default: ``02``.
 
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+
     Attributes:
         device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
             decoding accepts any value.
@@ -2017,6 +2058,11 @@ class DeviceId(NamedTuple):
     Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software version, for all
     models. Used: As printed. [6.5 p.31; prot: p.14-15]
 
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+
     Attributes:
         model: Encoder model, AMx36; 41 4D in hexadecimal. ASCII text. Holds ``AM``, which identifies the encoder;
             decoding accepts any value.
@@ -2088,6 +2134,11 @@ class ManufacturerId(NamedTuple):
     Manufacturer.
 
     Byte order: high byte first, at 7Eh.
+
+    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
+    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
+    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
+    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
 
     Attributes:
         name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
@@ -3258,6 +3309,167 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status="settled",
         severity="wording",
         source="5.1",
+    ),
+    Erratum(
+        name="edition_1_1_1",
+        printed=(
+            "order_code.parts.singleturn.open, order_code.parts.singleturn.open_only_with, "
+            "order_code.parts.turns.open, order_code.parts.turns.open_only_with"
+        ),
+        used="left out",
+        why="The table of the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other resolutions.",
+        status="settled",
+        severity="wrong_limit",
+        affects=(
+            "order_code.singleturn.open",
+            "order_code.singleturn.open_only_with",
+            "order_code.turns.open",
+            "order_code.turns.open_only_with",
+        ),
+        source="am36_1_1: p.22",
+    ),
+    Erratum(
+        name="edition_1_1_2",
+        printed="order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi",
+        used="not known",
+        why="No page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more.",
+        status="open",
+        severity="wrong_limit",
+        affects=("order_code.output", "interfaces.ssi"),
+        source="am36_1_1_biss: p.21",
+    ),
+    Erratum(
+        name="edition_1_1_3",
+        printed="order_code.also_written[1].values.output, order_code.also_written[2].values.output",
+        used="{'SC': 'I7'}",
+        why="The labels of the SSI models are known no better than these.",
+        status="settled",
+        severity="wording",
+        affects=("order_code.also_written",),
+        source="am36_1_1_biss: p.21",
+    ),
+    Erratum(
+        name="edition_1_1_4",
+        printed="configuration.note",
+        used=(
+            "Of edition 1.1 only its address is known, and that one of its bits has to be 1 before a preset can be "
+            "entered, which 1.0 has as well and which is an erratum there. The meaning of its bits is that of edition "
+            "1.0; the code of the position hangs on one of them."
+        ),
+        why="The page that describes it is not public.",
+        status="settled",
+        severity="wrong_data",
+        affects=("registers.configuration.note",),
+        source="am36_1_1: p.24; am36_1_1: p.30",
+    ),
+    Erratum(
+        name="edition_1_1_5",
+        printed="interfaces.biss.note",
+        used=(
+            "The range of the clock is that of edition 1.0, not known of 1.1. The encoder is always a slave, alone "
+            "with one master. It must never be installed in a network of several slaves."
+        ),
+        why="Section 6.6 with the clock is not on a public page.",
+        status="settled",
+        severity="wrong_limit",
+        affects=("interfaces.biss.note",),
+        source="am36_1_1_biss: p.21",
+    ),
+    Erratum(
+        name="edition_1_1_6",
+        printed=(
+            "profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults, "
+            "interfaces.biss.timings and 2 more"
+        ),
+        used="not known",
+        why=(
+            "Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is "
+            "known that 01 in 48h stores a resolution; its other values, and the pause after it, are not. No "
+            "procedure is known to be right."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=(
+            "registers.profile_id",
+            "registers.serial_number",
+            "registers.command",
+            "registers.device_type",
+            "registers.device_id",
+            "registers.manufacturer_id",
+            "printed_defaults",
+            "interfaces.biss",
+            "interfaces.biss.timeout",
+            "procedures",
+        ),
+        source="am36_1_1: p.24; am36_1_1: p.29",
+    ),
+    Erratum(
+        name="edition_1_1_7",
+        printed=(
+            "examples.configuration_register, examples.configuration_default, examples.configuration_procedure, "
+            "examples.preset_register, examples.preset_maximum, examples.preset_procedure, "
+            "examples.preset_stored_procedure, examples.device_id, examples.manufacturer_id"
+        ),
+        used="not known",
+        why="The pages with the worked examples are not public.",
+        status="open",
+        severity="wording",
+        affects=(
+            "examples.configuration_register",
+            "examples.configuration_default",
+            "examples.configuration_procedure",
+            "examples.preset_register",
+            "examples.preset_maximum",
+            "examples.preset_procedure",
+            "examples.preset_stored_procedure",
+            "examples.device_id",
+            "examples.manufacturer_id",
+        ),
+        source="am36_1_1: p.30",
+    ),
+    Erratum(
+        name="edition_1_1_8",
+        printed="connectors, inputs, supply",
+        used="not known",
+        why="No page on connections is public.",
+        status="open",
+        severity="wrong_data",
+        affects=("connectors", "inputs", "supply"),
+        source="am36_1_1_biss: p.21",
+    ),
+    Erratum(
+        name="edition_1_1_9",
+        printed=(
+            "characteristics.personnel, characteristics.explosive_areas, characteristics.emc_directive, "
+            "characteristics.emc_precautions, characteristics.shield_connection, characteristics.mechanical_safety, "
+            "characteristics.solid_shaft_coupling, characteristics.solid_shaft_mounting and 11 more"
+        ),
+        used="not known",
+        why="No page on safety, mounting and cables is public.",
+        status="open",
+        severity="wording",
+        affects=(
+            "characteristics.personnel",
+            "characteristics.explosive_areas",
+            "characteristics.emc_directive",
+            "characteristics.emc_precautions",
+            "characteristics.shield_connection",
+            "characteristics.mechanical_safety",
+            "characteristics.solid_shaft_coupling",
+            "characteristics.solid_shaft_mounting",
+            "characteristics.hollow_shaft_fit",
+            "characteristics.hollow_shaft_mounting",
+            "characteristics.wiring",
+            "characteristics.supply",
+            "characteristics.supply_class",
+            "characteristics.cable_model",
+            "characteristics.cable_cross_section",
+            "characteristics.cable_shield",
+            "characteristics.cable_diameter",
+            "characteristics.cable_resistance",
+            "characteristics.cable_bending_radius",
+        ),
+        source="am36_1_1_biss: p.21",
     ),
 )
 

@@ -6,6 +6,12 @@ Made from the manual “AMM5A AMM5B”, revision 1.9 of 2021-12-09 (en). Section
 manual; a source that begins with a language code is another edition, one that begins with another key stands in
 DOCUMENTS.
 
+Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
+amm5=1.0`` makes files for such encoders.
+
+Editions before 1.4: Register 3Bh, Counting direction: not known. Why: The register was removed with this revision. What
+it took and when, is not said. [Document release]
+
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
@@ -604,6 +610,9 @@ class EepromAddress(Enum):
 # Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4
 # MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
 # MHz. [5.3]
+#
+# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
+# this revision; before, all were BiSS. [Document release]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -770,6 +779,11 @@ class SsiWord(NamedTuple):
 #
 # Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz
 # as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40; prot: p.18]
+#
+# Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+# procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+# older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known to
+# be right there. [Document release]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -1021,6 +1035,9 @@ class SingleCycleData(NamedTuple):
 # Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
 # 7.4.2 p.45]
+#
+# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
+# this revision; before, all were BiSS. [Document release]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -3356,6 +3373,10 @@ class SerialNumber(NamedTuple):
     that an older AMM5 may answer in the other order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38;
     amm80: 6.4 p.41]
 
+    Editions before 1.7: serial_number: not known. Why: The registers 44h to 47h were updated; how they read before, is
+    not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says
+    that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
+
     Attributes:
         year: Year of production.
         week: Week of production.
@@ -3422,6 +3443,11 @@ class Command(IntEnum):
     after a write.
 
     After a command the register goes back to 00 by itself.
+
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
     """
 
     SAVE_PARAMETERS = 1
@@ -3457,6 +3483,10 @@ class DeviceId(NamedTuple):
 
     Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all models. Used: As
     printed. [6.4 p.39; prot: p.14-15]
+
+    Editions before 1.7: device_id: not known. Why: The registers 78h to 7Dh were updated; what they held before, is not
+    said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the
+    software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
 
     Attributes:
         name: Name of the device, 41 4D 4D 35 in hexadecimal. ASCII text. Holds ``AMM5``, which identifies the encoder;
@@ -3594,6 +3624,11 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Result: The position at which the activation arrived has the preset value; all other positions follow from it.
 
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
+
     Args:
         variant: The encoder.
         position: Value that the present position is to get; written to ``preset``.
@@ -3635,6 +3670,11 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
 
     Result: The preset is saved; the position is the same as before.
 
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
+
     Args:
         variant: The encoder.
         position: Value to keep for a later activation; written to ``preset``.
@@ -3674,6 +3714,11 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
 
     Result: Newly set register values are saved.
 
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
+
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
 
@@ -3695,6 +3740,11 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     Before: Suggested with the shaft at a standstill.
 
     Result: The position at which the command arrived has the preset value.
+
+    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
+    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
+    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
+    to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -5122,6 +5172,239 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         affects=("alarms.busy", "field_groups.alarm_field.busy"),
         source="7.4.1 p.44; it: 7.4.1 p.44",
     ),
+    Erratum(
+        name="edition_before_1_8_1",
+        printed="order_code.parts.mount.values.B",
+        used="left out",
+        why="AMM5B was introduced with this revision.",
+        status="settled",
+        severity="wrong_limit",
+        affects=("order_code.mount",),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_8_2",
+        printed=(
+            "characteristics.mounting_support, characteristics.ferromagnetic_flange, characteristics.shaft_diameter, "
+            "characteristics.spacer, characteristics.disk_grub_screws, characteristics.disk_grub_screw_torque, "
+            "characteristics.encoder_placement, characteristics.encoder_screws and 3 more"
+        ),
+        used="not known",
+        why=(
+            "Mounting information and characteristics of the mounting flange were updated; which of section 3, is not "
+            "said."
+        ),
+        status="open",
+        severity="wording",
+        affects=(
+            "characteristics.mounting_support",
+            "characteristics.ferromagnetic_flange",
+            "characteristics.shaft_diameter",
+            "characteristics.spacer",
+            "characteristics.disk_grub_screws",
+            "characteristics.disk_grub_screw_torque",
+            "characteristics.encoder_placement",
+            "characteristics.encoder_screws",
+            "characteristics.encoder_screw_torque",
+            "characteristics.disk_alignment",
+            "characteristics.disk_misaligned",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_7_1",
+        printed="serial_number",
+        used="not known",
+        why=(
+            "The registers 44h to 47h were updated; how they read before, is not said. The manual of the AMM36, a "
+            "sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be reversed. An "
+            "older AMM5 may be like it."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=("registers.serial_number", "examples.serial_number"),
+        source="Document release; amm36: p.38",
+    ),
+    Erratum(
+        name="edition_before_1_7_2",
+        printed="device_id",
+        used="not known",
+        why=(
+            "The registers 78h to 7Dh were updated; what they held before, is not said. The manual of the AMM36, a "
+            "sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the software release in "
+            "7Dh. An older AMM5 may be like it."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=("registers.device_id",),
+        source="Document release; amm36_device_id: p.39",
+    ),
+    Erratum(
+        name="edition_before_1_6_1",
+        printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
+        used="left out",
+        why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
+        status="settled",
+        severity="wrong_limit",
+        affects=("order_code.interface",),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_6_2",
+        printed="interfaces.ssi, interfaces.rs485",
+        used="left out",
+        why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
+        status="settled",
+        severity="wrong_limit",
+        affects=("interfaces.ssi", "interfaces.rs485"),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_6_3",
+        printed=(
+            "alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
+            "field_groups.control_field, field_groups.status_field, field_groups.alarm_field, "
+            "field_groups.address_of_request and 12 more"
+        ),
+        used="left out",
+        why="They belong to RS-485.",
+        status="settled",
+        severity="wording",
+        affects=(
+            "alternatives.eeprom_address",
+            "parameters.eeprom_address_bit",
+            "parameters.mem_busy_bit",
+            "crcs.rs485_8",
+            "field_groups.control_field",
+            "field_groups.status_field",
+            "field_groups.alarm_field",
+            "field_groups.address_of_request",
+            "field_groups.address_of_write_reply",
+            "field_groups.address_of_read_reply",
+            "alarms.busy",
+            "alarms.ps_error",
+            "alarms.st_error",
+            "alarms.battery_alarm",
+            "alarms.mt_error",
+            "procedures.reset_singleturn_and_multiturn",
+            "procedures.reset_multiturn_and_errors",
+            "procedures.reset_errors",
+            "connectors.rs485_connector",
+            "connectors.rs485_cable",
+            "examples.request_of_data_id_0",
+            "examples.crc_of_the_manual",
+            "examples.crc_example_as_frame",
+            "examples.public_singleturn_reply",
+            "examples.public_all_data_reply",
+            "examples.public_eeprom_page_crc",
+            "examples.public_eeprom_write_crc",
+            "examples.public_eeprom_read_crc",
+            "examples.public_eeprom_page_request",
+            "examples.public_eeprom_write_request",
+            "examples.public_eeprom_read_request",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_6_4",
+        printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
+        used="['biss']",
+        why="There was no SSI yet.",
+        status="settled",
+        severity="wording",
+        affects=("connectors.ssi_biss_connector.interfaces", "connectors.ssi_biss_cable.interfaces"),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_5_1",
+        printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
+        used="not known",
+        why="Pin 1 was connected to ground with this revision. What it was before, is not said.",
+        status="open",
+        severity="wrong_data",
+        affects=("connectors.ssi_biss_connector.1", "characteristics.ground"),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_4_1",
+        printed="Register 3Bh, Counting direction",
+        used="not known",
+        why="The register was removed with this revision. What it took and when, is not said.",
+        status="open",
+        severity="wrong_data",
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_4_2",
+        printed=(
+            "command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset, "
+            "procedures.save_parameters, procedures.activate_preset"
+        ),
+        used="not known",
+        why=(
+            "The Command register was updated, so that older encoders may have other values or another pause. Every "
+            "procedure ends with it, so that none of them is known to be right there."
+        ),
+        status="open",
+        severity="wrong_data",
+        affects=(
+            "registers.command",
+            "interfaces.biss.eeprom_write",
+            "procedures.set_preset",
+            "procedures.store_preset",
+            "procedures.save_parameters",
+            "procedures.activate_preset",
+            "examples.preset_procedure",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_4_3",
+        printed="characteristics.counting_direction",
+        used="not known",
+        why="The information on the counting direction was updated.",
+        status="open",
+        severity="wording",
+        affects=("characteristics.counting_direction",),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_2_1",
+        printed=(
+            "characteristics.cable, characteristics.cable_model, characteristics.cable_cross_section, "
+            "characteristics.cable_jacket, characteristics.cable_shield, characteristics.cable_diameter, "
+            "characteristics.cable_bending_radius, characteristics.cable_temperature and 4 more"
+        ),
+        used="not known",
+        why="Cable information and the replacement of the battery came with this revision.",
+        status="open",
+        severity="wording",
+        affects=(
+            "characteristics.cable",
+            "characteristics.cable_model",
+            "characteristics.cable_cross_section",
+            "characteristics.cable_jacket",
+            "characteristics.cable_shield",
+            "characteristics.cable_diameter",
+            "characteristics.cable_bending_radius",
+            "characteristics.cable_temperature",
+            "characteristics.cable_resistance",
+            "characteristics.battery_replacement_without_error",
+            "characteristics.battery_replacement_with_error",
+            "connectors.ssi_biss_cable",
+        ),
+        source="Document release",
+    ),
+    Erratum(
+        name="edition_before_1_1_1",
+        printed="leds.led_1_error, leds.led_2_warning, characteristics.connection_order",
+        used="not known",
+        why="The information on the LEDs was updated, and so were the mounting instructions.",
+        status="open",
+        severity="wording",
+        affects=("leds.led_1_error", "leds.led_2_warning", "characteristics.connection_order"),
+        source="Document release",
+    ),
 )
 
 #: Documents that sources cite by their key.
@@ -5141,6 +5424,11 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
         "amm36",
         "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
         url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
+    ),
+    Document(
+        "amm36_device_id",
+        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the device ID",
+        url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html",
     ),
     Document(
         "amm80",

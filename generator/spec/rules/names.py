@@ -48,7 +48,7 @@ Named = tuple[Path, object]
 
 def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """The name of the family is the stem of its file, so that either leads to the other."""
-    stem = family_of(report.document.file)
+    stem = report.document.family or family_of(report.document.file)
     if "device" in spec and spec["device"] != stem:
         report.add(
             "device-name",

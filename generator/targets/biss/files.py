@@ -136,7 +136,9 @@ def ascii_text(text: object) -> Markup:
 
 
 def _identifier(maker: Manufacturer, biss_id: int, devices: Sequence[Device], library: Library) -> str:
-    listed = [(device, device_bits(device)) for device in devices if device.over(Biss) is not None]
+    # A master cannot tell a special model or another edition from the family that it was made of.
+    own = [device for device in devices if device.over(Biss) is not None and not device.base]
+    listed = [(device, device_bits(device)) for device in own]
     nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
     left_out = [device.title for device, ids in listed if not ids]
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))

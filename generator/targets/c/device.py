@@ -11,6 +11,7 @@ from ...model import Device
 from ...plan.crcs import crc_functions
 from ...plan.held import held_parameters
 from ...say.erratum import errata, erratum
+from ...say.origin import origin, other_editions, taken_away
 from ...say.text import BY_TITLE as S
 from .. import TargetError
 from .about import about_input
@@ -95,6 +96,13 @@ class DeviceView:
         dated = f" of {manual.date}" if manual.date else ""
         beside = f"; read beside it: {editions}" if editions else ""
         return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{beside})'
+
+    @property
+    def origin(self) -> list[Paragraph]:
+        """What the family is beside what its manual says; empty for most."""
+        return [
+            S.sentence(item) for item in (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
+        ]
 
     @property
     def documents(self) -> list[Paragraph]:

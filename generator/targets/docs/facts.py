@@ -10,6 +10,7 @@ from ...model import (
     CrcExample,
     Device,
     Document,
+    Erratum,
     Example,
     FrameExample,
     Interface,
@@ -136,6 +137,22 @@ def _value(value: int | str | bool) -> str:
     if isinstance(value, bool):
         return _yes(value)
     return number(value) if isinstance(value, int) else code(value)
+
+
+def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
+    """What the manual has, or the spec below a change, and what is used instead."""
+    if item.overlay:
+        yield "Overlay", code(item.overlay)
+    if item.edition:
+        yield "Edition", text(item.edition)
+    is_change = bool(item.overlay or item.edition)
+    yield ("The spec has" if is_change else "Printed"), text(item.printed)
+    yield ("Here" if is_change else "Used"), text(item.used)
+
+
+def changes(number: int) -> str:
+    """How many of the errata are none of the manual."""
+    return f" {number} more are changes by overlays, or what is otherwise in another edition." if number else ""
 
 
 def status(value: str) -> str:

@@ -17,11 +17,12 @@ from ...say import register as say_register
 from ...say.alternative import needs
 from ...say.markdown import cited, code, joined, link, text
 from ...say.name import full_title, title, words
+from ...say.origin import origin, other_editions
 from ...say.place import addresses
-from ...say.text import Code
+from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import codes, facts, layouts, usable
+from . import codes, editions, facts, layouts, usable
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -54,7 +55,7 @@ class Wiring(TypedDict):
     characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
 
 
-class Evidence(TypedDict):
+class Evidence(editions.EditionRows):
     examples: Annotated[list[Section], "the worked examples: example, rows"]
     errata_summary: Annotated[str, "how many errata there are, and how many are open"]
     erratum_rows: Annotated[Rows, "the errata in short, each with a link"]
@@ -66,6 +67,7 @@ class Evidence(TypedDict):
 
 class DevicePage(Codes, Wiring, Evidence):
     device: Annotated[Device, "the family"]
+    origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
     alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, reasons, frames"]
     has_masters: Annotated[bool, "whether there is a page of master settings"]
@@ -154,6 +156,7 @@ def _pictures(device: Device) -> dict[str, str]:
 def _device_values(device: Device) -> DevicePage:
     return {
         "device": device,
+        "origin": [*origin(device), *other_editions(device)],
         "usable_page": usable.PAGE,
         "alternatives": codes.alternatives(device),
         "has_masters": masters_page.has_masters(device),
@@ -203,6 +206,7 @@ def _contents(device: Device) -> list[tuple[str, str]]:
         ("Characteristics, mounting, safety", "characteristics", device.characteristics),
         *((item.title, f"table-{item.name}", True) for item in device.tables),
         ("Worked examples", "examples", device.examples),
+        ("Editions of the manual", "editions", device.editions),
         ("Errata", "errata", device.errata),
         ("Figures that were not available", "lost-figures", device.lost_figures),
         ("Sources", "documents", True),
@@ -394,11 +398,12 @@ def _wiring(device: Device) -> Wiring:
 
 
 def _evidence(device: Device) -> Evidence:
-    is_open = [item for item in device.errata if item.status == "open"]
+    of_manual = [item for item in device.errata if not (item.overlay or item.edition)]
+    is_open = [item for item in of_manual if item.status == "open"]
     return {
         "examples": [{"example": item, "rows": facts.example_facts(device, item)} for item in device.examples],
-        "errata_summary": f"{len(device.errata)} places where the manual cannot be taken literally; "
-        f"{len(is_open)} of them are open.",
+        "errata_summary": f"{len(of_manual)} places where the manual cannot be taken literally; "
+        f"{len(is_open)} of them are open." + facts.changes(len(device.errata) - len(of_manual)),
         "erratum_rows": [
             (
                 link(code(item.name), f"#erratum-{item.name}"),
@@ -413,8 +418,7 @@ def _evidence(device: Device) -> Evidence:
             {
                 "erratum": item,
                 "rows": [
-                    ("Printed", text(item.printed)),
-                    ("Used", text(item.used)),
+                    *facts.printed_and_used(item),
                     ("Why", text(item.why)),
                     ("Status", facts.status(item.status)),
                     ("Literally", facts.severity(item.severity)),
@@ -424,6 +428,7 @@ def _evidence(device: Device) -> Evidence:
             }
             for item in device.errata
         ],
+        **editions.rows_and_tests(device),
         "lost_rows": [(text(item.content), cited(item.source)) for item in device.lost_figures],
         "document_rows": facts.document_rows(device.documents),
         "history_rows": [

@@ -117,6 +117,6 @@ def _errata(device: Device, interface: Interface, layout: Layout, field: Field) 
     paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
     if field.group and isinstance(field.kind, Flag):
         paths.add(f"field_groups.{field.group}")
-    about = (item for item in device.errata if not paths.isdisjoint(item.affects))
+    about = (item for item in device.errata if not item.edition and not paths.isdisjoint(item.affects))
     found = (item.name for item in about if item.severity != "wording")
     return ", ".join(link(code(name), f"{device.name}.md#erratum-{name}") for name in found)

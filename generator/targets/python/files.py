@@ -33,7 +33,11 @@ class Package(TypedDict):
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
     start: Annotated[Shown, "the frame with which the README begins"]
-    names: Annotated[list[str], "the names of the modules of families"]
+    names: Annotated[
+        list[str], "the names of the modules of families, without those of special models and other editions"
+    ]
+    families: Annotated[list[str], "the names of all modules of families"]
+    specials: Annotated[list[tuple[str, str]], "the modules of special models, and what their order codes end in"]
     biss: Annotated[tuple[str, ...], "the name of the module of what all BiSS encoders share, if there is one"]
     public: Annotated[list[str], "the names of all modules that users import"]
     identified: Annotated[list[str], "the names of the modules whose families can be told by their registers"]
@@ -69,10 +73,14 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
         "modules": modules,
         "start": start([module.readme for module in modules]),
-        "names": [module.name for module in modules],
+        "names": [module.name for module in modules if not module.device.base],
+        "families": [module.name for module in modules],
+        "specials": [
+            (module.name, item.special) for module in modules for item in module.device.overlays if item.special
+        ],
         "biss": biss,
         "public": sorted([*(module.name for module in modules), *biss]),
-        "identified": [module.name for module in modules if module.identities],
+        "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
     own = library.own_templates
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}

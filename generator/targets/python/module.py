@@ -120,10 +120,12 @@ class Module:
     def _example(self) -> Iterable[Block]:
         """A few lines that decode a frame and look at its verdict before they use it."""
         for frame in self.readme.frames[:1]:
-            names = "Verdict, lookup" if frame.judged else "lookup"
+            # The lookup() of the package leads to the family that this one was made of.
+            name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
+            names = f"Verdict, {name}" if frame.judged else name
             start = (
                 f"from {self.device.manufacturer.python_package} import {names}",
-                f'encoder = lookup("{frame.code}")',
+                f'encoder = {call}("{frame.code}")',
             )
             if frame.judged:
                 yield "A sound frame is not yet a usable position. Look at its verdict before you use the position:"

@@ -23,6 +23,7 @@ from ...say import crc, field, layout, place, procedure, register
 from ...say.erratum import errata, erratum
 from ...say.lines import plain
 from ...say.name import full_title, heading, title
+from ...say.origin import origin, other_editions, taken_away
 from ...say.parameter import parameter
 from ...say.text import AS_LITERAL as S
 from ...say.text import Said, said, told
@@ -41,6 +42,8 @@ def of_module(device: Device, example: Iterable[Block]) -> str:
         f"Made from the manual “{plain(manual.title)}”, {plain(revision)}. Sections and pages in this module are those"
         " of that manual; a source that begins with a language code is another edition, one that begins with another"
         " key stands in DOCUMENTS.",
+        " ".join(paragraphs([*origin(device), *other_editions(device)])),
+        *paragraphs(taken_away(device)),
         "Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for"
         " itself ends in an underscore.",
         *example,

@@ -9,6 +9,10 @@
  *
  * Manual: "AM36 AMC36", revision 1.0 (en)
  * In brackets: its sections and pages.
+ *
+ * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
+ * generate --edition am36=1.0 makes files for such encoders.
+ *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
@@ -105,6 +109,12 @@ extern "C" {
  * Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any
  * number; register 57h shows the bits used for it. Used: Register 57h is read, not computed. [6.5
  * p.28; 6.5 p.31]
+ * Edition 1.1: order_code.parts.singleturn.open, order_code.parts.singleturn.open_only_with,
+ * order_code.parts.turns.open, order_code.parts.turns.open_only_with: left out. Why: The table of
+ * the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other resolutions. [am36_1_1: p.22]
+ * Edition 1.1: order_code.parts.output.values.BG, order_code.parts.output.values.GG,
+ * interfaces.ssi: not known. Why: No page on SSI is public. That there are SSI models with BG, the
+ * name of the series tells, and no more. [am36_1_1_biss: p.21]
  */
 
 /* What differs between order codes. */
@@ -468,6 +478,9 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
  * the table no cable may be run at 400 kHz to 3 MHz. [5.3]
  * Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 us. 5.3:
  * pause of at least 12 us (Tp > 12 us). Used: At least 12 us; take more. [5.1; 5.3; amm5: 5.3]
+ * Edition 1.1: order_code.parts.output.values.BG, order_code.parts.output.values.GG,
+ * interfaces.ssi: not known. Why: No page on SSI is public. That there are SSI models with BG, the
+ * name of the series tells, and no more. [am36_1_1_biss: p.21]
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 3 MHz [5.3]. */
 #define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U
@@ -615,6 +628,15 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * main fields and refers to the BiSS C protocol description for the whole structure.
  * Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock,
  * 10 us max. Used: At most 10 us, without a rule. [6.6 p.32; prot: p.18]
+ * Edition 1.1: The spec has interfaces.biss.note; there it is The range of the clock is that of
+ * edition 1.0, not known of 1.1. The encoder is always a slave, alone with one master. It must
+ * never be installed in a network of several slaves. Why: Section 6.6 with the clock is not on a
+ * public page. [am36_1_1_biss: p.21]
+ * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
+ * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
+ * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
+ * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
+ * be right. [am36_1_1: p.24; am36_1_1: p.29]
  */
 #define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /* Clock: 200 kHz to 10 MHz [6.6 p.32]. */
 #define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U
@@ -915,6 +937,11 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  * description 0000 stands for no profile; the SMA21 and ASC85 manuals have 28xx, with the data
  * length in the low byte, for variants 0-24 and the like. Nor does a position of up to 36 bits fit
  * 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
+ * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
+ * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
+ * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
+ * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
+ * be right. [am36_1_1: p.24; am36_1_1: p.29]
  *   bits 15:0  profile
  */
 #define LIKA_AM36_REG_PROFILE_ID_ADDRESS 0x42U
@@ -994,6 +1021,11 @@ static inline lika_result lika_am36_read_profile_id(
  * number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36 manual
  * prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4;
  * amm36: p.38]
+ * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
+ * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
+ * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
+ * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
+ * be right. [am36_1_1: p.24; am36_1_1: p.29]
  */
 #define LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AM36_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -1073,6 +1105,11 @@ static inline lika_result lika_am36_read_serial_number(
  * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
  * set_resolution saves the resolution first, and only then writes and activates the preset. [6.5
  * p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
+ * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
+ * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
+ * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
+ * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
+ * be right. [am36_1_1: p.24; am36_1_1: p.29]
  */
 #define LIKA_AM36_REG_COMMAND_ADDRESS 0x48U
 #define LIKA_AM36_REG_COMMAND_LENGTH 1U /* byte */
@@ -1140,6 +1177,11 @@ static inline lika_result lika_am36_write_command(
  * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
  * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
  * [6.5]
+ * Edition 1.1: The spec has configuration.note; there it is Of edition 1.1 only its address is
+ * known, and that one of its bits has to be 1 before a preset can be entered, which 1.0 has as well
+ * and which is an erratum there. The meaning of its bits is that of edition 1.0; the code of the
+ * position hangs on one of them. Why: The page that describes it is not public. [am36_1_1: p.24;
+ * am36_1_1: p.30]
  *   bit 7     -                   always zero.
  *   bit 6     counting_direction
  *   bit 5     output_code
@@ -1609,6 +1651,11 @@ static inline lika_result lika_am36_write_preset(
 /*
  * Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
+ * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
+ * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
+ * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
+ * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
+ * be right. [am36_1_1: p.24; am36_1_1: p.29]
  * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
  * decoding accepts any value.
  */
@@ -1716,6 +1763,11 @@ static inline lika_result lika_am36_read_multiturn_bits_used(
  * AMx36xx/4096-17-... Used: I7; 17 is accepted as well and shown as unlisted. [6; 6.5 p.31]
  * Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software
  * version, for all models. Used: As printed. [6.5 p.31; prot: p.14-15]
+ * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
+ * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
+ * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
+ * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
+ * be right. [am36_1_1: p.24; am36_1_1: p.29]
  *   bits 47:32  model
  *   bits 31:16  interface_code
  *   bits 15:8   enclosure
@@ -1815,6 +1867,11 @@ static inline lika_result lika_am36_read_device_id(
  * Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
  * Manufacturer.
  * Byte order: high byte first, at 7Eh.
+ * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
+ * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
+ * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
+ * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
+ * be right. [am36_1_1: p.24; am36_1_1: p.29]
  *   bits 15:0  name
  */
 #define LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS 0x7EU

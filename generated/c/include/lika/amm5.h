@@ -9,6 +9,12 @@
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; read beside it: it 1.9)
  * In brackets: its sections and pages.
+ *
+ * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
+ * generate --edition amm5=1.0 makes files for such encoders.
+ * Editions before 1.4: Register 3Bh, Counting direction: not known. Why: The register was removed
+ * with this revision. What it took and when, is not said. [Document release]
+ *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
@@ -20,6 +26,9 @@
  *   moteus: mjbots/moteus, servo drive with a BiSS C receiver - https://github.com/mjbots/moteus
  *   amm36: AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number -
  *          https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html
+ *   amm36_device_id: AMM36 manual, English edition 1.0, Lika Electronic; the page with the device
+ *                    ID -
+ *                    https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html
  *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
  *
@@ -66,6 +75,11 @@ extern "C" {
  * Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the
  * English table of word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition
  * have 65KBG1; no model has KG1. [5.2; it: 5.2]
+ * Editions before 1.8: order_code.parts.mount.values.B: left out. Why: AMM5B was introduced with
+ * this revision. [Document release]
+ * Editions before 1.6: order_code.parts.interface.values.BG1,
+ * order_code.parts.interface.values.JP1: left out. Why: The versions with SSI and with RS-485 came
+ * with this revision; before, all were BiSS. [Document release]
  */
 
 /* What differs between order codes. */
@@ -535,6 +549,8 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
  * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
  * the table no cable may be run at 400 kHz to 4 MHz. [5.3]
+ * Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and
+ * with RS-485 came with this revision; before, all were BiSS. [Document release]
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.29]. */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U
@@ -675,6 +691,10 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
  * Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is
  * worked out for 50 kHz as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz.
  * [6.5 p.40; prot: p.18]
+ * Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+ * procedures.store_preset, procedures.save_parameters, procedures.activate_preset: not known. Why:
+ * The Command register was updated, so that older encoders may have other values or another pause.
+ * Every procedure ends with it, so that none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /* Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U
@@ -923,6 +943,8 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_singl
  * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
  * p.44; it: 7.4.1 p.44]
+ * Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and
+ * with RS-485 came with this revision; before, all were BiSS. [Document release]
  */
 /* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
@@ -2505,6 +2527,10 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * example, reads EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
  * one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may answer in the other
  * order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
+ * Editions before 1.7: serial_number: not known. Why: The registers 44h to 47h were updated; how
+ * they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the
+ * number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5 may be like it.
+ * [Document release; amm36: p.38]
  *   bits 31:0  serial
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
@@ -2609,6 +2635,10 @@ static inline lika_result lika_amm5_read_serial_number(
  * Wait at least 30 ms after a write, before the next command.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
+ * Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+ * procedures.store_preset, procedures.save_parameters, procedures.activate_preset: not known. Why:
+ * The Command register was updated, so that older encoders may have other values or another pause.
+ * Every procedure ends with it, so that none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_REG_COMMAND_ADDRESS 0x77U
 #define LIKA_AMM5_REG_COMMAND_LENGTH 1U /* byte */
@@ -2648,6 +2678,10 @@ static inline lika_result lika_amm5_write_command(
  * Byte order: high byte first, at 78h.
  * Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all
  * models. Used: As printed. [6.4 p.39; prot: p.14-15]
+ * Editions before 1.7: device_id: not known. Why: The registers 78h to 7Dh were updated; what they
+ * held before, is not said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh
+ * alone, the type of time-out in 7Ch and the software release in 7Dh. An older AMM5 may be like it.
+ * [Document release; amm36_device_id: p.39]
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -2875,6 +2909,10 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the activation arrived has the preset value; all other positions
  * follow from it.
+ * Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+ * procedures.store_preset, procedures.save_parameters, procedures.activate_preset: not known. Why:
+ * The Command register was updated, so that older encoders may have other values or another pause.
+ * Every procedure ends with it, so that none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
@@ -2935,6 +2973,10 @@ static inline lika_result lika_amm5_set_preset(
  * Set and save a preset without activating it [6.4 p.35].
  * position: Value to keep for a later activation; written to Preset.
  * Result: The preset is saved; the position is the same as before.
+ * Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+ * procedures.store_preset, procedures.save_parameters, procedures.activate_preset: not known. Why:
+ * The Command register was updated, so that older encoders may have other values or another pause.
+ * Every procedure ends with it, so that none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
 
@@ -2992,6 +3034,10 @@ static inline lika_result lika_amm5_store_preset(
 /*
  * Save the parameters [6.4 p.39].
  * Result: Newly set register values are saved.
+ * Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+ * procedures.store_preset, procedures.save_parameters, procedures.activate_preset: not known. Why:
+ * The Command register was updated, so that older encoders may have other values or another pause.
+ * Every procedure ends with it, so that none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT 2U
 
@@ -3020,6 +3066,10 @@ static inline lika_result lika_amm5_save_parameters(
  * Activate the saved preset [6.4 p.39].
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the command arrived has the preset value.
+ * Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
+ * procedures.store_preset, procedures.save_parameters, procedures.activate_preset: not known. Why:
+ * The Command register was updated, so that older encoders may have other values or another pause.
+ * Every procedure ends with it, so that none of them is known to be right there. [Document release]
  */
 #define LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT 2U
 

@@ -1,0 +1,109 @@
+"""``--edition``: a family as another edition of its manual describes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from ..build.editions import UnknownEdition, chosen
+from ..build.load import Family, in_edition, load_families
+from ..model import Device
+from ..reference.editions import told_by_label, told_by_registers, without_tests
+from ..reference.order_codes import Match, UnknownOrderCode, find
+from ..spec.problems import Report
+from . import look_up
+from .terminal import Stop
+
+#: What decides the edition in place of its name.
+BY_LABEL, BY_REGISTERS = "label", "registers"
+
+
+def asked_for(
+    specs: Sequence[Path], device: Device, match: Match | None, wanted: str, text: str, held: Mapping[int, int]
+) -> tuple[Device, Match | None, dict[int, int]]:
+    """A family in the edition that is wanted, the order code ``text`` in it, and those registers that told no edition.
+
+    Args:
+        specs: The specs that are read.
+        device: The family as its spec has it.
+        match: What the label says, unless the family was named.
+        wanted: A revision, a date, ``label`` or ``registers``.
+        text: What was asked for.
+        held: Bytes of registers by address.
+
+    Raises:
+        Stop: There is no such edition, or nothing that tells it, or no such order code in it; exit code 2.
+    """
+    try:
+        revision = _revision(device, match, wanted, held)
+        made = _in_edition(specs, device, revision)
+        left = without_tests(device, held) if wanted == BY_REGISTERS else dict(held)
+        return made, find(made, text) if match is not None else None, left
+    except UnknownOrderCode as error:
+        raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
+    except (UnknownEdition, ValueError) as error:
+        raise Stop(str(error), 2) from None
+
+
+def _revision(device: Device, match: Match | None, wanted: str, held: Mapping[int, int]) -> str:
+    if device.base:
+        raise UnknownEdition(f"{device.name} is made of {device.base}, and has no editions of its own")
+    if wanted == BY_REGISTERS and match is not None:
+        return told_by_registers(device, match, held)
+    if wanted != BY_LABEL:
+        return chosen(device, wanted)
+    revision = told_by_label(device, match) if match is not None else ""
+    if not revision:
+        raise UnknownEdition(f"the label tells no edition; give its revision, such as {device.manual.revision}")
+    return revision
+
+
+def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
+    if revision == device.manual.revision:
+        return device
+    families, _ = load_families(specs)
+    family = next(item for item in families if item.device.name == device.name)
+    report = Report()
+    made = in_edition(family, revision, report)
+    if report or made is None:
+        raise look_up.problems(report)
+    return made.device
+
+
+def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
+    """The families of ``FAMILY=1.6`` and the like, to be made beside the others.
+
+    Raises:
+        Stop: A text is none, or there is no such family or edition; exit code 2.
+    """
+    by_name = {item.device.name: item for item in families if not item.device.base}
+    made: dict[str, Device] = {}
+    for text in wanted:
+        name, equals, revision = text.partition("=")
+        if not equals or name not in by_name:
+            known = ", ".join(by_name)
+            raise Stop(
+                f"'{text}' is no family and edition; write it as in {next(iter(by_name), 'FAMILY')}=1.0 ({known})", 2
+            )
+        family = by_name[name]
+        try:
+            asked = chosen(family.device, revision)
+        except UnknownEdition as error:
+            raise Stop(str(error), 2) from None
+        if asked == family.device.manual.revision:
+            raise Stop(f"{name} is of edition {asked} already", 2)
+        found = in_edition(family, asked, report)
+        if found is not None:
+            made[found.device.name] = found.device
+    return list(made.values())
+
+
+def check_all(families: Iterable[Family], report: Report) -> None:
+    """Tells what is wrong with any edition of the families."""
+    for family in families:
+        # With an overlay over it, a family may lack what an edition changes; that is told when it is asked for.
+        if family.device.base or family.plain is not None or report.faults(family.document):
+            continue
+        for item in family.device.editions:
+            if item.revision != family.device.manual.revision:
+                in_edition(family, item.revision, report)

@@ -1,0 +1,91 @@
+"""Which edition of its manual an encoder is of, as its label or a register tells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ..model import Device, EditionTest
+from .codec import Decoded, number_from_bytes
+from .codec import decode as decode_word
+from .findings import Difference
+from .order_codes import Match
+
+
+def edition_before(device: Device, revision: str) -> str:
+    """The revision before this one."""
+    names = [item.revision for item in device.editions]
+    return names[names.index(revision) - 1]
+
+
+def told_by_label(device: Device, match: Match) -> str:
+    """The edition in which labels are written like this one; empty where the label tells none."""
+    patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
+    found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
+    return next(found, "")
+
+
+def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
+    """The tests of a register, each with the revision from which on the register reads so."""
+    for edition in device.editions:
+        for test in edition.tests:
+            if test.register == register:
+                yield edition.revision, test
+
+
+def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
+    """What cannot be in a register that is read as this edition has it: the encoder is of another one."""
+    if decoded.layout is None or decoded.layout.layout.sender:
+        return
+    register = decoded.layout.name
+    for revision, test in tests_of(device, register):
+        found = next((item.raw for item in decoded.fields if item.name == test.run), None)
+        if found is not None and not test.min <= found <= test.max:
+            bounds = f"{test.min} to {test.max}"
+            before = edition_before(device, revision)
+            message = (
+                f"{test.run} is {found}, and can only be {bounds}. An encoder of before manual {revision} may hold "
+                f"this: what its {register.replace('_', ' ')} is, --edition {before} says"
+            )
+            yield Difference(test.run, found, bounds, message, True)
+
+
+def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> str:
+    """The latest edition that an encoder can be of by what its registers hold.
+
+    Raises:
+        ValueError: No register that would tell is given, as a whole.
+    """
+    given = False
+    for edition in device.editions:
+        for test in edition.tests:
+            register = device.register(test.register)
+            addresses = range(register.address, register.last_address + 1)
+            if not all(address in held for address in addresses):
+                continue
+            given = True
+            number = number_from_bytes(register.layout, bytes(held[address] for address in addresses))
+            decoded = decode_word(device, register.layout.place(match.variant.parameters), number)
+            found = next(item.raw for item in decoded.fields if item.name == test.run)
+            if not test.min <= found <= test.max:
+                return edition_before(device, edition.revision)
+    if not given:
+        raise ValueError(_needed(device))
+    return device.manual.revision
+
+
+def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
+    """What registers hold beside those that tell the edition."""
+    registers = [device.register(test.register) for item in device.editions for test in item.tests]
+    telling = {address for item in registers for address in range(item.address, item.last_address + 1)}
+    return {address: value for address, value in held.items() if address not in telling}
+
+
+def _needed(device: Device) -> str:
+    names = dict.fromkeys(test.register for item in device.editions for test in item.tests)
+    if not names:
+        return f"no register of {device.name} tells the edition"
+    asked = []
+    for name in names:
+        item = device.register(name)
+        asked.append(" ".join(f"--register 0x{at:02X}=0x.." for at in range(item.address, item.last_address + 1)))
+    return f"to tell the edition, give all of {' or '.join(names)}: {'; or '.join(asked)}"

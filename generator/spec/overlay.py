@@ -1,0 +1,279 @@
+"""Overlays: changes laid over a spec, each with its reason and its source.
+
+The result is a document like any other. Its values know the file that they come from, so that whatever is wrong with
+them later is told in the overlay. What cannot be laid is told here: a place where nothing is, a value that is there
+already, two changes of the same place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as File
+from typing import Any
+
+from .document import Document, Path, label_of
+from .places import (
+    NothingThere,
+    as_affected,
+    from_file,
+    leads_somewhere,
+    mark_at,
+    named,
+    put,
+    resolve,
+    taken_away,
+    value_at,
+)
+from .problems import Report, quoted, suggestion
+from .rules.values import bad_source
+
+#: The end of the name of an overlay that is found beside its spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
+SUFFIX = ".overlay"
+_KINDS = ("set", "add", "remove", "unknown", "also")
+_VALUE_OF = {"set": "to", "add": "value"}
+#: What says which family a spec is, and what is no part of what a manual says of the encoder.
+_FIXED = frozenset("codewheel device manufacturer editions".split())
+#: A value as a comment shows it.
+_LONGEST_SHOWN = 120
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """A list of changes that is laid over a spec: where it stands, and what outputs call it."""
+
+    document: Document
+    path: Path
+    kind: str
+    name: str
+
+    @property
+    def changes(self) -> Sequence[Mapping[str, Any]]:
+        found: Sequence[Mapping[str, Any]] = value_at(self.document.data, self.path)
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Laid:
+    """One change that was made: what was there, what is there now, and what it touches as an erratum would say."""
+
+    layer: Layer
+    number: int
+    was: str
+    now: str
+    affects: tuple[str, ...]
+    is_known: bool
+
+    @property
+    def raw(self) -> Mapping[str, Any]:
+        return self.layer.changes[self.number]
+
+
+class Laying:
+    """A spec while layers are laid over it, one after the other."""
+
+    def __init__(self, base: Document, report: Report) -> None:
+        self._base, self._report = base, report
+        self._data, self._marks = base.data, base.marks
+        self._others: dict[str, tuple[str, ...]] = dict(base.others)
+        self._set: dict[Path, tuple[Layer, int]] = {}
+        self.laid: list[Laid] = []
+
+    def document(self, family: str = "") -> Document:
+        """The spec as it is now, as that of ``family``, if it is to be of another name."""
+        data, marks = self._data, self._marks
+        if self.laid:
+            data = _with_affected(data, self._base.data)
+        if family:
+            data = {**data, "device": family}
+        return replace(
+            self._base, data=data, marks=marks, others=self._others, family=family or self._base.family, kept={}
+        )
+
+    def lay(self, layers: Sequence[Layer]) -> None:
+        """Lays the changes of layers over the spec; two of them may not change the same place."""
+        self._set = {}
+        for layer in layers:
+            if layer.document.file != self._base.file:
+                self._others[layer.document.file] = layer.document.lines
+            self._documents(layer)
+            for number, change in enumerate(layer.changes):
+                kinds = [kind for kind in _KINDS if kind in change]
+                if len(kinds) == 1 and self._has_value(layer, number, kinds[0]):
+                    self._change(layer, number, kinds[0], change)
+                elif len(kinds) != 1:
+                    said = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
+                    wrong = f"this change {said}; give it one of set, add, remove, unknown and also"
+                    self._tell("overlay-change", layer, (number,), wrong)
+
+    def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
+        change = layer.changes[number]
+        needed = _VALUE_OF.get(kind)
+        for key in _VALUE_OF.values():
+            if (key in change) != (key == needed):
+                verb = "needs" if key == needed else "has no"
+                self._tell("overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}")
+                return False
+        return True
+
+    def _documents(self, layer: Layer) -> None:
+        """Takes over the documents that a layer cites."""
+        for key, item in (layer.document.data.get("documents", {}) if layer.kind == "overlay" else {}).items():
+            known = self._data.get("documents", {})
+            if key in known and known[key] != item:
+                wrong = f"{quoted(key)} is another document in the spec; call this one otherwise"
+                self._report.add("overlay-conflict", layer.document, ("documents", key), wrong, at_key=True)
+                continue
+            marks = from_file(layer.document.marks.children["documents"], layer.document.file)
+            if not known:
+                self._data, self._marks = put(self._data, self._marks, ("documents",), {key: item}, marks)
+            else:
+                mark = marks.children[key]
+                self._data, self._marks = put(self._data, self._marks, ("documents", key), item, mark)
+        if layer.kind == "overlay":
+            bad_source(layer.document.data, self._data, self._report.for_document(layer.document))
+
+    def _change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
+        if kind == "also":
+            self._note(layer, (number, kind), change[kind], "", "", False)
+            return
+        texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
+        for index, text in enumerate(texts):
+            place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
+            if text.partition(".")[0] in _FIXED:
+                wrong = f"{quoted(text)} is not for an overlay; it changes what a manual says of the encoder"
+                self._tell("overlay-change", layer, place, wrong)
+            elif kind == "add":
+                self._added(layer, place, text, change)
+            else:
+                self._changed(layer, place, text, kind)
+
+    def _added(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
+        value = change["value"]
+        try:
+            path = resolve(self._data, text)
+        except NothingThere as nothing:
+            if nothing.step == text.rpartition(".")[2] and isinstance(value_at(self._data, nothing.found), dict):
+                if self._is_free(layer, place, (*nothing.found, nothing.step)):
+                    self._put(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
+                return
+            self._tell_nothing(layer, place, text, nothing)
+            return
+        there = value_at(self._data, path)
+        name = label_of(value)
+        if not isinstance(there, list):
+            self._tell("overlay-unused", layer, place, f"there is a {quoted(text)} already; change it with 'set'")
+        elif name is not None and name in map(label_of, there):
+            wrong = f"{quoted(text)} has {quoted(name)} already; change it with 'set'"
+            self._tell("overlay-unused", layer, place, wrong)
+        else:
+            self._put(layer, place, (*path, len(there)), f"{_short(text)} without it")
+
+    def _changed(self, layer: Layer, place: Path, text: str, kind: str) -> None:
+        try:
+            path = resolve(self._data, text)
+        except NothingThere as nothing:
+            self._tell_nothing(layer, place, text, nothing)
+            return
+        if not self._is_free(layer, place, path):
+            return
+        there = value_at(self._data, path)
+        if kind == "set" and _same(layer.changes[place_number(place)]["to"], there):
+            wrong = f"the spec has {_shown(there, self._written(path))} here already; leave the change out"
+            self._tell("overlay-unused", layer, place, wrong)
+        elif kind == "set":
+            self._put(layer, place, path, f"{_short(text)}: {_shown(there, self._written(path))}")
+        else:
+            affects, above = as_affected(self._data, path), as_affected(self._data, path[:-1])
+            self._data, self._marks = taken_away(self._data, self._marks, path)
+            touched = affects if leads_somewhere(self._data, affects) else above
+            self._note(layer, place, _short(text), "", touched, kind != "unknown")
+
+    def _put(self, layer: Layer, place: Path, path: Path, was: str) -> None:
+        """Puts the value of a change at a path."""
+        number = place_number(place)
+        key = _VALUE_OF[str(place[1])]
+        value = layer.changes[number][key]
+        mark = mark_at(layer.document.marks, (*layer.path, number, key))
+        own = "" if layer.document.file == self._base.file else layer.document.file
+        self._data, self._marks = put(self._data, self._marks, path, value, from_file(mark, own))
+        now = _shown(value, layer.document.line(mark.line)[mark.column - 1 :])
+        self._note(layer, place, was, now, as_affected(self._data, path), True)
+
+    def _note(self, layer: Layer, place: Path, was: str, now: str, affects: str, is_known: bool) -> None:
+        self.laid.append(Laid(layer, place_number(place), was, now, (affects,) if affects else (), is_known))
+
+    def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
+        """Whether no other change touches the place, something above it or below it."""
+        path = named(self._data, at)  # Indices change when an item goes.
+        for other, (first, number) in self._set.items():
+            shared = min(len(other), len(path))
+            if other[:shared] == path[:shared]:
+                mark = mark_at(first.document.marks, (*first.path, number))
+                where = f"{File(first.document.file).name}:{mark.line}"
+                wrong = f"{where} changes the same place; keep one of the two"
+                self._tell("overlay-conflict", layer, place, wrong)
+                return False
+        self._set[path] = (layer, place_number(place))
+        return True
+
+    def _written(self, path: Path) -> str:
+        """The line of the spec from the value on."""
+        mark = mark_at(self._marks, path)
+        lines = self._others[mark.file] if mark.file else self._base.lines
+        return lines[mark.line - 1][mark.column - 1 :]
+
+    def _tell_nothing(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
+        below = self._base.name_path(nothing.found) or "the spec"
+        hint = suggestion(nothing.step, nothing.known, "there are")
+        wrong = f"there is nothing at {quoted(text)}: {quoted(below)} has no {quoted(nothing.step)}{hint}"
+        self._tell("overlay-unused", layer, place, wrong.replace("'the spec'", "the spec"))
+
+    def _tell(self, rule: str, layer: Layer, place: Path, message: str) -> None:
+        self._report.add(rule, layer.document, (*layer.path, *place), message)
+
+
+def _same(one: Any, other: Any) -> bool:
+    return type(one) is type(other) and bool(one == other)
+
+
+def place_number(place: Path) -> int:
+    """Which change of its layer a place is in, counted from 0."""
+    return int(place[0])
+
+
+def _short(text: str) -> str:
+    return text.removeprefix("registers.")
+
+
+def _shown(value: Any, written: str) -> str:
+    """A value for a reader; a number as it is written, maps and lists in braces and brackets."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        word = written.split(maxsplit=1)[0].rstrip(",}]") if written.split() else ""
+        return word if word.startswith("0x") else str(value)
+    shown = _plain(value)
+    return shown if len(shown) <= _LONGEST_SHOWN else shown[: _LONGEST_SHOWN - 3] + "..."
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key}: {_plain(item)}' for key, item in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_plain, value))}]"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _with_affected(data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
+    """The data with errata that speak only of what is there: a place that a layer took away is none any more."""
+    errata = data.get("errata")
+    if not isinstance(errata, list):
+        return data
+    made = []
+    for item in errata:
+        affects = item.get("affects") if isinstance(item, dict) else None
+        if not isinstance(affects, list):
+            made.append(item)
+            continue
+        gone = {path for path in affects if not leads_somewhere(data, path) and leads_somewhere(before, path)}
+        made.append({**item, "affects": [path for path in affects if path not in gone]} if gone else item)
+    return {**data, "errata": made}

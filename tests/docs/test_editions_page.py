@@ -1,0 +1,354 @@
+"""The page on editions: the story of AMM5 and AM36's edition 1.1, in every output, and what it prints."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from codewheel.build.load import in_edition, load_families
+from codewheel.commands.cli import main
+from codewheel.dump.plain import device_dump
+from codewheel.dump.xml import from_xml
+from codewheel.model import Device
+from codewheel.spec.problems import Report
+
+ROOT = Path(__file__).resolve().parents[2]
+SPECS = ROOT / "specs" / "lika"
+PAGE = (ROOT / "docs" / "editions.md").read_text(encoding="utf-8")
+#: The revision table of the manual: the editions before that of the spec.
+OLD = "1.0 1.1 1.2 1.3 1.4 1.5 1.6 1.7 1.8".split()
+TITLES = {"SSI": "ssi", "BiSS": "biss", "RS-485": "rs485"}
+
+
+def fences(word: str) -> list[str]:
+    found = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    return [text for kind, text in found if kind == word]
+
+
+def edition(name: str, revision: str) -> Device:
+    families, report = load_families([SPECS / f"{name}.yaml"])
+    made = in_edition(families[0], revision, report)
+    assert made is not None
+    assert report.problems == ()
+    return made.device
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Every output of the specs with each older edition of AMM5 and AM36's 1.1 beside."""
+    out = tmp_path_factory.mktemp("out")
+    asked = [word for name in (*(f"amm5={item}" for item in OLD), "am36=1.1") for word in ("--edition", name)]
+    assert main(["generate", str(SPECS), "-o", str(out), *asked]) == 0
+    return out
+
+
+def test_the_yaml_is_that_of_the_spec() -> None:
+    (shown,) = fences("yaml")
+    lines = shown.splitlines()
+    spec = (SPECS / "amm5.yaml").read_text(encoding="utf-8")
+    assert lines[0] in spec.splitlines()
+    assert "\n".join(lines[1:]) in spec
+
+
+def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    shown = fences("")
+    assert len(shown) == 3
+    for text in shown:
+        command, _, printed = text.removeprefix("$ ").partition("\n")
+        main(shlex.split(command)[1:])
+        said = capsys.readouterr()
+        assert said.out + said.err == printed
+
+
+@pytest.mark.parametrize("revision", OLD)
+def test_the_story_is_what_the_editions_are(revision: str) -> None:
+    (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| {revision} |")]
+    _, _, date, codes, interfaces, registers, procedures, *_ = (cell.strip() for cell in row.split("|"))
+    device = edition("amm5", revision)
+    assert device.manual.date == date
+    assert len(device.variants) == int(codes)
+    assert {item.name for item in device.interfaces} == {TITLES[word] for word in interfaces.split(", ")}
+    assert (len(device.registers), len(device.procedures)) == (int(registers), int(procedures))
+
+
+def test_dates_and_changes_are_those_of_the_revision_table() -> None:
+    """By the last page of the manual, in the form of the spec."""
+    families, _ = load_families([SPECS / "amm5.yaml"])
+    history = {item.revision: item.date for item in families[0].device.manual.history}
+    assert list(history) == [*OLD, "1.9"]
+    assert {item.revision: item.date for item in families[0].device.editions} == history
+    assert (history["1.7"], history["1.4"]) == ("2020-05-06", "2019-07-31")
+
+
+def test_what_the_table_says_of_each_revision() -> None:
+    assert {item.parts["mount"] for item in edition("amm5", "1.7").variants} == {"A"}
+    assert {item.parts["mount"] for item in edition("amm5", "1.8").variants} == {"A", "B"}
+    for revision in OLD:
+        device = edition("amm5", revision)
+        at = {item.address for item in device.registers}
+        assert (0x44 in at) == (0x78 in at) == (revision >= "1.7"), revision
+        assert (0x77 in at) == (revision >= "1.4"), revision
+        told = [item for item in device.errata if item.edition == "before 1.4" and "3Bh" in item.printed]
+        assert len(told) == (revision < "1.4"), revision
+        assert all(item.used == "not known" for item in told)
+        pins = {contact.contact for item in device.connectors for contact in item.contacts}
+        assert ("1" in pins) == (revision >= "1.5"), revision
+        assert bool(device.leds) == (revision >= "1.1"), revision
+
+
+def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None:
+    """Neither order of its bytes: there is no name for it, in no language."""
+    texts = [
+        (generated / "c" / "include" / "lika" / "amm5_1_6.h").read_text(encoding="utf-8"),
+        (generated / "python" / "lika_encoders" / "amm5_1_6.py").read_text(encoding="utf-8"),
+        (generated / "docs" / "amm5_1_6.md").read_text(encoding="utf-8"),
+    ]
+    for text in texts:
+        assert "how they read before, is not said" in " ".join(text.replace("\n *", "\n").split())
+        assert not re.search(r"REG_SERIAL_NUMBER|class SerialNumber|register-serial_number", text)
+    assert "LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U" in (generated / "c/include/lika/amm5.h").read_text(
+        encoding="utf-8"
+    )
+
+
+def test_each_edition_is_in_each_output(generated: Path) -> None:
+    for name, revision in [*(("amm5", item) for item in OLD), ("am36", "1.1")]:
+        stem = f"{name}_{revision.replace('.', '_')}"
+        device = edition(name, revision)
+        xml = (generated / "biss" / f"lika-{stem}.xml").read_bytes()
+        assert from_xml(xml) == device_dump(device)
+        for path in (f"c/include/lika/{stem}.h", f"python/lika_encoders/{stem}.py", f"docs/{stem}.md"):
+            flat = " ".join((generated / path).read_text(encoding="utf-8").replace("\n *", "\n").split())
+            date = f" of {device.manual.date}" if device.manual.date else ""
+            assert f"As edition {revision} of the manual{date} had it, as far as that is known" in flat, path
+    identity = (generated / "biss" / "idbiss4C69.xml").read_text(encoding="utf-8")
+    shipped = (ROOT / "generated" / "biss" / "idbiss4C69.xml").read_text(encoding="utf-8")
+    assert identity == shipped
+
+
+def test_the_files_of_the_spec_stay_as_they_are(generated: Path) -> None:
+    for path in ("c/include/lika/amm5.h", "c/include/lika/am36.h", "python/lika_encoders/amm5.py", "docs/amm5.md"):
+        assert (generated / path).read_bytes() == (ROOT / "generated" / path).read_bytes(), path
+
+
+def test_python_has_the_editions_side_by_side(generated: Path) -> None:
+    program = """
+import lika_encoders as lika
+new, old = lika.lookup("AMM5A21/65KSC1"), lika.amm5_1_6.lookup("AMM5A21/65KSC1")
+assert type(new) is lika.amm5.Variant and type(old) is lika.amm5_1_6.Variant
+assert new.decode(0xF4243D3).position == old.decode(0xF4243D3).position == 1000003
+assert str(lika.amm5.SerialNumber.decode(bytes.fromhex("0ae869ee"))).endswith("week=30, number=3630)")
+assert not hasattr(lika.amm5_1_6, "SerialNumber") and not hasattr(lika.amm5_1_3, "set_preset")
+unknown = {"AMM5B21/65KSC1": lika.amm5_1_7, "AMM5A21/65KJP1": lika.amm5_1_5, "AM3616/4096-BG": lika.am36_1_1}
+for label, module in unknown.items():
+    lika.lookup(label)
+    try:
+        module.lookup(label)
+    except lika.OrderCodeError:
+        continue
+    raise AssertionError(label)
+assert lika.identify({"manufacturer_id": b"Li"}) == tuple(dict.fromkeys(lika.identify({"manufacturer_id": b"Li"})))
+"""
+    subprocess.run([sys.executable, "-c", program], cwd=generated / "python", check=True)
+
+
+@pytest.mark.slow
+def test_c_has_the_editions_side_by_side(generated: Path, tmp_path: Path) -> None:
+    names = ["amm5", "am36", "am36_1_1", *(f"amm5_{item.replace('.', '_')}" for item in OLD)]
+    program = tmp_path / "all.c"
+    include = generated / "c" / "include"
+    program.write_text("".join(f'#include "lika/{name}.h"\n' for name in names) + "int main(void) { return 0; }\n")
+    strict = ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{include}", "-fsyntax-only"]
+    subprocess.run([*strict, program], check=True)
+    program.write_text('#include "lika/amm5_1_6.h"\nint a = LIKA_AMM5_1_6_REG_SERIAL_NUMBER_ADDRESS;\n')
+    refused = subprocess.run([*strict, program], check=False, capture_output=True, text=True)
+    assert refused.returncode != 0
+    assert "LIKA_AMM5_1_6_REG_SERIAL_NUMBER_ADDRESS" in refused.stderr
+
+
+def test_am36_1_1_is_what_six_pages_say() -> None:
+    """Pages 21, 22, 24, 29 and 30: order codes, frame, addresses, resolution, preset."""
+    device = edition("am36", "1.1")
+    assert {item.parts["output"] for item in device.variants} == {"I7"}
+    assert {(item.parts["singleturn"], item.parts["turns"]) for item in device.variants} == {
+        ("16", "4096"),
+        ("19", "4096"),
+    }
+    assert [item.name for item in device.interfaces] == ["biss"]
+    assert {(item.address, item.length) for item in device.registers} == {
+        (0x49, 1), (0x4B, 3), (0x4E, 2), (0x50, 5), (0x56, 1), (0x57, 1)
+    }  # fmt: skip
+    assert (device.crc("biss_6").poly, device.crc("biss_4").poly) == (0x03, 0x3)
+    assert device.register("information_per_revolution").default == 0x100000
+    assert device.procedures == () == device.connectors == device.inputs
+    assert device.register("configuration").note.startswith("Of edition 1.1 only its address is known")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--edition", "2020-04-30"], "As edition 1.6 of the manual"),
+        (["--edition", "2018-08-10"], "As edition 1.0 of the manual"),
+        (["--edition", "1.9"], "manual AMM5A AMM5B, revision 1.9"),
+        (["--edition", "2026-01-01"], "manual AMM5A AMM5B, revision 1.9"),
+    ],
+)
+def test_an_edition_is_chosen_by_revision_or_date(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["show", "AMM5A21/65KSC1", *arguments]) == 0
+    assert said in capsys.readouterr().out
+
+
+def held(text: str) -> list[str]:
+    return [word for at, byte in zip(range(0x44, 0x48), text.split(), strict=True) for word in
+            ("--register", f"{at:#x}=0x{byte}")]  # fmt: skip
+
+
+@pytest.mark.parametrize(("serial", "revision"), [("EE 69 E8 0A", "1.6"), ("0A E8 69 EE", "")])
+def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The number of the manual, and the same in the order of the sister AMM36."""
+    assert main(["decode", "AMM5A21/65KSC1", "0xF4243D3", "--edition", "registers", *held(serial)]) == 0
+    said = capsys.readouterr().out
+    assert ("As edition" in said) == bool(revision)
+    assert f"As edition {revision}" in said or not revision
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["show", "amm5", "--edition", "2.0"],
+            (
+                "the spec of amm5 tells of no edition '2.0'; there are 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8 "
+                "and 1.9, or a date such as 2020-03-31"
+            ),
+        ),
+        (
+            ["show", "amm5", "--edition", "2018-01-01"],
+            "the first edition, 1.0, is of 2018-08-10; there is none of 2018-01-01",
+        ),
+        (["show", "sma21", "--edition", "1.0"], "the spec of sma21 tells of no edition '1.0'; there is 1.2"),
+        (
+            ["show", "AMM5A21/65KSC1", "--edition", "label"],
+            "the label tells no edition; give its revision, such as 1.9",
+        ),
+        (
+            ["decode", "AMM5B21/65KSC1", "0x0", "--edition", "1.7"],
+            (
+                "in edition 1.7 of the manual: 'AMM5B21/65KSC1' has mount 'B'; valid are A. The nearest codes are "
+                "AMM5A21/65KSC1, AMM5A17/65KSC1, AMM5A23/65KSC1"
+            ),
+        ),
+        (
+            ["decode", "AMM5A21/65KSC1", "0x0", "--edition", "registers"],
+            (
+                "to tell the edition, give all of serial_number: --register 0x44=0x.. --register 0x45=0x.. "
+                "--register 0x46=0x.. --register 0x47=0x.."
+            ),
+        ),
+        (
+            ["generate", "--edition", "amm6=1.0"],
+            "'amm6=1.0' is no family and edition; write it as in am36=1.0 (am36, amm5, asc85, sma21)",
+        ),
+        (["generate", "--edition", "amm5=1.9"], "amm5 is of edition 1.9 already"),
+    ],
+    ids=lambda item: item if isinstance(item, str) else " ".join(item),
+)
+def test_what_cannot_be_asked_for(
+    arguments: list[str],
+    message: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    assert capsys.readouterr().err == f"codewheel: {message}\n"
+
+
+#: A slip in the spec, and the message on it.
+SLIPS = {
+    "not in the history": (
+        'revision: "1.7"\n    before',
+        'revision: "0.7"\n    before',
+        "edition-order: '0.7' has editions before it only if it is in the history, after the first and up to 1.9",
+    ),
+    "twice": ('- revision: "1.6"\n    before', '- revision: "1.7"\n    before', "the edition '1.7' is already there"),
+    "then": (
+        'revision: "1.2"\n    before',
+        'revision: "1.2"\n    then',
+        "edition-order: '1.2' is no revision after 1.9, which this file transcribes; say what was 'before' it",
+    ),
+    "nothing there": (
+        "- unknown: [registers.device_id]",
+        "- unknown: [registers.device_di]",
+        "overlay-unused: there is nothing at 'registers.device_di': 'registers' has no 'device_di'",
+    ),
+    "a reference is left": (
+        "- unknown: [registers.serial_number, examples.serial_number]",
+        "- unknown: [registers.serial_number]",
+        "undefined-reference: in edition 1.6: there is no register 'serial_number'",
+    ),
+    "no such register": (
+        "      - register: serial_number\n        run: week",
+        "      - register: serial\n        run: week",
+        "undefined-reference: there is no register 'serial'",
+    ),
+    "no such run": (
+        "        run: week\n        min",
+        "        run: day\n        min",
+        (
+            "undefined-reference: 'serial_number' has no field or run of digits 'day'; it has serial, year, week "
+            "and number"
+        ),
+    ),
+    "bounds": ("        min: 1\n        max: 53", "        min: 54\n        max: 53", "out-of-range: 'min' is 54"),
+}
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_slips_are_told_in_the_spec(slip: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    right, wrong, message = SLIPS[slip]
+    text = (SPECS / "amm5.yaml").read_text(encoding="utf-8")
+    head, editions = text.split("\neditions:\n")
+    assert right in editions
+    spec = tmp_path / "amm5.yaml"
+    spec.write_text(f"{head}\neditions:\n{editions.replace(right, wrong, 1)}", encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
+    assert main(["check", str(spec)]) == 1
+    told = [line for line in capsys.readouterr().out.splitlines() if line.startswith(str(spec))]
+    assert any(message in line for line in told), told
+
+
+def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> None:
+    text = (SPECS / "am36.yaml").read_text(encoding="utf-8")
+    spec = tmp_path / "am36.yaml"
+    spec.write_text(
+        text.replace('labels: ["{model}{singleturn}/{turns}{output}"', 'labels: ["{model}"'), encoding="utf-8"
+    )
+    (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
+    _, report = load_families([spec])
+    assert [item.message for item in report.problems] == [
+        "no labels are also written as '{model}'; the order code has none such under 'also_written'"
+    ]
+
+
+def test_both_files_mean_the_same_by_a_change() -> None:
+    """The words of a change stand in two schemas, which editors read alone."""
+    from codewheel.spec.schema import load_schema
+
+    device, overlay = load_schema("device")["$defs"], load_schema("overlay")["$defs"]
+    assert {name: device[name] for name in overlay} == overlay
+
+
+def test_reports_of_editions_are_no_problem_of_the_spec() -> None:
+    report = Report()
+    families, _ = load_families([SPECS / "amm5.yaml"])
+    assert in_edition(families[0], "1.0", report) is not None
+    assert len(report) == 0

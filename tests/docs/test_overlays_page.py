@@ -1,0 +1,124 @@
+"""The page on overlays: its file, its commands and what they print are true."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from codewheel.build.load import load_library
+from codewheel.commands.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "overlays.md").read_text(encoding="utf-8")
+TOLVARN = ROOT / "docs" / "example" / "tolvarn"
+OVERLAY = ROOT / "docs" / "example-overlay" / "tv62.s042.overlay.yaml"
+
+
+def fences(word: str) -> list[str]:
+    found = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    return [text for kind, text in found if kind == word]
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("out")
+    assert main(["generate", str(TOLVARN), str(OVERLAY), "-o", str(out)]) == 0
+    return out
+
+
+def test_the_file_is_the_one_that_is_shown() -> None:
+    (shown,) = fences("yaml")
+    assert OVERLAY.read_text(encoding="utf-8").endswith(shown)
+
+
+def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    shown = fences("")
+    assert len(shown) == 2
+    for text in shown:
+        command, _, printed = text.removeprefix("$ ").partition("\n")
+        assert main(shlex.split(command)[1:]) == 0
+        assert capsys.readouterr().out == printed
+
+
+def test_the_comment_is_that_of_the_header(generated: Path) -> None:
+    (shown,) = fences("c")
+    assert shown in (generated / "c" / "include" / "tolvarn" / "tv62_s042.h").read_text(encoding="utf-8")
+
+
+def test_the_wait_that_is_forgotten_is_told(tmp_path: Path) -> None:
+    text = OVERLAY.read_text(encoding="utf-8")
+    path = tmp_path / OVERLAY.name
+    kept = [line for line in text.splitlines(keepends=True) if "- procedures." not in line]
+    path.write_text("".join(kept), encoding="utf-8")
+    _, report = load_library([TOLVARN, path])
+    (shown,) = fences("text")
+    told = [item.format().splitlines()[0].removeprefix(f"{tmp_path}/") for item in report.problems]
+    assert told[0] == shown.strip()
+    assert len(told) == 2
+
+
+def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> None:
+    """The numbers of the Technical Info, as a user of each output gets them."""
+    header = (generated / "c" / "include" / "tolvarn" / "tv62_s042.h").read_text(encoding="utf-8")
+    standard = (generated / "c" / "include" / "tolvarn" / "tv62.h").read_text(encoding="utf-8")
+    assert "#define TOLVARN_TV62_S042_REG_BANK_WAIT_AT_LEAST_MS 80U" in header
+    assert "#define TOLVARN_TV62_REG_BANK_WAIT_AT_LEAST_MS 50U" in standard
+    assert "verlay" not in standard
+    texts: Mapping[str, str] = {
+        "C": header,
+        "Python": (generated / "python" / "tolvarn_encoders" / "tv62_s042.py").read_text(encoding="utf-8"),
+        "page": (generated / "docs" / "tv62_s042.md").read_text(encoding="utf-8"),
+        "XML": (generated / "biss" / "tolvarn-tv62_s042.xml").read_text(encoding="utf-8"),
+    }
+    for name, text in texts.items():
+        flat = " ".join(text.replace("\n *", "\n").split())
+        assert "The slower memory of these models takes longer to change the bank." in flat, name
+        assert "Technical Info 042" in flat, name
+        assert re.search(r"ti: (§)?2|document=\"ti\"", flat), name
+    identity = (generated / "biss" / "idbiss5476.xml").read_text(encoding="utf-8")
+    assert "S042" not in identity
+
+
+def test_the_generated_python_has_it(generated: Path) -> None:
+    program = """
+from tolvarn_encoders import Wait, lookup, tv62, tv62_s042
+special, standard = lookup("TV62-M17-B1-5M/S042"), lookup("TV62-M17-B1-5M")
+assert type(special) is tv62_s042.Variant and type(standard) is tv62.Variant
+waits = [step.microseconds for step in tv62_s042.set_preset(special, 1) if isinstance(step, Wait)]
+assert waits[0] == 80_000, waits
+waits = [step.microseconds for step in tv62.set_preset(standard, 1) if isinstance(step, Wait)]
+assert waits[0] == 50_000, waits
+assert tv62_s042.UpperLimit(1500).encode() == (1500).to_bytes(2, "little")
+try:
+    tv62.UpperLimit(1500).encode()
+except ValueError:
+    pass
+else:
+    raise AssertionError("1500 is above what the standard models take")
+"""
+    subprocess.run([sys.executable, "-c", program], cwd=generated / "python", check=True)
+
+
+@pytest.mark.slow
+def test_the_generated_c_compiles_beside_that_of_the_standard_models(generated: Path, tmp_path: Path) -> None:
+    program = tmp_path / "both.c"
+    program.write_text(
+        """#include "tolvarn/tv62.h"
+#include "tolvarn/tv62_s042.h"
+int main(void) {
+    return (TOLVARN_TV62_S042_REG_BANK_WAIT_AT_LEAST_MS == 80U)
+        && (TOLVARN_TV62_REG_BANK_WAIT_AT_LEAST_MS == 50U) ? 0 : 1;
+}
+""",
+        encoding="utf-8",
+    )
+    made = tmp_path / "both"
+    include = generated / "c" / "include"
+    subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{include}", program, "-o", made], check=True)
+    subprocess.run([made], check=True)

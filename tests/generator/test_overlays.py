@@ -1,0 +1,277 @@
+"""Overlays: what is laid over a spec, and what is refused, in the exact words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from codewheel.build.load import load_families, load_library, load_sound
+from codewheel.commands.cli import main
+from codewheel.dump.plain import device_dump
+from codewheel.dump.xml import from_xml, to_xml
+from codewheel.model import Device
+from codewheel.spec.problems import Report
+
+SPECS = Path(__file__).parents[2] / "specs" / "lika"
+HEAD = "codewheel: 1\noverlay: mine\nof: amm5\ntitle: Measured here\nchanges:\n"
+OWN = '    why: Measured.\n    source: "6.4"\n'
+
+
+def laid(tmp_path: Path, *texts: str, shown: bool = False) -> tuple[Sequence[Device], list[str], Report]:
+    """AMM5 with overlays over it, and each problem as ``line:column: rule: message``."""
+    paths = [SPECS / "amm5.yaml"]
+    for number, text in enumerate(texts):
+        paths.append(tmp_path / f"o{number}.yaml")
+        paths[-1].write_text(text, encoding="utf-8")
+    devices, report = load_library(paths)
+    said = [item.format().splitlines()[0].removeprefix(f"{tmp_path}/") for item in report.problems]
+    return devices, said, report
+
+
+def one(tmp_path: Path, changes: str) -> list[str]:
+    return laid(tmp_path, HEAD + changes)[1]
+
+
+def test_a_correction_takes_the_place_of_the_value(tmp_path: Path) -> None:
+    change = "  - set: registers.manufacturer_id.meaning\n    to: The maker\n" + OWN
+    (device,), said, _ = laid(tmp_path, HEAD + change)
+    assert said == []
+    assert (device.name, device.base) == ("amm5", "")
+    assert device.register("manufacturer_id").meaning == "The maker"
+    erratum = device.errata[-1]
+    assert (erratum.name, erratum.overlay, erratum.affects) == (
+        "mine_1",
+        "mine",
+        ("registers.manufacturer_id.meaning",),
+    )
+    assert (erratum.printed, erratum.used) == ("manufacturer_id.meaning: Manufacturer", "The maker")
+    assert (erratum.why, str(erratum.source[0]), erratum.severity) == ("Measured.", "6.4", "wrong_data")
+
+
+def test_items_are_added_and_removed(tmp_path: Path) -> None:
+    changes = (
+        "  - add: timings\n    value: {name: start_up, meaning: Time to start, at_most_us: 900000, source: '4'}\n"
+        + OWN
+        + "  - add: registers.manufacturer_id.note\n    value: Never written.\n"
+        + OWN
+        + "  - remove: [examples.serial_number, registers.serial_number]\n"
+        + OWN
+    )
+    (device,), said, _ = laid(tmp_path, HEAD + changes)
+    assert said == []
+    assert device.timings[-1].at_most_us == 900_000
+    assert device.register("manufacturer_id").note == "Never written."
+    assert "serial_number" not in {item.name for item in device.registers}
+    # An erratum of the manual that spoke of what is gone speaks of it no more.
+    order = next(item for item in device.errata if item.name == "serial_number_order")
+    assert order.affects == ()
+    assert [item.used for item in device.errata if item.overlay][-2:] == ["left out", "left out"]
+
+
+def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) -> None:
+    changes = "  - unknown: [registers.serial_number, examples.serial_number]\n" + OWN
+    (device,), said, _ = laid(tmp_path, HEAD + changes)
+    assert said == []
+    assert all(item.name != "serial_number" for item in device.registers)
+    assert [(item.printed, item.used, item.status) for item in device.errata if item.overlay] == [
+        ("serial_number", "not known", "open"),
+        ("examples.serial_number", "not known", "open"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            "  - set: registers.comand.access\n    to: read_write\n" + OWN,
+            (
+                "o0.yaml:6:10: overlay-unused: there is nothing at 'registers.comand.access': "
+                "'registers' has no 'comand'; "
+                "did you mean 'command'?"
+            ),
+        ),
+        (
+            "  - set: procedures.set_preset.steps[99].meaning\n    to: x\n" + OWN,
+            (
+                "o0.yaml:6:10: overlay-unused: there is nothing at 'procedures.set_preset.steps[99].meaning': "
+                "'procedures.set_preset.steps' has no '[99]'"
+            ),
+        ),
+        (
+            "  - set: registers.command.wait_at_least_ms\n    to: 30\n" + OWN,
+            "o0.yaml:6:10: overlay-unused: the spec has 30 here already; leave the change out",
+        ),
+        (
+            "  - set: registers.command.address\n    to: 0x77\n" + OWN,
+            "o0.yaml:6:10: overlay-unused: the spec has 0x77 here already; leave the change out",
+        ),
+        (
+            "  - add: registers.command.wait_at_least_ms\n    value: 40\n" + OWN,
+            (
+                "o0.yaml:6:10: overlay-unused: there is a 'registers.command.wait_at_least_ms' already; "
+                "change it with 'set'"
+            ),
+        ),
+        (
+            "  - add: registers\n    value: {name: command}\n" + OWN,
+            "o0.yaml:6:10: overlay-unused: 'registers' has 'command' already; change it with 'set'",
+        ),
+        (
+            "  - remove: registers.nothing\n" + OWN,
+            (
+                "o0.yaml:6:13: overlay-unused: there is nothing at 'registers.nothing': 'registers' has no 'nothing'; "
+                "there are: preset, preset_setting_enable, serial_number, command, device_id, manufacturer_id"
+            ),
+        ),
+        (
+            "  - set: registers.command.note\n    to: A\n" + OWN + "  - remove: registers.command\n" + OWN,
+            "o0.yaml:10:13: overlay-conflict: o0.yaml:6 changes the same place; keep one of the two",
+        ),
+        (
+            "  - set: registers.command.note\n    to: A\n    remove: registers.command\n" + OWN,
+            (
+                "o0.yaml:6:5: overlay-change: this change has 'set' and 'remove'; give it one of set, add, remove, "
+                "unknown and also"
+            ),
+        ),
+        (
+            "  - to: 5\n" + OWN,
+            "o0.yaml:6:5: overlay-change: this change does nothing; give it one of set, add, remove, unknown and also",
+        ),
+        ("  - set: title\n" + OWN, "o0.yaml:6:5: overlay-change: a change with 'set' needs 'to'"),
+        (
+            "  - remove: leds\n    value: 5\n" + OWN,
+            "o0.yaml:6:5: overlay-change: a change with 'remove' has no 'value'",
+        ),
+        (
+            "  - set: device\n    to: other\n" + OWN,
+            (
+                "o0.yaml:6:10: overlay-change: 'device' is not for an overlay; it changes what a manual says of the "
+                "encoder"
+            ),
+        ),
+        (
+            "  - set: ../../etc/passwd\n    to: x\n" + OWN,
+            (
+                "o0.yaml:6:10: bad-pattern: 'set' cannot be '../../etc/passwd': a place is keys and names joined "
+                "by dots, "
+                "items without a name by their number, as in procedures.set_preset.steps[3]"
+            ),
+        ),
+        (
+            "  - remove: leds\n    why: Measured.\n",
+            "o0.yaml:6:5: missing-key: 'source' is missing; a change needs it",
+        ),
+        (
+            "  - remove: leds\n    why: Measured.\n    source: 'ti: 3'\n",
+            "o0.yaml:8:13: undefined-reference: there is no edition or document 'ti'",
+        ),
+    ],
+    ids=lambda item: item.strip().splitlines()[0][:30],
+)
+def test_what_is_wrong_with_a_change_is_said_where_it_stands(changes: str, message: str, tmp_path: Path) -> None:
+    assert one(tmp_path, changes)[0] == message
+
+
+def test_a_wrong_value_is_told_in_the_overlay(tmp_path: Path) -> None:
+    said = one(tmp_path, "  - set: registers.command.access\n    to: sometimes\n" + OWN)
+    assert said[0] == (
+        "o0.yaml:7:9: not-allowed: 'access' cannot be 'sometimes'; it is one of: read_only, read_write, write_only"
+    )
+    said = one(tmp_path, "  - set: crcs.biss_6.poly\n    to: 0x143\n" + OWN)
+    assert said[0].startswith("o0.yaml:7:9: crc-impossible: the polynomial 0x143 does not fit into 6 bits")
+
+
+def test_what_the_spec_lacks_under_an_overlay_is_told_in_the_overlay(tmp_path: Path) -> None:
+    said = one(tmp_path, "  - remove: registers.serial_number\n" + OWN)
+    line = next(
+        number
+        for number, text in enumerate((SPECS / "amm5.yaml").read_text(encoding="utf-8").splitlines(), 1)
+        if text == "    register: serial_number"
+    )
+    assert said == [
+        (
+            f"o0.yaml:2:10: undefined-reference: with this overlay over it, amm5.yaml:{line}, "
+            "examples.serial_number.register: there is no register 'serial_number'; known are: preset, "
+            "preset_setting_enable, command, device_id, manufacturer_id"
+        )
+    ]
+
+
+def test_two_overlays_may_not_set_one_place(tmp_path: Path) -> None:
+    text = HEAD + "  - set: registers.command.note\n    to: A\n" + OWN
+    other = text.replace("mine", "theirs").replace("to: A", "to: B")
+    assert laid(tmp_path, text, other)[1] == [
+        "o1.yaml:6:10: overlay-conflict: o0.yaml:6 changes the same place; keep one of the two"
+    ]
+    assert laid(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is called 'mine' as well"
+
+
+def test_an_overlay_names_a_family_that_was_read_and_never_a_file(tmp_path: Path) -> None:
+    text = HEAD + "  - remove: leds\n" + OWN
+    assert laid(tmp_path, text.replace("of: amm5", "of: am36"))[1] == [
+        "o0.yaml:3:5: undefined-reference: there is no family 'am36' among the specs that were read; there are: amm5"
+    ]
+    assert laid(tmp_path, text.replace("of: amm5", "of: ../amm5.yaml"))[1][0].startswith(
+        "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name has lower case letters"
+    )
+
+
+def test_order_codes_of_a_special_model_exist(tmp_path: Path) -> None:
+    text = HEAD.replace("changes:", "applies_to: {special: S007, order_codes: [AMM5A21/65KSC2]}\nchanges:")
+    said = laid(tmp_path, text + "  - set: registers.command.note\n    to: A\n" + OWN)[1]
+    assert said == ["o0.yaml:5:43: undefined-reference: 'AMM5A21/65KSC2' is no listed order code of the family"]
+
+
+def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) -> None:
+    text = HEAD.replace("changes:", "applies_to: {special: S007}\nchanges:") + "  - remove: nowhere\n" + OWN
+    path = tmp_path / "o.yaml"
+    path.write_text(text, encoding="utf-8")
+    devices, report = load_sound([SPECS / "amm5.yaml", path])
+    assert [item.name for item in devices] == ["amm5"]
+    assert len(report) == 1
+
+
+def test_a_special_model_is_a_family_beside_its_own(tmp_path: Path) -> None:
+    text = HEAD.replace("changes:", "applies_to: {special: S007, order_codes: [AMM5A21/65KSC1]}\nchanges:")
+    (plain, special), said, _ = laid(tmp_path, text + "  - set: registers.command.note\n    to: Slow.\n" + OWN)
+    assert said == []
+    assert (plain.name, special.name, special.base) == ("amm5", "amm5_s007", "amm5")
+    assert plain.register("command").note != "Slow." == special.register("command").note
+    assert [item.code for item in special.variants] == ["AMM5A21/65KSC1"]
+    assert [item.name for item in special.interfaces] == ["biss"]
+    assert from_xml(to_xml(device_dump(special)).encode()) == device_dump(special)
+
+
+def test_an_overlay_beside_its_spec_is_found_by_its_name(tmp_path: Path) -> None:
+    for name in ("amm5.yaml", "manufacturer.yaml"):
+        (tmp_path / name).write_text((SPECS / name).read_text(encoding="utf-8"), encoding="utf-8")
+    text = HEAD + "  - set: registers.command.note\n    to: Slow.\n" + OWN
+    (tmp_path / "amm5.mine.overlay.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "amm50.other.overlay.yaml").write_text("no: overlay of this one\n", encoding="utf-8")
+    (family,), report = load_families([tmp_path / "amm5.yaml"])
+    assert not report.problems
+    assert family.device.register("command").note == "Slow."
+    assert family.plain is not None
+    assert family.plain.device.register("command").note != "Slow."
+
+
+def test_second_readings_are_held_against_the_spec_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for path in SPECS.glob("amm5*.yaml"):
+        (tmp_path / path.name).write_text(path.read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
+    text = HEAD + "  - set: registers.manufacturer_id.access\n    to: read_write\n" + OWN
+    (tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
+    assert main(["check", str(tmp_path)]) == 0
+    assert "no problems in 1 family: amm5" in capsys.readouterr().out
+
+
+def test_an_overlay_alone_lies_over_what_ships(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(HEAD + "  - set: registers.command.note\n    to: Slow here.\n" + OWN, encoding="utf-8")
+    assert main(["show", "amm5", "--specs", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "Slow here." in out
+    assert "Over what the manual says lies the overlay mine, “Measured here”." in out
+    assert "Why: Measured. [6.4]" in out
