@@ -21,6 +21,7 @@ from .crcs import crc_code
 from .facts import AlarmCode
 from .identity import identity_codes
 from .interfaces import InterfaceCode
+from .lengths import LengthCode
 from .macros import timing_macros
 from .names import Declared, Names
 from .positions import positions
@@ -45,6 +46,7 @@ class DeviceView:
         self.interfaces = [
             _at(partial(InterfaceCode, context, item), "interfaces", item.name) for item in device.interfaces
         ]
+        self.lengths = {item.name: LengthCode(context, item, self.variants.rows) for item in device.interfaces}
         self.positions = list(positions(context))
         self.registers = [
             _at(partial(RegisterCode, context, item), "registers", item.name) for item in device.registers
@@ -76,6 +78,7 @@ class DeviceView:
             [self.reports],
             self.alternatives,
             self.interfaces,
+            self.lengths.values(),
             self.positions,
             self.registers,
             self.takers,

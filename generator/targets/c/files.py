@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, TypedDict
 
 from ...model import Manufacturer
+from ...plan.received import longest_reply
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem, has_biss
@@ -32,6 +33,10 @@ class Shared(TypedDict):
     PREFIX: Annotated[str, "the same in capitals, for macros"]
 
 
+class Receive(Shared):
+    longest: Annotated[int, "the bytes of the longest reply over RS-485; 0 where no family has one"]
+
+
 class Family(Shared):
     d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
 
@@ -47,8 +52,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for maker, devices in library.by_manufacturer():
         for name in ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",):
             files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", _names_of(maker))
+        receive: Receive = {**_names_of(maker), "longest": longest_reply(devices)}
+        files[f"c/include/{maker.name}/receive.h"] = _render(library, "receive.h.jinja", receive)
         for device in devices:
-            if device.name in ("biss", "encoder"):
+            if device.name in ("biss", "encoder", "receive"):
                 raise TargetError(
                     f"a family cannot be called '{device.name}': that is the name of a header that all share"
                 )
@@ -103,6 +110,7 @@ TEMPLATES = Templates(
     values={
         "encoder.h.jinja": Shared,
         "biss.h.jinja": Shared,
+        "receive.h.jinja": Receive,
         "device.h.jinja": Family,
         "example.c.jinja": Program,
         **dict.fromkeys(FILES.values(), Package),

@@ -483,6 +483,27 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
 #define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U
 
 /*
+ * By order code, for lika/receive.h: the bits of ssi_word, and the bytes of a buffer
+ * that it comes in.
+ */
+#define LIKA_AM36_AM3616_4096_BG_SSI_BITS 28U
+#define LIKA_AM36_AM3616_4096_BG_SSI_RX_BYTES 4U
+#define LIKA_AM36_AM3616_4096_GG_SSI_BITS 28U
+#define LIKA_AM36_AM3616_4096_GG_SSI_RX_BYTES 4U
+#define LIKA_AM36_AM3619_4096_BG_SSI_BITS 31U
+#define LIKA_AM36_AM3619_4096_BG_SSI_RX_BYTES 5U
+#define LIKA_AM36_AM3619_4096_GG_SSI_BITS 31U
+#define LIKA_AM36_AM3619_4096_GG_SSI_RX_BYTES 5U
+#define LIKA_AM36_AMC3616_4096_BG_SSI_BITS 28U
+#define LIKA_AM36_AMC3616_4096_BG_SSI_RX_BYTES 4U
+#define LIKA_AM36_AMC3616_4096_GG_SSI_BITS 28U
+#define LIKA_AM36_AMC3616_4096_GG_SSI_RX_BYTES 4U
+#define LIKA_AM36_AMC3619_4096_BG_SSI_BITS 31U
+#define LIKA_AM36_AMC3619_4096_BG_SSI_RX_BYTES 5U
+#define LIKA_AM36_AMC3619_4096_GG_SSI_BITS 31U
+#define LIKA_AM36_AMC3619_4096_GG_SSI_RX_BYTES 5U
+
+/*
  * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
  * the manual has none for so long a cable [5.3].
  */
@@ -641,6 +662,23 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * the EEPROM is written [6.5 p.24].
  */
 #define LIKA_AM36_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
+
+/*
+ * By order code, for lika/receive.h: the bits of single_cycle_data, and the bytes of a buffer
+ * that it comes in.
+ * The bits are those of the encoder as delivered, since registers change them; the bytes are enough
+ * for whatever the registers hold.
+ * A buffer has room for 40 bits of acknowledge and line delay. No manual says how long an encoder
+ * takes: where NO_START or LENGTH is said, take more bytes.
+ */
+#define LIKA_AM36_AM3616_4096_I7_BISS_BITS 44U
+#define LIKA_AM36_AM3616_4096_I7_BISS_RX_BYTES 12U
+#define LIKA_AM36_AM3619_4096_I7_BISS_BITS 44U
+#define LIKA_AM36_AM3619_4096_I7_BISS_RX_BYTES 12U
+#define LIKA_AM36_AMC3616_4096_I7_BISS_BITS 44U
+#define LIKA_AM36_AMC3616_4096_I7_BISS_RX_BYTES 12U
+#define LIKA_AM36_AMC3619_4096_I7_BISS_BITS 44U
+#define LIKA_AM36_AMC3619_4096_I7_BISS_RX_BYTES 12U
 
 /*
  * single_cycle_data, sent by the encoder over BiSS C-mode: used_singleturn_bits +

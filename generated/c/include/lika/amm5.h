@@ -547,6 +547,35 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
 #define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U
 
 /*
+ * By order code, for lika/receive.h: the bits of ssi_word, and the bytes of a buffer
+ * that it comes in.
+ */
+#define LIKA_AMM5_A17_1BG1_SSI_BITS 17U
+#define LIKA_AMM5_A17_1BG1_SSI_RX_BYTES 3U
+#define LIKA_AMM5_A17_65KBG1_SSI_BITS 33U
+#define LIKA_AMM5_A17_65KBG1_SSI_RX_BYTES 5U
+#define LIKA_AMM5_A21_1BG1_SSI_BITS 21U
+#define LIKA_AMM5_A21_1BG1_SSI_RX_BYTES 3U
+#define LIKA_AMM5_A21_65KBG1_SSI_BITS 37U
+#define LIKA_AMM5_A21_65KBG1_SSI_RX_BYTES 5U
+#define LIKA_AMM5_A23_1BG1_SSI_BITS 23U
+#define LIKA_AMM5_A23_1BG1_SSI_RX_BYTES 4U
+#define LIKA_AMM5_A23_65KBG1_SSI_BITS 39U
+#define LIKA_AMM5_A23_65KBG1_SSI_RX_BYTES 6U
+#define LIKA_AMM5_B17_1BG1_SSI_BITS 17U
+#define LIKA_AMM5_B17_1BG1_SSI_RX_BYTES 3U
+#define LIKA_AMM5_B17_65KBG1_SSI_BITS 33U
+#define LIKA_AMM5_B17_65KBG1_SSI_RX_BYTES 5U
+#define LIKA_AMM5_B21_1BG1_SSI_BITS 21U
+#define LIKA_AMM5_B21_1BG1_SSI_RX_BYTES 3U
+#define LIKA_AMM5_B21_65KBG1_SSI_BITS 37U
+#define LIKA_AMM5_B21_65KBG1_SSI_RX_BYTES 5U
+#define LIKA_AMM5_B23_1BG1_SSI_BITS 23U
+#define LIKA_AMM5_B23_1BG1_SSI_RX_BYTES 4U
+#define LIKA_AMM5_B23_65KBG1_SSI_BITS 39U
+#define LIKA_AMM5_B23_65KBG1_SSI_RX_BYTES 6U
+
+/*
  * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
  * the manual has none for so long a cable [5.3].
  */
@@ -699,6 +728,37 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
  * the EEPROM is written [6.4 p.39].
  */
 #define LIKA_AMM5_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
+
+/*
+ * By order code, for lika/receive.h: the bits of single_cycle_data, and the bytes of a buffer
+ * that it comes in.
+ * A buffer has room for 40 bits of acknowledge and line delay. No manual says how long an encoder
+ * takes: where NO_START or LENGTH is said, take more bytes.
+ */
+#define LIKA_AMM5_A17_1SC1_BISS_BITS 25U
+#define LIKA_AMM5_A17_1SC1_BISS_RX_BYTES 9U
+#define LIKA_AMM5_A17_65KSC1_BISS_BITS 41U
+#define LIKA_AMM5_A17_65KSC1_BISS_RX_BYTES 11U
+#define LIKA_AMM5_A21_1SC1_BISS_BITS 29U
+#define LIKA_AMM5_A21_1SC1_BISS_RX_BYTES 10U
+#define LIKA_AMM5_A21_65KSC1_BISS_BITS 45U
+#define LIKA_AMM5_A21_65KSC1_BISS_RX_BYTES 12U
+#define LIKA_AMM5_A23_1SC1_BISS_BITS 31U
+#define LIKA_AMM5_A23_1SC1_BISS_RX_BYTES 10U
+#define LIKA_AMM5_A23_65KSC1_BISS_BITS 47U
+#define LIKA_AMM5_A23_65KSC1_BISS_RX_BYTES 12U
+#define LIKA_AMM5_B17_1SC1_BISS_BITS 25U
+#define LIKA_AMM5_B17_1SC1_BISS_RX_BYTES 9U
+#define LIKA_AMM5_B17_65KSC1_BISS_BITS 41U
+#define LIKA_AMM5_B17_65KSC1_BISS_RX_BYTES 11U
+#define LIKA_AMM5_B21_1SC1_BISS_BITS 29U
+#define LIKA_AMM5_B21_1SC1_BISS_RX_BYTES 10U
+#define LIKA_AMM5_B21_65KSC1_BISS_BITS 45U
+#define LIKA_AMM5_B21_65KSC1_BISS_RX_BYTES 12U
+#define LIKA_AMM5_B23_1SC1_BISS_BITS 31U
+#define LIKA_AMM5_B23_1SC1_BISS_RX_BYTES 10U
+#define LIKA_AMM5_B23_65KSC1_BISS_BITS 47U
+#define LIKA_AMM5_B23_65KSC1_BISS_RX_BYTES 12U
 
 /* Time-out after a frame in nanoseconds, rounded up; 0 without a clock. */
 static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)

@@ -400,6 +400,59 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
 #define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U
 
 /*
+ * By order code, for lika/receive.h: the bits of ssi_word, and the bytes of a buffer
+ * that it comes in.
+ */
+#define LIKA_ASC85_20_BG1_SSI_BITS 20U
+#define LIKA_ASC85_20_BG1_SSI_RX_BYTES 3U
+#define LIKA_ASC85_20_BG2_SSI_BITS 20U
+#define LIKA_ASC85_20_BG2_SSI_RX_BYTES 3U
+#define LIKA_ASC85_20_GG1_SSI_BITS 20U
+#define LIKA_ASC85_20_GG1_SSI_RX_BYTES 3U
+#define LIKA_ASC85_20_GG2_SSI_BITS 20U
+#define LIKA_ASC85_20_GG2_SSI_RX_BYTES 3U
+#define LIKA_ASC85_21_BG1_SSI_BITS 21U
+#define LIKA_ASC85_21_BG1_SSI_RX_BYTES 3U
+#define LIKA_ASC85_21_BG2_SSI_BITS 21U
+#define LIKA_ASC85_21_BG2_SSI_RX_BYTES 3U
+#define LIKA_ASC85_21_GG1_SSI_BITS 21U
+#define LIKA_ASC85_21_GG1_SSI_RX_BYTES 3U
+#define LIKA_ASC85_21_GG2_SSI_BITS 21U
+#define LIKA_ASC85_21_GG2_SSI_RX_BYTES 3U
+#define LIKA_ASC85_22_BG1_SSI_BITS 22U
+#define LIKA_ASC85_22_BG1_SSI_RX_BYTES 3U
+#define LIKA_ASC85_22_BG2_SSI_BITS 22U
+#define LIKA_ASC85_22_BG2_SSI_RX_BYTES 3U
+#define LIKA_ASC85_22_GG1_SSI_BITS 22U
+#define LIKA_ASC85_22_GG1_SSI_RX_BYTES 3U
+#define LIKA_ASC85_22_GG2_SSI_BITS 22U
+#define LIKA_ASC85_22_GG2_SSI_RX_BYTES 3U
+#define LIKA_ASC85_23_BG1_SSI_BITS 23U
+#define LIKA_ASC85_23_BG1_SSI_RX_BYTES 4U
+#define LIKA_ASC85_23_BG2_SSI_BITS 23U
+#define LIKA_ASC85_23_BG2_SSI_RX_BYTES 4U
+#define LIKA_ASC85_23_GG1_SSI_BITS 23U
+#define LIKA_ASC85_23_GG1_SSI_RX_BYTES 4U
+#define LIKA_ASC85_23_GG2_SSI_BITS 23U
+#define LIKA_ASC85_23_GG2_SSI_RX_BYTES 4U
+#define LIKA_ASC85_24_BG1_SSI_BITS 24U
+#define LIKA_ASC85_24_BG1_SSI_RX_BYTES 4U
+#define LIKA_ASC85_24_BG2_SSI_BITS 24U
+#define LIKA_ASC85_24_BG2_SSI_RX_BYTES 4U
+#define LIKA_ASC85_24_GG1_SSI_BITS 24U
+#define LIKA_ASC85_24_GG1_SSI_RX_BYTES 4U
+#define LIKA_ASC85_24_GG2_SSI_BITS 24U
+#define LIKA_ASC85_24_GG2_SSI_RX_BYTES 4U
+#define LIKA_ASC85_25_BG1_SSI_BITS 25U
+#define LIKA_ASC85_25_BG1_SSI_RX_BYTES 4U
+#define LIKA_ASC85_25_BG2_SSI_BITS 25U
+#define LIKA_ASC85_25_BG2_SSI_RX_BYTES 4U
+#define LIKA_ASC85_25_GG1_SSI_BITS 25U
+#define LIKA_ASC85_25_GG1_SSI_RX_BYTES 4U
+#define LIKA_ASC85_25_GG2_SSI_BITS 25U
+#define LIKA_ASC85_25_GG2_SSI_RX_BYTES 4U
+
+/*
  * The frequency in hertz that the clock has to stay below with a cable of so many metres; 0 where
  * the manual has none for so long a cable [5.3 p.17].
  */
@@ -520,6 +573,37 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
 #define LIKA_ASC85_BISS_CONTROL_DATA_BITS 8U
 /* CRC: 4 bits: Check of the transmission, sent inverted [6.3 p.22]. */
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
+
+/*
+ * By order code, for lika/receive.h: the bits of single_cycle_data, and the bytes of a buffer
+ * that it comes in.
+ * A buffer has room for 40 bits of acknowledge and line delay. No manual says how long an encoder
+ * takes: where NO_START or LENGTH is said, take more bytes.
+ */
+#define LIKA_ASC85_20_SC1_BISS_BITS 29U
+#define LIKA_ASC85_20_SC1_BISS_RX_BYTES 10U
+#define LIKA_ASC85_20_SC2_BISS_BITS 29U
+#define LIKA_ASC85_20_SC2_BISS_RX_BYTES 10U
+#define LIKA_ASC85_21_SC1_BISS_BITS 30U
+#define LIKA_ASC85_21_SC1_BISS_RX_BYTES 10U
+#define LIKA_ASC85_21_SC2_BISS_BITS 30U
+#define LIKA_ASC85_21_SC2_BISS_RX_BYTES 10U
+#define LIKA_ASC85_22_SC1_BISS_BITS 31U
+#define LIKA_ASC85_22_SC1_BISS_RX_BYTES 10U
+#define LIKA_ASC85_22_SC2_BISS_BITS 31U
+#define LIKA_ASC85_22_SC2_BISS_RX_BYTES 10U
+#define LIKA_ASC85_23_SC1_BISS_BITS 32U
+#define LIKA_ASC85_23_SC1_BISS_RX_BYTES 10U
+#define LIKA_ASC85_23_SC2_BISS_BITS 32U
+#define LIKA_ASC85_23_SC2_BISS_RX_BYTES 10U
+#define LIKA_ASC85_24_SC1_BISS_BITS 33U
+#define LIKA_ASC85_24_SC1_BISS_RX_BYTES 10U
+#define LIKA_ASC85_24_SC2_BISS_BITS 33U
+#define LIKA_ASC85_24_SC2_BISS_RX_BYTES 10U
+#define LIKA_ASC85_25_SC1_BISS_BITS 34U
+#define LIKA_ASC85_25_SC1_BISS_RX_BYTES 10U
+#define LIKA_ASC85_25_SC2_BISS_BITS 34U
+#define LIKA_ASC85_25_SC2_BISS_RX_BYTES 10U
 
 /*
  * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + 9 bits, most significant

@@ -33,7 +33,11 @@ typedef enum lika_result {
     LIKA_FAULT_RANGE = 4,      /* a value that the manual does not list or that does not fit */
     LIKA_FAULT_TRANSPORT = 5,  /* a function of the transport failed; its own number says why */
     LIKA_FAULT_TIMEOUT = 6,    /* what a poll waits for has not come within its bound */
-    LIKA_FAULT_UNSUPPORTED = 7 /* the transport does not have a function that is needed */
+    LIKA_FAULT_UNSUPPORTED = 7, /* the transport does not have a function that is needed */
+    LIKA_FAULT_LINE_HIGH = 8,   /* the data line stayed high: nothing answers, or it is cut */
+    LIKA_FAULT_LINE_LOW = 9,    /* the data line was low before the frame: busy, or a short */
+    LIKA_FAULT_NO_START = 10,   /* the acknowledge lasted longer than what was received */
+    LIKA_FAULT_REPEAT = 11      /* two readings of one position do not agree */
 } lika_result;
 
 /* What the position of a sound frame is worth, the worst first. */
