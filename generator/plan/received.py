@@ -1,4 +1,4 @@
-"""How much a receiver has to take in for a frame that comes as bits: by order code, so that code has it as a constant."""
+"""How much a receiver takes in for a frame that comes as bits: by order code, so that code has it as constants."""
 
 from __future__ import annotations
 
