@@ -25,6 +25,7 @@ from .filters import FILTERS, TESTS
 from .lines import laid_out
 from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
+from .receivers import ReceiverCode
 
 
 class Shared(TypedDict):
@@ -39,6 +40,10 @@ class Receive(Shared):
 
 class Family(Shared):
     d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
+
+
+class Receiver(Family):
+    e: Annotated[ReceiverCode, "the program that takes positions out of raw buffers"]
 
 
 class Program(Family):
@@ -113,6 +118,7 @@ TEMPLATES = Templates(
         "receive.h.jinja": Receive,
         "device.h.jinja": Family,
         "example.c.jinja": Program,
+        "receiver.c.jinja": Receiver,
         **dict.fromkeys(FILES.values(), Package),
     },
     filters=FILTERS,
