@@ -17,8 +17,14 @@ from codewheel.model.expressions import Expression
 from codewheel.reference.order_codes import find
 from codewheel.reference.run_time import with_registers
 
-#: What says how code computes something, and follows from the rest: the XML does not carry it.
-COMPUTED = {"Field": {"pieces", "widest"}, "Layout": {"fold", "widest"}, "Crc": {"form"}}
+#: What says how code computes something and follows from the rest, and what was counted of the second reading,
+#: which no output sees: the XML does not carry it.
+COMPUTED = {
+    "Field": {"pieces", "widest"},
+    "Layout": {"fold", "widest"},
+    "Crc": {"form"},
+    "Device": {"times_read"},
+}
 #: The kinds of fields by their words.
 KINDS = {
     "number": model.Number,
@@ -99,7 +105,7 @@ def build_class(kind: Any, item: Item) -> Any:
     for field in dataclasses.fields(kind):
         outside = RENAMED.get(name, {}).get(field.name, field.name)
         if field.name in COMPUTED.get(name, set()):
-            made[field.name] = {"pieces": (), "fold": (), "widest": 0, "form": ""}[field.name]
+            made[field.name] = {"pieces": (), "fold": (), "widest": 0, "form": "", "times_read": None}[field.name]
         elif field.name.endswith("source"):
             made[field.name] = ()
         else:

@@ -100,10 +100,19 @@ def frame_line(table: Table, variant: Variant, example: FrameExample) -> tuple[s
     decoded = decode_example(table.device, example, variant)
     name = decoded.layout.name if decoded.layout is not None else ""
     wire = f"{int(example.bits, 2):X}" if example.bits else example.bytes.hex().upper()
+    told = variant.code + "".join(f";{item}={answer:02X}" for item, answer in answers(table.device, example))
     if example.refused:
-        return f"{variant.code} decode {name} {wire}", str(FAULTS[example.refused])
+        return f"{told} decode {name} {wire}", str(FAULTS[example.refused])
     assert decoded.layout is not None
-    return f"{variant.code} decode {name} {wire}", f"0 {table.row(name, decoded.layout, decoded.number)}"
+    return f"{told} decode {name} {wire}", f"0 {table.row(name, decoded.layout, decoded.number)}"
+
+
+def answers(device: Device, example: FrameExample) -> Iterable[tuple[str, int]]:
+    """The answers that an example takes, each as its place among those of its alternative."""
+    for item in device.alternatives:
+        if item.name in example.alternatives:
+            names = [answer.name for answer in item.answers]
+            yield item.name, names.index(example.alternatives[item.name])
 
 
 def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
@@ -513,13 +522,13 @@ def test_a_shorter_frame_after_a_new_resolution(programs: Mapping[str, Run]) -> 
     position = 5 << 13 | 77
     for configuration, sent in (("00", codec.binary_to_gray(position)), ("20", position)):
         state = f"AM3616/4096-I7;configuration={configuration};singleturn_bits_used=0d;multiturn_bits_used=04"
-        (encoded,) = run([f"{state} encode single_cycle_data 5 77 {position}"])
+        (encoded,) = run([f"{state} encode single_cycle_data 5 77 {position} 0"])
         word = int(encoded.split()[1], 16)
         assert word >> 8 == sent
         assert word >> 6 & 3 == 3
         assert run(
             [f"{state} decode single_cycle_data {word:X}", f"{state} decode single_cycle_data {word | 1 << 25:X}"]
-        ) == [f"0 5 77 {position}", "1"]
+        ) == [f"0 5 77 {position} 0", "1"]
 
 
 # -- single words of the language

@@ -39,7 +39,8 @@ PRINTED = {
         "Serial number 44h: 0A E8 69 EE\n  serial: 183003630\n  year: 18\n  week: 30\n  number: 3630\n",
     ],
     "amm5_rs485": [
-        "singleturn: 7000519\n  the encoder reports a fault: the position is not to be used\n",
+        "singleturn: 7000519\n  report status_other_error: BUSY flag",
+        "  the position is not usable\nReset all errors\n",
         "Reset all errors\n  send BA\n  wait 40 us\n  send BA\n",
         "send BA\n  wait 2000 us\n",
     ],
@@ -123,7 +124,7 @@ def test_a_program_looks_at_the_error_bit(package: Path) -> None:
     finally:
         faulty.unlink()
     assert status == 0
-    assert "the position is not to be used" in printed
+    assert "the position is not usable" in printed
     assert "degrees" not in printed
 
 

@@ -557,24 +557,35 @@ def test_the_identity_is_read_whole(family: str, machines: Callable[[str], Machi
 
 
 def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) -> None:
-    """AM36 6.5: 56h and 57h hold the bits in use, 4Eh the revolutions, bit 5 of 49h the code."""
+    """AM36 6.5: 56h and 57h hold the bits in use, 4Bh the information per revolution and 4Eh the revolutions,
+    whose product bounds the preset, bit 5 of 49h the code."""
     made = machines("am36")
     encoder = Encoder()
-    for address, value in ((0x56, 12), (0x57, 4), (0x4E, 0), (0x4F, 16), (0x49, 0x20)):
+    for address, value in (
+        (0x56, 12),
+        (0x57, 4),
+        (0x4B, 0),
+        (0x4C, 0x10),
+        (0x4D, 0),
+        (0x4E, 0),
+        (0x4F, 16),
+        (0x49, 0x20),
+    ):
         encoder.memory[address] = value
     answer = made.state("AM3616/4096-I7", encoder)
     assert answer.result == OK
-    assert set(answer.record) == {"r 56 1", "r 57 1", "r 4E 2", "r 49 1"}
+    assert set(answer.record) == {"r 56 1", "r 57 1", "r 4B 3", "r 4E 2", "r 49 1"}
     names = [item.name for item in made.device.set_parameters]
     held = {name: int.from_bytes(answer.data[8 * index : 8 * index + 8], "little") for index, name in enumerate(names)}
     assert (
         held["used_singleturn_bits"],
         held["used_multiturn_bits"],
+        held["used_information"],
         held["used_revolutions"],
         held["output_code"],
-    ) == (12, 4, 16, 1)
+    ) == (12, 4, 4096, 16, 1)
     before = made.state("AM3616/4096-I7", Encoder(fail_at=0, error=1))
-    for index in range(4):
+    for index in range(5):
         failed = made.state("AM3616/4096-I7", Encoder(memory=bytearray(encoder.memory), fail_at=index, error=3))
         assert failed.result == TRANSPORT
         assert failed.failure[0] == index

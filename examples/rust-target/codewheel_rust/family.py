@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from codewheel.model import Device, Field, Interface, Layout, Register, Text, Value
-from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, Term, characters, codec_of
+from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, ParityOf, Term, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches
 from codewheel.plan.held import held_parameters
@@ -51,8 +51,9 @@ class Struct:
 
     @property
     def sent(self) -> list[Term]:
-        """What is encoded as a number: all but zeros, the CRC, and texts that are copied."""
-        return [item for item in self.codec.terms if item.value != Fixed(0) and not characters(item.field)]
+        """What is encoded as a number: all but zeros, the CRC, and texts that are copied; parity bits last."""
+        found = [item for item in self.codec.terms if item.value != Fixed(0) and not characters(item.field)]
+        return sorted(found, key=lambda term: isinstance(term.value, ParityOf))
 
     def type_of(self, field: Field) -> str:
         """The type of a member."""

@@ -11,15 +11,15 @@
 
 #include "lika/sma21.h"
 
-/* The order code from the label, SMA21-JP1-0001. The compiler works out where each bit is. */
-static const lika_sma21_variant encoder = LIKA_SMA21_JP1_0001;
+/* The order code from the label, SMA21-JP1-0005. The compiler works out where each bit is. */
+static const lika_sma21_variant encoder = LIKA_SMA21_JP1_0005;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* Wide position reply: what the encoder sends; a worked example [7.3.4]. */
+/* Position reply: what the encoder sends; a worked example [7.3.4]. */
 static size_t ask(uint8_t request, uint8_t *reply, size_t capacity)
 {
-    static const uint8_t sent[] = { 0x2AU, 0x02U, 0xDAU, 0x04U, 0x00U, 0x43U, 0x25U, 0x00U, 0x90U };
+    static const uint8_t sent[] = { 0xA2U, 0x00U, 0x10U, 0x32U, 0x54U, 0x00U, 0xD4U };
     size_t length;
     for (length = 0U; (length < sizeof(sent)) && (length < capacity); length++) {
         reply[length] = sent[length];
@@ -63,9 +63,9 @@ static void print_reports(uint32_t reports)
 
 static lika_result show_frame(void)
 {
-    uint8_t bytes[LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH];
-    const size_t length = ask(LIKA_SMA21_RS485_CONTROL_WIDE_POSITION, bytes, sizeof(bytes));
-    lika_sma21_wide_position_reply frame;
+    uint8_t bytes[LIKA_SMA21_POSITION_REPLY_LENGTH];
+    const size_t length = ask(LIKA_SMA21_RS485_CONTROL_POSITION, bytes, sizeof(bytes));
+    lika_sma21_position_reply frame;
     /* By lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
@@ -74,18 +74,26 @@ static lika_result show_frame(void)
         "nothing in this frame tells whether the position is usable"
     };
     lika_verdict verdict;
-    const lika_result result =
-        lika_sma21_wide_position_reply_decode(&encoder, bytes, length, &frame);
+    const lika_result result = lika_sma21_position_reply_decode(&encoder, bytes, length, &frame);
     if (result != LIKA_OK) {
         return result;
     }
-    printf("%s\n", "Wide position reply");
+    printf("%s\n", "Position reply");
+    printf("  data_id: %llu\n", (unsigned long long)frame.data_id);
     printf("  status_alarm: %s\n", frame.status_alarm ? "yes" : "no");
     printf("  status_error: %s\n", frame.status_error ? "yes" : "no");
-    printf("  position: %lld\n", (long long)frame.position);
-    print_reports(lika_sma21_wide_position_reply_reports(&frame));
+    printf("  position: %llu\n", (unsigned long long)frame.position);
+    printf("  overspeed: %s\n", frame.overspeed ? "yes" : "no");
+    printf("  initialization_error: %s\n", frame.initialization_error ? "yes" : "no");
+    printf("  hardware_error: %s\n", frame.hardware_error ? "yes" : "no");
+    printf("  encoder_inharmonious_error: %s\n", frame.encoder_inharmonious_error ? "yes" : "no");
+    printf("  higher_track_error: %s\n", frame.higher_track_error ? "yes" : "no");
+    printf("  low_amplitude_error: %s\n", frame.low_amplitude_error ? "yes" : "no");
+    printf("  signal_strength_alarm: %s\n", frame.signal_strength_alarm ? "yes" : "no");
+    printf("  temperature_alarm: %s\n", frame.temperature_alarm ? "yes" : "no");
+    print_reports(lika_sma21_position_reply_reports(&frame));
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_sma21_wide_position_reply_verdict(&frame);
+    verdict = lika_sma21_position_reply_verdict(&frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(&encoder,

@@ -41,7 +41,7 @@ class Frame:
 
 
 class Chosen:
-    """What the manual shows for one order code of an interface: the one with the most examples.
+    """What the manual shows for one order code of an interface: the one with the most examples that are as printed.
 
     Raises:
         EncodeError: It shows no frame, and no plain one can be made up.
@@ -51,7 +51,7 @@ class Chosen:
         self.device, self.interface = device, interface
         self.measurement = device.measurement_of(interface.name)
         given = [item for item in device.examples if self._is_here(item)]
-        counted = Counter(example_variant(device, item).code for item in given)
+        counted = Counter(example_variant(device, item).code for item in given if not item.erratum)
         variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
         # Without any example, the one of the finest resolution.
         self.variant = max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
@@ -106,11 +106,14 @@ class Chosen:
     # -- the frame
 
     def _frame(self) -> Frame:
-        """A worked frame, one of the manual before one of another source; without any, one that is made up."""
+        """A worked frame; one as printed comes first, and one of the manual before one of another source.
+
+        Without any, one is made up.
+        """
         worked = [item for item in self.examples if isinstance(item, FrameExample)]
         if not worked:
             return self._made_up()
-        first = min(worked, key=lambda item: any(source.document for source in item.source))
+        first = min(worked, key=lambda item: (bool(item.erratum), any(source.document for source in item.source)))
         layout = self.device.layout(first.layout)
         wire = int(first.bits, 2) if first.bits else codec.number_from_bytes(layout, first.bytes)
         return Frame(layout, wire, f"a worked example [{cite(first.source)}]")
