@@ -84,12 +84,13 @@ _RECEIVE_H = """
 """
 #: The same of biss.h, after that and ``biss_``.
 _BISS_H = """
-    ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START PHASE_WAIT
-    READS REFUSED REGISTERS RUNNING WANTS_BYTE WANTS_NOTHING WANTS_STORE WRITES ZEROS answer_decode byte_decode
-    byte_encode crc data echo master master_abort master_begin master_byte master_ends master_header master_init
-    master_next master_read master_start master_write outcome phase request request_decode request_encode slave
-    slave_allow slave_awaits slave_byte slave_fetch slave_give slave_header slave_init slave_leaves slave_lock
-    slave_may slave_next slave_start slave_stored slaves wants zeros
+    ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS LATE_FRAMES NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START
+    PHASE_WAIT READS REFUSED REGISTERS RUNNING WANTS_BYTE WANTS_NOTHING WANTS_STORE WRITES ZEROS answer_decode
+    byte_decode byte_encode crc data echo header late_busy late_byte late_first late_header master master_abort
+    master_begin master_byte master_ends master_header master_init master_next master_next_late master_read
+    master_start master_write outcome phase request request_decode request_encode slave slave_allow slave_awaits
+    slave_byte slave_fetch slave_give slave_header slave_init slave_leaves slave_lock slave_may slave_next slave_start
+    slave_stored slaves wants zeros
 """
 
 

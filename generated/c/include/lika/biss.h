@@ -119,6 +119,13 @@ static inline lika_result lika_biss_byte_decode(uint16_t bits, uint8_t *value)
     return LIKA_OK;
 }
 
+/* CTS, ID2..0, ADR6..0, CRC3..0, R and W of a request, the last in bit 0. */
+static inline uint32_t lika_biss_header(const lika_biss_request *request)
+{
+    const uint32_t head = 0x400U | ((uint32_t)request->id << 7U) | request->address;
+    return (head << 6U) | (lika_biss_crc(head, 11U) << 2U) | (request->write ? 0x1U : 0x2U);
+}
+
 /*
  * What a master sends after the first S, in the layout that TI's masters take too, the first bit in
  * bit 31: CTS, ID2..0, ADR6..0, CRC3..0, R, W, S, then DATA7..0, CRC3..0 or 12 zeros, P, and one
@@ -126,16 +133,13 @@ static inline lika_result lika_biss_byte_decode(uint16_t bits, uint8_t *value)
  */
 static inline lika_result lika_biss_request_encode(const lika_biss_request *request, uint32_t *word)
 {
-    const uint32_t head = 0x400U | ((uint32_t)request->id << 7U) | request->address;
     if ((request->id >= LIKA_BISS_IDS) || (request->address > 0x7FU)
         || (!request->write && (request->value != 0U))) {
         return LIKA_FAULT_RANGE;
     }
-    *word = (head << 21U) | (lika_biss_crc(head, 11U) << 17U);
+    *word = (lika_biss_header(request) << 15U) | (LIKA_BISS_READS & LIKA_BISS_WRITES);
     if (request->write) {
-        *word |= LIKA_BISS_WRITES | ((uint32_t)lika_biss_byte_encode(request->value) << 2U);
-    } else {
-        *word |= LIKA_BISS_READS;
+        *word |= (uint32_t)lika_biss_byte_encode(request->value) << 2U;
     }
     return LIKA_OK;
 }
@@ -279,6 +283,7 @@ typedef struct lika_biss_master {
     uint8_t count;
     uint8_t zeros;
     uint8_t at; /* the bit sent last, counted from the S of its phase or from DATA7 */
+    bool insists; /* a frame late: S goes on until it is answered */
     uint16_t busy;
     uint16_t busy_limit;
     uint32_t sending;
@@ -301,6 +306,7 @@ static inline void lika_biss_master_init(lika_biss_master *master)
     master->count = 0U;
     master->zeros = 0U;
     master->at = 0U;
+    master->insists = false;
     master->busy = 0U;
     master->busy_limit = 0U;
     master->sending = 0U;
@@ -326,6 +332,7 @@ static inline lika_result lika_biss_master_begin(
     master->request = *request;
     master->count = (uint8_t)count;
     master->at = 0U;
+    master->insists = false;
     master->busy = 0U;
     master->busy_limit = busy_limit;
     master->sending = word >> 15U;
@@ -475,6 +482,139 @@ static inline bool lika_biss_master_next(lika_biss_master *master, bool cds)
     default:
         cdm = (master->outcome == LIKA_BISS_RUNNING) && (master->zeros >= LIKA_BISS_ZEROS);
         master->phase = cdm ? LIKA_BISS_PHASE_HEADER : LIKA_BISS_PHASE_WAIT;
+        break;
+    }
+    master->zeros = lika_biss_zeros(master->zeros, cdm);
+    return cdm;
+}
+
+/* -- master, a frame late ---------------------------------------------------------------------- */
+
+/* The frames that an access takes until the first S is answered, zeros before it included. */
+#define LIKA_BISS_LATE_FRAMES 35U
+
+/* The slave is busy, but the bit after S is on its way: gives this try up, and has the next begin. */
+static inline bool lika_biss_late_busy(lika_biss_master *master)
+{
+    const uint32_t passed = (uint32_t)master->busy + LIKA_BISS_LATE_FRAMES;
+    if (master->busy >= master->busy_limit) {
+        return lika_biss_master_ends(master, LIKA_BISS_BUSY);
+    }
+    if (master->insists) {
+        master->busy++;
+        return true;
+    }
+    master->busy = (passed < master->busy_limit) ? (uint16_t)passed : master->busy_limit;
+    master->insists = !master->request.write;
+    master->phase = LIKA_BISS_PHASE_WAIT;
+    master->sending = lika_biss_header(&master->request);
+    return false;
+}
+
+/* DATA7, before it is known whether S is answered. */
+static inline bool lika_biss_late_first(lika_biss_master *master)
+{
+    master->phase = LIKA_BISS_PHASE_BYTE;
+    master->at = 0U;
+    master->answers = 0U;
+    master->sending = 0U;
+    if (master->request.write) {
+        master->request.value = master->from[master->done];
+        master->sending = lika_biss_byte_encode(master->request.value);
+    }
+    return master->insists || (((master->sending >> 11U) & 1U) != 0U);
+}
+
+/* Steps 2 and 3, S, and DATA7 once R W is answered. */
+static inline bool lika_biss_late_header(lika_biss_master *master, bool cds)
+{
+    lika_biss_outcome echo;
+    if (master->at > 0U) {
+        master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+    }
+    master->at++;
+    if (master->at <= 17U) {
+        return ((master->sending >> (17U - master->at)) & 1U) != 0U;
+    }
+    if (master->at == 18U) {
+        return true;
+    }
+    master->slaves = lika_biss_slaves(master->answers >> 2U);
+    echo = lika_biss_echo(&master->request, master->answers);
+    if (echo != LIKA_BISS_RUNNING) {
+        return lika_biss_master_ends(master, echo);
+    }
+    return lika_biss_late_first(master);
+}
+
+/* The other bits of DATA and CRC, P, and S where a register follows. */
+static inline bool lika_biss_late_byte(lika_biss_master *master, bool cds)
+{
+    lika_biss_outcome outcome;
+    uint8_t value = 0U;
+    if (master->at == 0U) {
+        if (!cds) {
+            return lika_biss_late_busy(master);
+        }
+        master->busy = 0U;
+    } else {
+        master->answers = (master->answers << 1U) | (cds ? 1U : 0U);
+    }
+    master->at++;
+    if (master->at < 12U) {
+        return ((master->sending >> (11U - master->at)) & 1U) != 0U;
+    }
+    if (master->at == 12U) {
+        return false;
+    }
+    outcome = lika_biss_data(&master->request, master->answers, &value);
+    if (outcome != LIKA_BISS_DONE) {
+        return lika_biss_master_ends(master, outcome);
+    }
+    if (!master->request.write) {
+        master->into[master->done] = value;
+    }
+    master->done++;
+    if (master->done == master->count) {
+        return lika_biss_master_ends(master, outcome);
+    }
+    master->request.address++;
+    master->phase = LIKA_BISS_PHASE_START;
+    return true;
+}
+
+/*
+ * The CDM bit of the next frame, by the CDS bit of the one that has just come in: for SPI and DMA,
+ * which have a frame in memory when it is over. Use it in place of _master_next, for all frames of
+ * an access; the CDM bit of the very first frame is 0.
+ *
+ * The answer to a bit is then seen when the bit after it is already on its way. So this master
+ * sends the bit after S in the belief that the slave is not busy. Where it is, the access begins
+ * again, with the register it was at: to write until the slave is ready; to read with S repeated
+ * until it is answered, of which the last falls into the place of DATA7. That a slave that is read
+ * does not look at that bit is inferred. An access to one register takes 47 frames, each further
+ * one 14 more, each new beginning 35.
+ */
+static inline bool lika_biss_master_next_late(lika_biss_master *master, bool cds)
+{
+    bool cdm = false;
+    switch (master->phase) {
+    case LIKA_BISS_PHASE_HEADER:
+        cdm = lika_biss_late_header(master, cds);
+        break;
+    case LIKA_BISS_PHASE_START:
+        /* P is answered now. */
+        cdm = cds ? lika_biss_master_ends(master, LIKA_BISS_REFUSED) : lika_biss_late_first(master);
+        break;
+    case LIKA_BISS_PHASE_BYTE:
+        cdm = lika_biss_late_byte(master, cds);
+        break;
+    case LIKA_BISS_PHASE_WAIT:
+    default:
+        cdm = (master->outcome == LIKA_BISS_RUNNING) && (master->zeros >= LIKA_BISS_ZEROS);
+        master->phase = cdm ? LIKA_BISS_PHASE_HEADER : LIKA_BISS_PHASE_WAIT;
+        master->at = 0U;
+        master->answers = 0U;
         break;
     }
     master->zeros = lika_biss_zeros(master->zeros, cdm);
