@@ -681,6 +681,15 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
 #define LIKA_AM36_AMC3619_4096_I7_BISS_RX_BYTES 12U
 
 /*
+ * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
+ * of the frame whose CDS it follows, 44 clock periods after that as delivered: 4.4 us at 10 MHz and
+ * 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last
+ * clock of the next frame: from the end of one to the start of the next, and those times again. MA
+ * shows either for the whole time-out (follows the clock, at most 10 us). With CDM 1 it rests low
+ * then.
+ */
+
+/*
  * single_cycle_data, sent by the encoder over BiSS C-mode: used_singleturn_bits +
  * used_multiturn_bits + 8 bits, most significant first [6.3 p.21; 6.3.1 p.21].
  * In the manual: Single Cycle Data SCD.

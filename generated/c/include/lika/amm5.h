@@ -760,6 +760,14 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
 #define LIKA_AMM5_B23_65KSC1_BISS_BITS 47U
 #define LIKA_AMM5_B23_65KSC1_BISS_RX_BYTES 12U
 
+/*
+ * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
+ * of the frame whose CDS it follows, 25 clock periods after that or more: 2.5 us at 10 MHz and 500
+ * us at 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last clock of
+ * the next frame: from the end of one to the start of the next, and those times again. MA shows
+ * either for the whole time-out (1.5 clock periods). With CDM 1 it rests low then.
+ */
+
 /* Time-out after a frame in nanoseconds, rounded up; 0 without a clock. */
 static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 {

@@ -606,6 +606,15 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
 #define LIKA_ASC85_25_SC2_BISS_RX_BYTES 10U
 
 /*
+ * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
+ * of the frame whose CDS it follows, 29 clock periods after that or more: 2.9 us at 10 MHz and 290
+ * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last clock
+ * of the next frame: from the end of one to the start of the next, and those times again. MA shows
+ * either for the whole time-out (follows the clock, 350 ns at 10 MHz). With CDM 1 it rests low
+ * then.
+ */
+
+/*
  * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + 9 bits, most significant
  * first [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.

@@ -263,10 +263,23 @@ static inline uint8_t lika_biss_zeros(uint8_t zeros, bool cdm)
 
 /*
  * A master. Prepare it with _master_init, begin an access with _master_read or _master_write, then
- * call _master_next once in every BiSS frame, between its CDS bit and its time-out, until the
- * outcome is no longer RUNNING; go on for as long as frames go on, so that the zeros that have to
- * come between two accesses are counted. An access to one register takes 46 frames at most, each
- * further register 14 more, and each frame in which the slave is busy one more.
+ * call _master_next or _master_next_late once in every BiSS frame until the outcome is no longer
+ * RUNNING; go on for as long as frames go on, so that the zeros that have to come between two
+ * accesses are counted. An access to one register takes 46 frames at most, each further register 14
+ * more, and each frame in which the slave is busy one more.
+ *
+ * When to call it, and by when its bit is needed; the families' headers have the times:
+ *
+ *              CDS        last clock            CDS        last clock
+ *   frame n  ---|--- data ---|--time-out--|  n+1 |--- data ---|--time-out--|
+ *   _next       [ call ......]  CDM on MA
+ *   _next_late                [ call ........................]  CDM on MA
+ *
+ *   _master_next       once CDS is there, so that MA can rest at the inverse of the bit from its
+ *                      last clock on: for an FPGA, or pins that software moves.
+ *   _master_next_late  once the frame is in memory: for SPI and DMA. Its bit is that of the next
+ *                      frame.
+ * With a bit that comes a frame late _master_next loses every access.
  *
  * Behind the functions of a transport (encoder.h), which come back when all is done, such an access
  * is a loop over frames until the outcome is there, for each part up to 3Fh or 7Fh.
@@ -589,11 +602,11 @@ static inline bool lika_biss_late_byte(lika_biss_master *master, bool cds)
  * an access; the CDM bit of the very first frame is 0.
  *
  * The answer to a bit is then seen when the bit after it is already on its way. So this master
- * sends the bit after S in the belief that the slave is not busy. Where it is, the access begins
- * again, with the register it was at: to write until the slave is ready; to read with S repeated
- * until it is answered, of which the last falls into the place of DATA7. That a slave that is read
- * does not look at that bit is inferred. An access to one register takes 47 frames, each further
- * one 14 more, each new beginning 35.
+ * sends the bit after S in the belief that the slave is not busy. Where it is, zeros follow, which
+ * store nothing, and the access begins again with the register it was at: to write until the slave
+ * is ready; to read with S repeated until it is answered, of which the last falls into the place of
+ * DATA7. That a slave that is read does not look at that bit is inferred. An access to one register takes 47 frames, each further
+ * one 14 more, each new beginning 35. With a busy limit of 0 it does not begin again.
  */
 static inline bool lika_biss_master_next_late(lika_biss_master *master, bool cds)
 {

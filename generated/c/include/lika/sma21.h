@@ -852,6 +852,14 @@ static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *fr
 #define LIKA_SMA21_SC4_0001_BISS_RX_BYTES 10U
 
 /*
+ * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
+ * of the frame whose CDS it follows, 32 clock periods after that or more: 3.2 us at 10 MHz and 160
+ * us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last clock
+ * of the next frame: from the end of one to the start of the next, and those times again. MA shows
+ * either for the whole time-out (follows the clock, at most 16 us). With CDM 1 it rests low then.
+ */
+
+/*
  * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + scd_padding_bits + 8
  * bits, most significant first [6.2 p.25].
  * In the manual: Single Cycle Data SCD.
