@@ -56,7 +56,7 @@ def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> Non
         ("its_cds", "if ((at + 1U) >= end) {", "if (at >= end) {"),
         ("a_word_of_ssi", "((size_t)bits + 2U)", "((size_t)bits + 1U)"),
         ("two_readings", "(modulus - apart)", "(modulus - apart - 1U)"),
-        ("other_shapes", "8U * (uint32_t)(at % 4U)", "8U * (uint32_t)(at % 3U)"),
+        ("other_shapes", "8U * (at % 4U)", "8U * (at % 3U)"),
         ("one_more_byte_of_a_line", "(line->count == line->length) || ", ""),
         ("a_line_that_waits", "now_us >= line->since_us", "now_us > line->since_us"),
     ],
@@ -70,3 +70,22 @@ def test_what_is_planted_is_found(claim: str, sound: str, planted: str, include:
     (folder / "encoder.h").write_bytes((header.parent / "encoder.h").read_bytes())
     (folder / "receive.h").write_text(text.replace(sound, planted), encoding="ascii")
     assert verdict(folder.parent, tmp_path, claim) != ""
+
+
+@pytest.mark.parametrize("cpu", ["cortex-m0plus", "cortex-m4"])
+def test_how_many_bytes_a_receiver_takes(cpu: str, include: Path, tmp_path: Path) -> None:
+    """160 at most for an order code that is known, and nothing of the compiler's library."""
+    source, made = tmp_path / "source.c", tmp_path / "source.o"
+    source.write_text(
+        '#include "lika/amm5.h"\n#include "lika/receive.h"\n'
+        "lika_result received(const uint8_t *rx, uint64_t *word);\n"
+        "lika_result received(const uint8_t *rx, uint64_t *word)\n{\n    return lika_biss_receive(\n"
+        "        rx, LIKA_AMM5_A23_65KSC1_BISS_RX_BYTES, LIKA_AMM5_A23_65KSC1_BISS_BITS, word);\n}\n",
+        encoding="ascii",
+    )
+    command = [tool("arm-none-eabi-gcc"), "-std=c99", "-Os", "-mthumb", f"-mcpu={cpu}", f"-I{include}", "-c"]
+    subprocess.run([*command, str(source), "-o", str(made)], check=True)
+    needed = subprocess.run(["arm-none-eabi-nm", "-u", str(made)], capture_output=True, text=True, check=True)
+    assert needed.stdout == ""
+    said = subprocess.run(["arm-none-eabi-size", str(made)], capture_output=True, text=True, check=True).stdout
+    assert int(said.splitlines()[1].split()[0]) <= 160

@@ -36,7 +36,9 @@ extern "C" {
 /* The bit at a place, 0 or 1; place 0 was received first. */
 static inline uint32_t lika_received_bit(const uint8_t *rx, size_t place)
 {
-    return ((uint32_t)rx[place / 8U] >> (7U - (uint32_t)(place % 8U))) & 1U;
+    const uint32_t byte = rx[place / 8U];
+    const size_t left = 7U - (place % 8U);
+    return (byte >> left) & 1U;
 }
 
 /* So many bits from a place on as a number, the first the most significant: 64 at most. */
@@ -68,7 +70,8 @@ static inline void lika_received_words32(const uint32_t *words, size_t count, ui
 {
     size_t at;
     for (at = 0U; at < (4U * count); at++) {
-        rx[at] = (uint8_t)((words[at / 4U] >> (24U - (8U * (uint32_t)(at % 4U)))) & 0xFFU);
+        const size_t left = 24U - (8U * (at % 4U));
+        rx[at] = (uint8_t)((words[at / 4U] >> left) & 0xFFU);
     }
 }
 
@@ -306,7 +309,7 @@ static inline void lika_rs485_resume(lika_rs485_line *line)
     for (at = from; at < count; at++) {
         line->bytes[at - from] = line->bytes[at];
     }
-    line->count = (from < count) ? (count - from) : 0U;
+    line->count = count - ((from < count) ? from : count);
 }
 
 /*
@@ -316,9 +319,13 @@ static inline void lika_rs485_resume(lika_rs485_line *line)
 static inline bool lika_rs485_late(const lika_rs485_line *line, uint32_t now_us)
 {
     /* now - since, without the wrap of unsigned numbers that checkers warn of. */
-    const uint32_t passed = (now_us >= line->since_us)
-        ? (now_us - line->since_us) : ((0xFFFFFFFFU - line->since_us) + now_us + 1U);
-    return (line->count != line->length) && (passed > line->at_most_us);
+    uint32_t passed;
+    if (now_us >= line->since_us) {
+        passed = now_us - line->since_us;
+    } else {
+        passed = (0xFFFFFFFFU - (line->since_us - now_us)) + 1U;
+    }
+    return (passed > line->at_most_us) && (line->count != line->length);
 }
 
 #ifdef __cplusplus
