@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ..model import Device, Erratum
-from .text import Ref, Said, said
+from .text import Ref, Said
 from .words import sentence
 
 #: The evidence of an erratum is told beside code up to so many characters, and at any length where data is at stake.
@@ -33,9 +33,16 @@ def reference(item: Erratum) -> Ref:
     return Ref("erratum", item.name, item.name)
 
 
-def erratum(item: Erratum) -> Said:
-    """What is printed and what is used; and the evidence, where it is short or wrong bytes could be sent."""
-    why = f" Why: {sentence(item.why)}" if item.severity == "wrong_data" or len(item.why) <= _SHORT else ""
-    text = f"Printed: {sentence(item.printed)} Used: {sentence(item.used)}{why}"
+def erratum(item: Erratum, *, whole: bool = False) -> Said:
+    """What is printed and what is used; and the evidence, where it is short, wrong bytes could be sent or it is told
+    as a whole.
+
+    In brief what is used stays where wrong bytes could be sent and nobody knows which they are.
+    """
+    at_stake = item.severity == "wrong_data"
+    why = f" Why: {sentence(item.why)}" if item.why and (whole or at_stake or len(item.why) <= _SHORT) else ""
+    used = f"Used: {sentence(item.used)}"
     standing = f"{item.status}, {item.severity.replace('_', ' ')}"
-    return said(text, label=f"Erratum {item.name} ({standing})", source=item.source)
+    brief = used if at_stake and item.status == "open" else ""
+    text = f"Printed: {sentence(item.printed)} {used}{why}"
+    return Said((text,), f"Erratum {item.name} ({standing})", item.source, brief)

@@ -11,7 +11,7 @@ from ...model import Device
 from ...plan.crcs import crc_functions
 from ...plan.held import held_parameters
 from ...say.erratum import errata, erratum
-from ...say.text import BY_TITLE as S
+from ...say.text import BY_TITLE
 from .. import TargetError
 from .about import about_input
 from .access import state_registers
@@ -28,8 +28,14 @@ from .positions import positions
 from .procedures import ProcedureCode
 from .registers import RegisterCode
 from .run_time import Taker
+from .style import S
 from .variants import VariantCode
 
+#: What a header is about, of all that errata can affect.
+_IN_HEADER = (
+    *("alarms", "alternatives", "crcs", "field_groups", "inputs", "interfaces", "measurement", "order_code"),
+    *("parameters", "procedures", "registers", "timings"),
+)
 _Built = TypeVar("_Built")
 
 
@@ -107,6 +113,11 @@ class DeviceView:
 
     def errata(self, *paths: str) -> list[Paragraph]:
         return [S.sentence(erratum(item)) for item in errata(self.device, *paths)]
+
+    @property
+    def all_errata(self) -> list[Paragraph]:
+        """Those of what the header has, told in full."""
+        return [BY_TITLE.sentence(erratum(item, whole=True)) for item in errata(self.device, *_IN_HEADER)]
 
 
 def _at(build: Callable[[], _Built], *path: str) -> _Built:

@@ -28,7 +28,8 @@
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
+ * decides, open where only hardware or the manufacturer could. Each is named where it bites, and
+ * told at the end of this header, with its reason. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -74,37 +75,15 @@ extern "C" {
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum order_code_17 (settled, wrong limit): Printed: AMx36xx/xxxx-17-... and
- * AMx36xx/4096-17-... Used: I7; 17 is accepted as well and shown as unlisted. [6; 6.5 p.31]
- * Erratum order_code_edition_1_1 (open, wrong limit): Printed: Edition 1.0: AMx36xx/4096-BG-...,
- * AMx36xx/4096-17-... Edition 1.1: AMx36xx/4096SCx-..., in a table AMM3616/4096SCx... Used: Labels
- * of both are read, SCx as I7, and BG and GG without the hyphen and with a digit after them as
- * well. [5; 6; am36_1_1_biss: p.21; am36_1_1: p.22]
- * Erratum output_letters (open, wrong data): Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...;
- * the output code can be Gray or Binary, see the order code. Used: BG is binary, GG is Gray. Why:
- * Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the
- * SMA21 manual calls that of its G1x models Gray and has BG and GG beside them. That the letters
- * mean the same here is an inference. Turn the shaft slowly: if neighbouring positions jump, the
- * code is the other one. [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]
- * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
- * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
- * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
- * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
- * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
- * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
- * Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of
- * revolutions: 65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047
- * revolutions either way while switched off. Used: 65,536 for the registers and the frame; 4096 as
- * what the label says. [6.5 p.28; 6.5 p.31]
- * Erratum ssi_positions_28_bits (settled, wrong limit): Printed: AMx3616/4096: 28 bits,
- * 268,425,456. Used: 268,435,456. Why: 2^28 is 268,435,456; 2^31 in the next row is right. [5.2]
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
- * Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any
- * number; register 57h shows the bits used for it. Used: Register 57h is read, not computed. [6.5
- * p.28; 6.5 p.31]
+ * Erratum order_code_17 (settled, wrong limit).
+ * Erratum order_code_edition_1_1 (open, wrong limit).
+ * Erratum output_letters (open, wrong data): Used: BG is binary, GG is Gray.
+ * Erratum biss_singleturn_resolution (open, wrong data): Used: Widths by registers 56h and 57h,
+ * with their printed defaults, whatever the order code says.
+ * Erratum revolutions_4096 (open, wrong limit).
+ * Erratum ssi_positions_28_bits (settled, wrong limit).
+ * Erratum scd_length_at_run_time (open, omission).
+ * Erratum revolution_bits_rounding (open, omission).
  */
 
 /* What differs between order codes. */
@@ -366,11 +345,12 @@ static inline uint8_t lika_am36_crc_biss_6_entry(uint8_t byte)
  * renishaw: data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot:
- * p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^6 leaves x^1 + 1; squared, x^12 leaves x^2 + 1, then x^24 leaves x^4 + 1. So the
+ * bits h from s = 6, 12, 24 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 6 bits are left.
  */
 static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
 {
@@ -390,11 +370,12 @@ static inline uint8_t lika_am36_crc_biss_6(uint64_t data)
  * CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4; prot: p.9-14; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.3.1 p.22; 6.4; prot:
- * p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^4 leaves x^1 + 1; squared, x^8 leaves x^2 + 1, then x^16 leaves x^4 + 1. So the
+ * bits h from s = 4, 8, 16 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 4 bits are left.
  */
 static inline uint8_t lika_am36_crc_biss_4(uint64_t data)
 {
@@ -460,14 +441,9 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word
  * [5.2].
  * Code: binary or Gray, by order code [5.2].
- * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
- * ranges from 100 kHz to 3 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
- * within the range. [5.3]
- * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
- * ranges from 100 kHz to 3 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
- * the table no cable may be run at 400 kHz to 3 MHz. [5.3]
- * Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 us. 5.3:
- * pause of at least 12 us (Tp > 12 us). Used: At least 12 us; take more. [5.1; 5.3; amm5: 5.3]
+ * Erratum ssi_cable_400_m (open, wrong limit).
+ * Erratum ssi_cable_50_m (open, wrong limit).
+ * Erratum ssi_pause (open, wrong limit).
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 3 MHz [5.3]. */
 #define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U
@@ -532,21 +508,10 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  * As many bits as the position has, 28 or 31, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC. In Gray code, multiturn and singleturn
  * are coded as one word.
- * Erratum output_letters (open, wrong data): Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...;
- * the output code can be Gray or Binary, see the order code. Used: BG is binary, GG is Gray. Why:
- * Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the
- * SMA21 manual calls that of its G1x models Gray and has BG and GG beside them. That the letters
- * mean the same here is an inference. Turn the shaft slowly: if neighbouring positions jump, the
- * code is the other one. [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]
- * Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI word with bits 28 ... 1 and 31 ... 1.
- * Used: Bits 27:0 and 30:0. Why: The table counts from 1; in section 6 the same manual counts from
- * 0, as this spec does everywhere. [5.2; 6.3.1 p.21]
- * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits,
- * 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1
- * clocks satisfy both. [5.1; 5.2]
- * Erratum position_order (open, omission): Printed: Only the length of the position; no words on
- * which of singleturn and multiturn comes first. Used: Multiturn first, as the more significant
- * part; singleturn after it; in Gray code both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
+ * Erratum output_letters (open, wrong data): Used: BG is binary, GG is Gray.
+ * Erratum ssi_bit_numbers (settled, wrong data).
+ * Erratum ssi_clock_count (open, wrong limit).
+ * Erratum position_order (open, omission).
  *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
  *   from bit 0 up                singleturn  singleturn_bits bits.
  */
@@ -634,8 +599,7 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * Network: point to point, one slave only [6].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  * main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock,
- * 10 us max. Used: At most 10 us, without a rule. [6.6 p.32; prot: p.18]
+ * Erratum biss_timeout_length (open, omission).
  */
 #define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /* Clock: 200 kHz to 10 MHz [6.6 p.32]. */
 #define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U
@@ -700,22 +664,11 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * written; CRC, warning and error keep bits 5:0, 6 and 7. In Gray code (Configuration, bit 5),
  * multiturn and singleturn are coded as one word; where the number of revolutions is no power of
  * two, the step from the last position to the first then changes several bits at a time.
- * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
- * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
- * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
- * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
- * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
- * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
- * Erratum position_order (open, omission): Printed: Only the length of the position; no words on
- * which of singleturn and multiturn comes first. Used: Multiturn first, as the more significant
- * part; singleturn after it; in Gray code both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
- * Erratum error_and_warning_unused (open, omission): Printed: Error and warning: not used, always
- * 1. Used: A frame with either at 0 is decoded and reports it. The position is not usable with nE
- * at 0, and usable with a warning with nW at 0. [6.3.1 p.21; prot: p.3-5]
+ * Erratum biss_singleturn_resolution (open, wrong data): Used: Widths by registers 56h and 57h,
+ * with their printed defaults, whatever the order code says.
+ * Erratum position_order (open, omission).
+ * Erratum scd_length_at_run_time (open, omission).
+ * Erratum error_and_warning_unused (open, omission).
  *   from bit used_singleturn_bits + 8 up  multiturn   used_multiturn_bits bits.
  *   from bit 8 up                         singleturn  used_singleturn_bits bits.
  *   bit 7                                 error       Error, nE: Not used, always 1; at 0 it is the
@@ -957,11 +910,7 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  * Identification code of the profile.
  * Byte order: high byte first, at 42h.
  * The manual refers to "Standard encoder profile", "data format", "Variant 0-24" beside it.
- * Erratum profile_id_variant (open, wrong data): Printed: Profile ID 00 00; see Standard encoder
- * profile, Variant 0-24. Used: 00 00, and no data length from it. Why: By the BiSS protocol
- * description 0000 stands for no profile; the SMA21 and ASC85 manuals have 28xx, with the data
- * length in the low byte, for variants 0-24 and the like. Nor does a position of up to 36 bits fit
- * 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
+ * Erratum profile_id_variant (open, wrong data): Used: 00 00, and no data length from it.
  *   bits 15:0  profile
  */
 #define LIKA_AM36_REG_PROFILE_ID_ADDRESS 0x42U
@@ -1033,14 +982,8 @@ static inline lika_result lika_am36_read_profile_id(
  * Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
  * Year and week of production and a running number, "in hexadecimal notation".
  * Byte order: high byte first, at 44h.
- * Erratum serial_number_coding (open, wrong data): Printed: In hexadecimal notation; register 44:
- * year, register 45: week, registers 46 and 47: serial number. Used: Plain binary numbers, the year
- * as it stands in its byte; of the serial number 46h is the high byte. Why: Whether year and week
- * are binary or packed decimal digits, where the year counts from, and which of 46h and 47h is the
- * high byte is not said, and there is no example. The same registers hold decimal digits of one
- * number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36 manual
- * prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4;
- * amm36: p.38]
+ * Erratum serial_number_coding (open, wrong data): Used: Plain binary numbers, the year as it
+ * stands in its byte; of the serial number 46h is the high byte.
  */
 #define LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AM36_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -1115,11 +1058,7 @@ static inline lika_result lika_am36_read_serial_number(
  * After a command the register goes back to 00 by itself. If a new resolution and a new preset are
  * set together, Save parameters and activate Preset stores the resolution but sets the preset to
  * zero, which then has to be written again.
- * Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been
- * entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together,
- * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
- * set_resolution saves the resolution first, and only then writes and activates the preset. [6.5
- * p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
+ * Erratum preset_cleared_when (open, omission).
  */
 #define LIKA_AM36_REG_COMMAND_ADDRESS 0x48U
 #define LIKA_AM36_REG_COMMAND_LENGTH 1U /* byte */
@@ -1174,19 +1113,9 @@ static inline lika_result lika_am36_write_command(
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new value takes effect at once; Save parameters on EEPROM keeps it. Bits 0, 1, 3, 4 and 7 are
  * not used; by the list of defaults they are 0.
- * Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit
- * 2" to enable. Preset: values can be entered only if the bit is "1". The table of Configuration: 0
- * is Enable, 1 is Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both
- * examples and the list of defaults have 0 for enable, and so has the same bit in the SMA21 manual.
- * Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4;
- * am36_1_1: p.30]
- * Erratum example_bit_8 (settled, wrong data): Printed: Bit 8 Counting direction, in the list of
- * the configuration example. Used: Bit 6. Why: It stands between bits 5 and 7, the register has 8
- * bits, the table has bit 6, and the result 60h = 01100000 has bit 6 set. [6.5 p.25; 6.5]
- * Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address
- * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
- * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
- * [6.5]
+ * Erratum enable_preset_polarity (settled, wrong data).
+ * Erratum example_bit_8 (settled, wrong data).
+ * Erratum preset_example_bit (settled, wrong data).
  *   bit 7     -                   always zero.
  *   bit 6     counting_direction
  *   bit 5     output_code
@@ -1330,22 +1259,11 @@ static inline lika_result lika_am36_write_configuration(
  * A new value takes effect at once, also on the length of the frame, and sets the preset to zero;
  * Save parameters on EEPROM keeps it. Only powers of two are accepted. The number of bits that
  * result is in register 56h.
- * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
- * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
- * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
- * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
- * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
- * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
- * Erratum resolution_byte_order (open, omission): Printed: 10 00 00h for 4B ... 4D, 00 01h and the
- * like for 4E - 4F, without a table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5
- * p.29; prot: p.14-15]
- * Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately
- * after transmission; values that are no power of two cannot be accepted. Used: The bytes are
- * written in ascending order of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ * Erratum biss_singleturn_resolution (open, wrong data): Used: Widths by registers 56h and 57h,
+ * with their printed defaults, whatever the order code says.
+ * Erratum scd_length_at_run_time (open, omission).
+ * Erratum resolution_byte_order (open, omission).
+ * Erratum resolution_byte_by_byte (open, omission).
  *   bits 23:0  steps
  */
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_ADDRESS 0x4BU
@@ -1442,20 +1360,10 @@ static inline lika_result lika_am36_write_information_per_revolution(
  * of bits that result is in register 57h. With more than 4,096 revolutions set, the shaft of an
  * encoder that is switched off must not turn by more than 2,047 revolutions either way, or the
  * absolute position is lost.
- * Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of
- * revolutions: 65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047
- * revolutions either way while switched off. Used: 65,536 for the registers and the frame; 4096 as
- * what the label says. [6.5 p.28; 6.5 p.31]
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
- * Erratum resolution_byte_order (open, omission): Printed: 10 00 00h for 4B ... 4D, 00 01h and the
- * like for 4E - 4F, without a table of the bytes. Used: High byte first. [6.5 p.27; 6.5 p.28; 6.5
- * p.29; prot: p.14-15]
- * Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately
- * after transmission; values that are no power of two cannot be accepted. Used: The bytes are
- * written in ascending order of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ * Erratum revolutions_4096 (open, wrong limit).
+ * Erratum scd_length_at_run_time (open, omission).
+ * Erratum resolution_byte_order (open, omission).
+ * Erratum resolution_byte_by_byte (open, omission).
  *   bits 15:0  revolutions
  */
 #define LIKA_AM36_REG_NUMBER_OF_REVOLUTIONS_ADDRESS 0x4EU
@@ -1549,20 +1457,9 @@ static inline lika_result lika_am36_write_number_of_revolutions(
  * setting/Preset input; at a standstill, the manual suggests. To be set again after a change of the
  * counting direction, of Information per revolution or of Number of revolutions. It serves, for
  * instance, to bring the zero points of encoder and application together.
- * Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been
- * entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together,
- * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
- * set_resolution saves the resolution first, and only then writes and activates the preset. [6.5
- * p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
- * Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit
- * 2" to enable. Preset: values can be entered only if the bit is "1". The table of Configuration: 0
- * is Enable, 1 is Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both
- * examples and the list of defaults have 0 for enable, and so has the same bit in the SMA21 manual.
- * Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4;
- * am36_1_1: p.30]
- * Erratum preset_default_length (settled, wrong data): Printed: Default = 00 00 00 00 00 00h. Used:
- * Five bytes of 00. Why: The register has five bytes, 50h to 54h; the list of defaults and both
- * limits have five. The byte after them is Device type. [6.5 p.29; 7 p.33]
+ * Erratum preset_cleared_when (open, omission).
+ * Erratum enable_preset_polarity (settled, wrong data).
+ * Erratum preset_default_length (settled, wrong data).
  *   bits 39:36  -         always zero.
  *   bits 35:0   position
  */
@@ -1684,16 +1581,9 @@ static inline lika_result lika_am36_read_device_type(
 /*
  * No. of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the singleturn resolution, as set by Information per revolution.
- * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
- * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
- * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
- * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
- * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
- * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
+ * Erratum biss_singleturn_resolution (open, wrong data): Used: Widths by registers 56h and 57h,
+ * with their printed defaults, whatever the order code says.
+ * Erratum scd_length_at_run_time (open, omission).
  * Width of the singleturn part of the position. Unit: bits.
  */
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_ADDRESS 0x56U
@@ -1720,17 +1610,9 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
 /*
  * No. of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the multiturn resolution, as set by Number of revolutions.
- * Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of
- * revolutions: 65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047
- * revolutions either way while switched off. Used: 65,536 for the registers and the frame; 4096 as
- * what the label says. [6.5 p.28; 6.5 p.31]
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
- * Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any
- * number; register 57h shows the bits used for it. Used: Register 57h is read, not computed. [6.5
- * p.28; 6.5 p.31]
+ * Erratum revolutions_4096 (open, wrong limit).
+ * Erratum scd_length_at_run_time (open, omission).
+ * Erratum revolution_bits_rounding (open, omission).
  * Width of the multiturn part of the position. Unit: bits.
  */
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_ADDRESS 0x57U
@@ -1759,10 +1641,8 @@ static inline lika_result lika_am36_read_multiturn_bits_used(
  * Encoder model, interface, enclosure and software version; the manual refers to the order code
  * beside it.
  * Byte order: high byte first, at 78h.
- * Erratum order_code_17 (settled, wrong limit): Printed: AMx36xx/xxxx-17-... and
- * AMx36xx/4096-17-... Used: I7; 17 is accepted as well and shown as unlisted. [6; 6.5 p.31]
- * Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software
- * version, for all models. Used: As printed. [6.5 p.31; prot: p.14-15]
+ * Erratum order_code_17 (settled, wrong limit).
+ * Erratum device_id_shared (open, omission).
  *   bits 47:32  model
  *   bits 31:16  interface_code
  *   bits 15:8   enclosure
@@ -2233,10 +2113,7 @@ static inline lika_result lika_am36_set_configuration(
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the command arrived has the preset value; all other positions
  * follow from it.
- * Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address
- * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
- * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
- * [6.5]
+ * Erratum preset_example_bit (settled, wrong data).
  */
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 8U
 
@@ -2295,10 +2172,7 @@ static inline lika_result lika_am36_set_preset(
  * position: Value to keep for a later activation; written to Preset.
  * Result: The preset is saved; the position is the same as before. The Zero setting/Preset input or
  * activate_preset activates it.
- * Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address
- * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
- * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
- * [6.5]
+ * Erratum preset_example_bit (settled, wrong data).
  */
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 8U
 
@@ -2411,10 +2285,7 @@ static inline lika_result lika_am36_activate_preset(
  * Load and save the default parameters [6.5 p.24; 7 p.33].
  * Result: All parameters have their defaults, which are active and saved; what was set before is
  * lost, the preset included. With them the frame has 44 bits again.
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
+ * Erratum scd_length_at_run_time (open, omission).
  */
 #define LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT 2U
 
@@ -2452,18 +2323,9 @@ static inline lika_result lika_am36_restore_defaults(
  * The frame changes its length as soon as the resolution is written; the master has to follow
  * before it can read a position again. The order of the steps is drawn from the warnings of
  * registers 48h, 4Bh, 4Eh and 50h.
- * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
- * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
- * bits as registers 56h and 57h say, from the moment that a resolution is written. [6.3.1 p.21; 6.5
- * p.31]
- * Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been
- * entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together,
- * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
- * set_resolution saves the resolution first, and only then writes and activates the preset. [6.5
- * p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
- * Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately
- * after transmission; values that are no power of two cannot be accepted. Used: The bytes are
- * written in ascending order of address, nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
+ * Erratum scd_length_at_run_time (open, omission).
+ * Erratum preset_cleared_when (open, omission).
+ * Erratum resolution_byte_by_byte (open, omission).
  */
 #define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 17U
 
@@ -2679,14 +2541,8 @@ static inline lika_result lika_am36_identify(
  * Connect to +VDC for at least 100 us, then disconnect. The bit Enable preset has to be 0 (enable),
  * else the input is dead; that holds over BiSS only. To be set after the counting direction, and
  * preferably with the shaft at a standstill. Over BiSS the Command register does the same.
- * Erratum input_levels (open, omission): Printed: The inputs are connected to 0VDC or +VDC, low and
- * high logic level. Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
- * Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit
- * 2" to enable. Preset: values can be entered only if the bit is "1". The table of Configuration: 0
- * is Enable, 1 is Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both
- * examples and the list of defaults have 0 for enable, and so has the same bit in the SMA21 manual.
- * Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4;
- * am36_1_1: p.30]
+ * Erratum input_levels (open, omission).
+ * Erratum enable_preset_polarity (settled, wrong data).
  */
 
 /*
@@ -2701,8 +2557,147 @@ static inline lika_result lika_am36_identify(
  * Low is 0VDC, high is +VDC. Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high
  * counter-clockwise, 1 (CCW) and low counter-clockwise, 1 and high clockwise. After a change of the
  * direction a new zero or preset has to be set.
+ * Erratum input_levels (open, omission).
+ */
+
+/* -- errata ------------------------------------------------------------------------------------ */
+
+/*
  * Erratum input_levels (open, omission): Printed: The inputs are connected to 0VDC or +VDC, low and
- * high logic level. Used: 0VDC is low, +VDC is high. [Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15]
+ * high logic level. Used: 0VDC is low, +VDC is high. Why: The table of connections has +10VDC
+ * +30VDC and no +VDC. That the supply is meant is likely; threshold voltages, the current of the
+ * inputs and whether they stand an open wire are not said. [Electrical safety p.8; 4; 4.4 p.15; 4.5
+ * p.15]
+ * Erratum order_code_17 (settled, wrong limit): Printed: AMx36xx/xxxx-17-... and
+ * AMx36xx/4096-17-... Used: I7; 17 is accepted as well and shown as unlisted. Why: Registers 7Ah
+ * and 7Bh of the Device ID, which the manual relates to the order code, hold 49h 37h, and the words
+ * beside them are "I7 = BiSS C interface". The text is an optical reading, which elsewhere too
+ * takes I and 1 for each other. [6; 6.5 p.31]
+ * Erratum order_code_edition_1_1 (open, wrong limit): Printed: Edition 1.0: AMx36xx/4096-BG-...,
+ * AMx36xx/4096-17-... Edition 1.1: AMx36xx/4096SCx-..., in a table AMM3616/4096SCx... Used: Labels
+ * of both are read, SCx as I7, and BG and GG without the hyphen and with a digit after them as
+ * well. Why: Of edition 1.1 only the pages on BiSS are at hand; the series under which that manual
+ * is listed is AM 3616/4096BG, without the hyphen. What the digit x stands for is not known; in
+ * other families it is the supply. AMM is taken for a misprint of AM. [5; 6; am36_1_1_biss: p.21;
+ * am36_1_1: p.22]
+ * Erratum output_letters (open, wrong data): Printed: AMx36xx/4096-BG-... and AMx36xx/4096-GG-...;
+ * the output code can be Gray or Binary, see the order code. Used: BG is binary, GG is Gray. Why:
+ * Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the
+ * SMA21 manual calls that of its G1x models Gray and has BG and GG beside them. That the letters
+ * mean the same here is an inference. Turn the shaft slowly: if neighbouring positions jump, the
+ * code is the other one. [5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2]
+ * Erratum biss_singleturn_resolution (open, wrong data): Printed: AMx36xx/xxxx for BiSS, without a
+ * value of xx; 20 bits in all BiSS models as default and maximum of registers 4Bh and 56h. Used:
+ * Widths by registers 56h and 57h, with their printed defaults, whatever the order code says. Why:
+ * The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1
+ * lists just these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20
+ * bits all the same. [6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29]
+ * Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of
+ * revolutions: 65,536 as default and maximum. Warning: with more than 4,096 set, at most 2,047
+ * revolutions either way while switched off. Used: 65,536 for the registers and the frame; 4096 as
+ * what the label says. Why: An encoder that holds 65,536 revolutions could be turned by 32,767
+ * while off. 2,047 is half of 4,096 less one, so that perhaps only the 4,096 revolutions of the
+ * order code are told apart without power, and the others are counted; the manual does not say so.
+ * [6.5 p.28; 6.5 p.31]
+ * Erratum ssi_positions_28_bits (settled, wrong limit): Printed: AMx3616/4096: 28 bits,
+ * 268,425,456. Used: 268,435,456. Why: 2^28 is 268,435,456; 2^31 in the next row is right. [5.2]
+ * Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI word with bits 28 ... 1 and 31 ... 1.
+ * Used: Bits 27:0 and 30:0. Why: The table counts from 1; in section 6 the same manual counts from
+ * 0, as this spec does everywhere. [5.2; 6.3.1 p.21]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits,
+ * 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1
+ * clocks satisfy both. Why: With the word aligned to the left, a clock too many brings a zero after
+ * it, one too few may lose the LSB. [5.1; 5.2]
+ * Erratum position_order (open, omission): Printed: Only the length of the position; no words on
+ * which of singleturn and multiturn comes first. Used: Multiturn first, as the more significant
+ * part; singleturn after it; in Gray code both as one word. Why: The preset, which becomes the
+ * position, is one number from 0 to Information per revolution x Number of revolutions - 1. Figures
+ * that might show the order are lost. [5.2; 6.3.1 p.21; 6.5 p.29]
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 3 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 3 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 3 MHz. [5.3]
+ * Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 us. 5.3:
+ * pause of at least 12 us (Tp > 12 us). Used: At least 12 us; take more. Why: "At least" allows 12
+ * us, the sign ">" does not. A pause of just 12 us leaves no margin anyway: a typical time has
+ * longer ones beside it, and an encoder with a Tm above 12 us is not ready then. The AMM5 manual,
+ * with the same Tm, asks for 20 us. [5.1; 5.3; amm5: 5.3]
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. Why: Public BiSS
+ * documents begin with 0 unless something else is stated, and BiSS devices may have another. With
+ * another start value every frame fails its CRC, with or without errors on the line. [6.3.1 p.22;
+ * 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length
+ * according to the resolution of the encoder, 36 bits at the most. Used: The position has as many
+ * bits as registers 56h and 57h say, from the moment that a resolution is written. Why: 56h and 57h
+ * show the bits used for the current resolution, and a new resolution is active at once; that the
+ * frame becomes shorter then, rather than holding zeros, is not said outright. [6.3.1 p.21; 6.5
+ * p.31]
+ * Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any
+ * number; register 57h shows the bits used for it. Used: Register 57h is read, not computed. Why:
+ * For numbers that are no power of two the manual gives no number of bits; for 2,000, 11 would be
+ * the least that hold 0 to 1,999. [6.5 p.28; 6.5 p.31]
+ * Erratum profile_id_variant (open, wrong data): Printed: Profile ID 00 00; see Standard encoder
+ * profile, Variant 0-24. Used: 00 00, and no data length from it. Why: By the BiSS protocol
+ * description 0000 stands for no profile; the SMA21 and ASC85 manuals have 28xx, with the data
+ * length in the low byte, for variants 0-24 and the like. Nor does a position of up to 36 bits fit
+ * 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
+ * Erratum serial_number_coding (open, wrong data): Printed: In hexadecimal notation; register 44:
+ * year, register 45: week, registers 46 and 47: serial number. Used: Plain binary numbers, the year
+ * as it stands in its byte; of the serial number 46h is the high byte. Why: Whether year and week
+ * are binary or packed decimal digits, where the year counts from, and which of 46h and 47h is the
+ * high byte is not said, and there is no example. The same registers hold decimal digits of one
+ * number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36 manual
+ * prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4;
+ * amm36: p.38]
+ * Erratum preset_cleared_when (open, omission): Printed: 4Bh, 4Eh: after a new value has been
+ * entered the preset is set to zero. 48h, 50h: with a new resolution and a new preset set together,
+ * Save parameters and activate Preset stores the resolution but zeroes the preset. Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset. Why: By
+ * the first a preset written after the resolution would stay, by the second it is lost in the
+ * command. What Save parameters on EEPROM does to such a preset is not said. [6.5 p.24; 6.5 p.27;
+ * 6.5 p.28; 6.5 p.29]
+ * Erratum enable_preset_polarity (settled, wrong data): Printed: Enable preset: "set to 1 the bit
+ * 2" to enable. Preset: values can be entered only if the bit is "1". The table of Configuration: 0
+ * is Enable, 1 is Disable. Used: 0 enables, 1 disables. Why: Table, default (0 = Enable), 4.4, both
+ * examples and the list of defaults have 0 for enable, and so has the same bit in the SMA21 manual.
+ * Edition 1.1 repeats the warning in Preset. [6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4;
+ * am36_1_1: p.30]
+ * Erratum example_bit_8 (settled, wrong data): Printed: Bit 8 Counting direction, in the list of
+ * the configuration example. Used: Bit 6. Why: It stands between bits 5 and 7, the register has 8
+ * bits, the table has bit 6, and the result 60h = 01100000 has bit 6 set. [6.5 p.25; 6.5]
+ * Erratum resolution_byte_order (open, omission): Printed: 10 00 00h for 4B ... 4D, 00 01h and the
+ * like for 4E - 4F, without a table of the bytes. Used: High byte first. Why: Only Preset has such
+ * a table, with its MSB in the first register; the BiSS protocol description puts the most
+ * significant byte at the lowest address. [6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15]
+ * Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately
+ * after transmission; values that are no power of two cannot be accepted. Used: The bytes are
+ * written in ascending order of address, nothing in between. Why: The registers are written byte by
+ * byte. From 10 00 00h to 00 10 00h the first byte alone makes 00 00 00h, which is no power of two;
+ * when a value of several bytes counts as transmitted is not said. [6.5 p.27; 6.5 p.28; prot:
+ * p.9-14]
+ * Erratum preset_default_length (settled, wrong data): Printed: Default = 00 00 00 00 00 00h. Used:
+ * Five bytes of 00. Why: The register has five bytes, 50h to 54h; the list of defaults and both
+ * limits have five. The byte after them is Device type. [6.5 p.29; 7 p.33]
+ * Erratum error_and_warning_unused (open, omission): Printed: Error and warning: not used, always
+ * 1. Used: A frame with either at 0 is decoded and reports it. The position is not usable with nE
+ * at 0, and usable with a warning with nW at 0. Why: What an encoder that sends 0 means is not
+ * said. Over BiSS both are active at 0, and another encoder or a later firmware may use them.
+ * [6.3.1 p.21; prot: p.3-5]
+ * Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software
+ * version, for all models. Used: As printed. Why: BiSS asks for another device ID where the data
+ * length differs. Here the length follows the resolution that is set, and the device ID stays; a
+ * master has to read 56h and 57h to know it. [6.5 p.31; prot: p.14-15]
+ * Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock,
+ * 10 us max. Used: At most 10 us, without a rule. Why: How the time follows the clock is not
+ * printed. The BiSS protocol description has 1.5 periods for the shortest adaptive time-out, 7.5 us
+ * at 200 kHz, which agrees with the bound. [6.6 p.32; prot: p.18]
+ * Erratum preset_example_bit (settled, wrong data): Printed: Table of the preset example: address
+ * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
+ * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
+ * [6.5]
  */
 
 #ifdef __cplusplus

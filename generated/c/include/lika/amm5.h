@@ -24,7 +24,8 @@
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
+ * decides, open where only hardware or the manufacturer could. Each is named where it bites, and
+ * told at the end of this header, with its reason. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -60,12 +61,8 @@ extern "C" {
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum heading_g1 (settled, wrong limit): Printed: Heading of the cable table: ...G1-... and
- * ...SC1-... order codes. Used: ...BG1-... and ...SC1-... Why: The connector that the cable mates
- * with (4.1.1) and all lists of models have BG1; no model has G1. [4.1.2 p.20; it: 4.1.2 p.21]
- * Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the
- * English table of word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition
- * have 65KBG1; no model has KG1. [5.2; it: 5.2]
+ * Erratum heading_g1 (settled, wrong limit).
+ * Erratum ssi_table_65kkg1 (settled, wrong limit).
  */
 
 /* What differs between order codes. */
@@ -263,11 +260,12 @@ static inline uint8_t lika_amm5_crc_biss_6_entry(uint8_t byte)
  * renishaw: data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34;
- * prot: p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^6 leaves x^1 + 1; squared, x^12 leaves x^2 + 1, then x^24 leaves x^4 + 1. So the
+ * bits h from s = 6, 12, 24 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 6 bits are left.
  */
 static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
 {
@@ -288,11 +286,12 @@ static inline uint8_t lika_amm5_crc_biss_6(uint64_t data)
  * p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.33; 6.3 p.34;
- * prot: p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^4 leaves x^1 + 1; squared, x^8 leaves x^2 + 1, then x^16 leaves x^4 + 1. So the
+ * bits h from s = 4, 8, 16 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 4 bits are left.
  */
 static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
 {
@@ -315,11 +314,7 @@ static inline uint8_t lika_amm5_crc_biss_4(uint64_t data)
  * Over all bytes sent before it, start bits and delimiters left out, least significant bit first.
  * That is the XOR of the bytes: it does not notice bytes that changed places. Start value 0 is set
  * in the printed code.
- * Erratum crc_code_bit_order (settled, wrong data): Printed: Data is configured LSB first; the
- * printed code takes the bits of a string in order. Used: The XOR of all bytes before the CRC,
- * which is x^8 + 1 with input and output reflected. Why: Fed with the bits of the example LSB first
- * the code returns CDh, the printed B3h with its bits reversed; it returns B3h only when each byte
- * is fed MSB first. [7.6]
+ * Erratum crc_code_bit_order (settled, wrong data).
  * With this polynomial the CRC of whole bytes is their XOR.
  */
 static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
@@ -337,16 +332,9 @@ static inline uint8_t lika_amm5_crc_rs485_8(const uint8_t *bytes, size_t length)
 /*
  * Where the byte ADF of an EEPROM access over RS-485 has the address [7.5 p.46].
  * Decide it for your encoder: what is known does not settle it, and there is no default.
- * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
- * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
- * user that has no default. A wrong one reaches twice the address or half of it, and a write
- * destroys other data there: read before you write, and compare. Why: Two independent T-format
- * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
- * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
- * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
- * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  */
 typedef enum lika_amm5_eeprom_address {
     /* Bits 7:1, MEM BUSY in bit 0, as the manual prints it [7.5 p.46]. */
@@ -529,12 +517,8 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
  * p.28].
  * Code: binary [5.2 p.28].
- * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
- * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
- * within the range. [5.3]
- * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
- * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
- * the table no cable may be run at 400 kHz to 4 MHz. [5.3]
+ * Erratum ssi_cable_400_m (open, wrong limit).
+ * Erratum ssi_cable_50_m (open, wrong limit).
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.29]. */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U
@@ -602,19 +586,10 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
  * In the manual: Structure of the position information.
  * As many bits as the position has, 17 to 39, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC.
- * Erratum ssi_output_code (settled, wrong data): Printed: 5.1: the output code can be Binary or
- * Gray, see the order code. 5.2: the output code is BINARY, see the order code. Used: Binary. Why:
- * 5.1 describes SSI in general, 5.2 this encoder; the order code has no place for a code and only
- * one SSI variant, BG1. [5.1; 5.2]
- * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits
- * (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least as many clocks as data bits. Used:
- * Neither is enforced; n + 1 clocks satisfy both. [5.1; 5.2; it: 5.1]
- * Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the
- * English table of word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition
- * have 65KBG1; no model has KG1. [5.2; it: 5.2]
- * Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on
- * which of singleturn and multiturn comes first in the position. Used: Multiturn first, as the more
- * significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
+ * Erratum ssi_output_code (settled, wrong data).
+ * Erratum ssi_clock_count (open, wrong limit).
+ * Erratum ssi_table_65kkg1 (settled, wrong limit).
+ * Erratum position_order (open, omission).
  *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
  *   from bit 0 up                singleturn  singleturn_bits bits.
  */
@@ -698,12 +673,8 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
  * Time-out: 1.5 clock periods (30 us at 50 kHz; 7.5 us at 200 kHz; 150 ns at 10 MHz) [6.5 p.40].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  * main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum profile_id_missing (open, omission): Printed: The encoder complies with the "Standard
- * encoder profile"; no register 42h to 43h is listed. Used: No profile ID. [6 p.31; 6.4 p.35; prot:
- * p.14-15]
- * Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is
- * worked out for 50 kHz as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz.
- * [6.5 p.40; prot: p.18]
+ * Erratum profile_id_missing (open, omission).
+ * Erratum biss_min_clock (open, wrong limit).
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /* Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U
@@ -784,24 +755,10 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * In the manual: Single Cycle Data SCD.
  * Multiturn and singleturn together are what the manual calls Position (it: Posizione): 17 to 39
  * bits, most significant bit first.
- * Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on
- * which of singleturn and multiturn comes first in the position. Used: Multiturn first, as the more
- * significant part; singleturn after it. [5.2; 6.2.1 p.32; 6.4]
- * Erratum scd_length (settled, wrong data): Printed: SCD data is nbitres+7 long. Used:
- * position_bits + 8. Why: Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres +
- * 8; nbitres+7 is the number of the top bit in the table. [6.2.1 p.32; it: 6.2.1 p.32]
- * Erratum error_bits_leds_alarms (open, omission): Printed: nE and LED 1: misalignment and the
- * like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn system, or
- * battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
- * alarm and MT error. Used: Each as printed, none derived from another. [6.2.1 p.32; 6.2.1 p.33;
- * 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
- * Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent
- * battery: the encoder cannot operate. A low one, with the warning alone: the position is kept.
- * What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
- * error, ST error or MT error, latched ones until they are reset. Usable with a warning with the
- * warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error,
- * makes it not usable, unless the frame carries these four as well (data ID 3): then they decide.
- * [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
+ * Erratum position_order (open, omission).
+ * Erratum scd_length (settled, wrong data).
+ * Erratum error_bits_leds_alarms (open, omission).
+ * Erratum position_under_error (open, omission).
  *   from bit singleturn_bits + 8 up  multiturn   multiturn_bits bits.
  *   from bit 8 up                    singleturn  singleturn_bits bits.
  *   bit 7                            error
@@ -957,40 +914,14 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_singl
  * request [7.5 p.46].
  * Memory write, busy 1: A write is being carried out, the request is invalid and not executed.
  * Address: that of the request; data: 00h [7.5 p.46].
- * Erratum error_bits_leds_alarms (open, omission): Printed: nE and LED 1: misalignment and the
- * like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn system, or
- * battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
- * alarm and MT error. Used: Each as printed, none derived from another. [6.2.1 p.32; 6.2.1 p.33;
- * 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
- * Erratum unused_status_bits (open, omission): Printed: EI_3 to EI_0 and four more bits of SF and
- * ALMC: 0. Used: A reply that has them otherwise is decoded, and reports them; its position is
- * usable with a warning. [7.3.2 p.42; 7.4 p.43]
- * Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent
- * battery: the encoder cannot operate. A low one, with the warning alone: the position is kept.
- * What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
- * error, ST error or MT error, latched ones until they are reset. Usable with a warning with the
- * warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error,
- * makes it not usable, unless the frame carries these four as well (data ID 3): then they decide.
- * [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
- * Erratum control_field_structure (settled, omission): Printed: One byte for each data ID, without
- * its structure. Used: Bits 2:0 are 010, bits 6:3 the data ID, bit 7 the even parity of the data
- * ID. Why: All nine printed bytes fit this structure, which public sources give for the T-format.
- * [7.3.1 p.42; stmbl: src/comps/smartabs.c]
- * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
- * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
- * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
- * Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and
- * multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and
- * multiturn. Why: The table says it twice, the note only in passing. But public T-format documents
- * know three resets, of the data in one revolution, of the multiturn data, and of errors; with C
- * and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
- * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
- * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
- * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
- * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
- * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
- * p.44; it: 7.4.1 p.44]
+ * Erratum error_bits_leds_alarms (open, omission).
+ * Erratum unused_status_bits (open, omission).
+ * Erratum position_under_error (open, omission).
+ * Erratum control_field_structure (settled, omission).
+ * Erratum battery_alarm_reset (open, omission).
+ * Erratum data_id_8_scope (open, wrong data): Used: The table, singleturn and multiturn.
+ * Erratum reset_interval (open, omission).
+ * Erratum busy_clear (open, omission).
  */
 /* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
@@ -1139,16 +1070,9 @@ static inline lika_result lika_amm5_data_request_encode(
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
  * Carries data_id 6 (eeprom_write).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
- * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
- * user that has no default. A wrong one reaches twice the address or half of it, and a write
- * destroys other data there: read before you write, and compare. Why: Two independent T-format
- * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
- * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
- * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
- * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -1234,16 +1158,9 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  * In the manual: Master -> Encoder: CF ADF CRC.
  * Carries data_id D (eeprom_read).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
- * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
- * user that has no default. A wrong one reaches twice the address or half of it, and a write
- * destroys other data there: read before you write, and compare. Why: Two independent T-format
- * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
- * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
- * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
- * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -1324,14 +1241,8 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  * (reset_multiturn_and_errors).
  * position = (DF2 << 16) + (DF1 << 8) + DF0; bits above the resolution are 0: bit 23, bits 23:21 or
  * bits 23:17.
- * Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error,
- * Battery alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to
- * be trusted until ALMC has been read. [7.3.2 p.42; 7.4.1 p.44]
- * Erratum crc_example_frame (settled, wrong data): Printed: Request 02h, reply 32h 10h 01h 28h B0h
- * 08h B3h with fields CF, SF, DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is
- * refused for its length. Why: The CRC is right. A reply begins with the control field of its
- * request; 32h is that of data ID 6, whose reply has four bytes and no SF. No data ID has four data
- * bytes. [7.6]
+ * Erratum busy_and_errors_in_one_bit (open, omission).
+ * Erratum crc_example_frame (settled, wrong data).
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1480,9 +1391,7 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(const lika_amm5_single
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * Carries data_id 1 (multiturn).
  * In singleturn models no bit of the three bytes is used; unused high bits are 0.
- * Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error,
- * Battery alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to
- * be trusted until ALMC has been read. [7.3.2 p.42; 7.4.1 p.44]
+ * Erratum busy_and_errors_in_one_bit (open, omission).
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1617,12 +1526,8 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(const lika_amm5_multitu
  * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 CRC.
  * Carries data_id 2 (encoder_id).
- * Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used:
- * 23h is what the encoder ID should be; a frame with another one is decoded, and the other one
- * reported. Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
- * sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for hexadecimal, and the
- * value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1 p.42; 7.4 p.43;
- * hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Erratum encoder_id_23h (open, wrong data): Used: 23h is what the encoder ID should be; a frame
+ * with another one is decoded, and the other one reported.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1738,12 +1643,8 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(const lika_amm5_encode
  * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF7 CRC.
  * Carries data_id 3 (all_data).
- * Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used:
- * 23h is what the encoder ID should be; a frame with another one is decoded, and the other one
- * reported. Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
- * sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for hexadecimal, and the
- * value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1 p.42; 7.4 p.43;
- * hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Erratum encoder_id_23h (open, wrong data): Used: 23h is what the encoder ID should be; a frame
+ * with another one is decoded, and the other one reported.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1984,16 +1885,9 @@ static inline uint32_t lika_amm5_complete_reply_reports(const lika_amm5_complete
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Carries data_id 6 (eeprom_write).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
- * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
- * user that has no default. A wrong one reaches twice the address or half of it, and a write
- * destroys other data there: read before you write, and compare. Why: Two independent T-format
- * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
- * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
- * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
- * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -2087,16 +1981,9 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Carries data_id D (eeprom_read).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
- * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
- * user that has no default. A wrong one reaches twice the address or half of it, and a write
- * destroys other data there: read before you write, and compare. Why: Two independent T-format
- * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
- * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
- * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
- * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
- * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
- * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -2363,21 +2250,11 @@ static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_
  * register again through Preset setting enable, save it, and activate it if it is to take effect at
  * once; at a standstill, the manual suggests. It serves, for instance, to bring the zero points of
  * encoder and application together.
- * Erratum preset_limit (settled, wrong limit): Printed: English: less than the total hardware
- * resolution. Italian: less than or equal to it (minore o uguale). Used: At most 2^position_bits -
- * 1. Why: The total resolution itself needs one bit more than the register has for it. [6.4; it:
- * 6.4]
- * Erratum preset_revolutions (settled, wrong limit): Printed: English: the number of revolutions is
- * always 65,536 in all models. Italian: in all multiturn models. Used: Singleturn models have no
- * multiturn bits; their bits 48:33 are taken as 0. [6.4; it: 6.4]
- * Erratum preset_bits_below_lsb (open, omission): Printed: Only bits 9:8 and byte 11h are said to
- * be 0; the lowest singleturn bit is 12 at 21 bits and 16 at 17 bits. Used: All bits below the
- * lowest singleturn bit are 0. [6.4; amm80: 6.4 p.40]
- * Erratum biss_bank_select (open, omission): Printed: Register 40h is Preset setting enable; the
- * preset is at 11h to 17h. Used: As printed. [6.4 p.38; prot: p.14-15]
- * Erratum preset_default_length (settled, wrong data): Printed: Default of Preset: 00 00 00 00 00.
- * Used: Seven bytes of 00. Why: The register has seven bytes, 11h to 17h; five bytes written from
- * 11h on leave 16h and 17h, most of the multiturn part, as they were. [10 p.52; it: 10 p.53]
+ * Erratum preset_limit (settled, wrong limit).
+ * Erratum preset_revolutions (settled, wrong limit).
+ * Erratum preset_bits_below_lsb (open, omission).
+ * Erratum biss_bank_select (open, omission).
+ * Erratum preset_default_length (settled, wrong data).
  *   bits 55:49                        -           always zero.
  *   from bit 49 - multiturn_bits up   multiturn   multiturn_bits bits.
  *   from bit 33 up                    -           16 - multiturn_bits bits. always zero.
@@ -2536,8 +2413,7 @@ static inline lika_result lika_amm5_write_preset(
  * C-mode [6.4 p.38; it: 6.4 p.38; 10 p.52].
  * Opens and closes the Preset registers for writing.
  * The list of defaults (section 10) gives 00, although the register cannot be read.
- * Erratum biss_bank_select (open, omission): Printed: Register 40h is Preset setting enable; the
- * preset is at 11h to 17h. Used: As printed. [6.4 p.38; prot: p.14-15]
+ * Erratum biss_bank_select (open, omission).
  */
 #define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_ADDRESS 0x40U
 #define LIKA_AMM5_REG_PRESET_SETTING_ENABLE_LENGTH 1U /* byte */
@@ -2570,11 +2446,7 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * it: 6.4 p.39].
  * Year and week of production and a running number, as decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
- * Erratum serial_number_order (open, wrong data): Printed: 44h to 47h read 0A E8 69 EE, decimal 18
- * 30 03630. Used: High byte first, as printed. Why: The manual of the AMM36, a sister with the same
- * example, reads EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
- * one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may answer in the other
- * order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
+ * Erratum serial_number_order (open, wrong data): Used: High byte first, as printed.
  *   bits 31:0  serial
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
@@ -2716,8 +2588,7 @@ static inline lika_result lika_amm5_write_command(
  * Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
- * Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all
- * models. Used: As printed. [6.4 p.39; prot: p.14-15]
+ * Erratum device_id_shared (open, omission).
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -3120,18 +2991,9 @@ static inline lika_result lika_amm5_activate_preset(
  * Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with
  * or without an external battery.
  * The ten requests have to follow one another: stop polling the position meanwhile.
- * Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and
- * multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and
- * multiturn. Why: The table says it twice, the note only in passing. But public T-format documents
- * know three resets, of the data in one revolution, of the multiturn data, and of errors; with C
- * and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
- * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
- * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
- * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
- * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
- * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
- * printed. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum data_id_8_scope (open, wrong data): Used: The table, singleturn and multiturn.
+ * Erratum reset_interval (open, omission).
+ * Erratum reset_standstill (open, wrong limit).
  */
 #define LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT 2U
 
@@ -3164,15 +3026,9 @@ static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
  * Result: Multiturn data are 0, singleturn data are not reset; the latched errors (PS error, ST
  * error, MT error; by 7.4.1 the battery alarm as well) are cleared.
  * The ten requests have to follow one another: stop polling the position meanwhile.
- * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
- * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
- * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
- * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
- * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
- * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
- * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
- * printed. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum battery_alarm_reset (open, omission).
+ * Erratum reset_interval (open, omission).
+ * Erratum reset_standstill (open, wrong limit).
  */
 #define LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT 2U
 
@@ -3204,15 +3060,9 @@ static inline lika_result lika_amm5_reset_multiturn_and_errors(
  * Result: The latched errors (PS error, ST error, MT error; by 7.4.1 the battery alarm as well) are
  * cleared.
  * The ten requests have to follow one another: stop polling the position meanwhile.
- * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
- * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
- * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
- * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
- * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
- * request before the next one begins. [7.4.2 p.45; it: 7.4.2 p.45]
- * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
- * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
- * printed. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum battery_alarm_reset (open, omission).
+ * Erratum reset_interval (open, omission).
+ * Erratum reset_standstill (open, wrong limit).
  */
 #define LIKA_AMM5_RESET_ERRORS_STEPS_COUNT 2U
 
@@ -3247,9 +3097,7 @@ static inline lika_result lika_amm5_reset_errors(
  * Detected: In normal operation, when the main power is turned on.
  * Goes away with its cause.
  * Remedy: Clears itself (speed of rotation down to 300 rpm or less).
- * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
- * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. [7.4.1
- * p.44; it: 7.4.1 p.44]
+ * Erratum busy_clear (open, omission).
  */
 #define LIKA_AMM5_ALARM_BUSY_MASK 0x02U
 
@@ -3282,12 +3130,8 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
- * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
- * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
- * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
- * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
- * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
- * 7 and C clear it as well. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum battery_range (open, wrong limit).
+ * Erratum battery_alarm_reset (open, omission).
  */
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_MASK 0x80U
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U
@@ -3300,9 +3144,7 @@ static inline lika_result lika_amm5_reset_errors(
  * Stays until it is reset.
  * Remedy: Reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
- * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
- * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
- * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
+ * Erratum battery_range (open, wrong limit).
  */
 #define LIKA_AMM5_ALARM_MT_ERROR_MASK 0x40U
 #define LIKA_AMM5_ALARM_MT_ERROR_BELOW_MV 3050U
@@ -3314,6 +3156,166 @@ static inline lika_result lika_amm5_reset_errors(
  * with the 5 V supply on, so that the position is kept [4.3.1 p.23].
  */
 #define LIKA_AMM5_BATTERY_REPLACEMENT_AT_MOST_US 60000000U
+
+/* -- errata ------------------------------------------------------------------------------------ */
+
+/*
+ * Erratum heading_g1 (settled, wrong limit): Printed: Heading of the cable table: ...G1-... and
+ * ...SC1-... order codes. Used: ...BG1-... and ...SC1-... Why: The connector that the cable mates
+ * with (4.1.1) and all lists of models have BG1; no model has G1. [4.1.2 p.20; it: 4.1.2 p.21]
+ * Erratum battery_range (open, wrong limit): Printed: Battery voltage between 3 V and 5.5 V; alarms
+ * below 3.15 V (Battery alarm) and below 3.05 V (MT error). Used: Both as printed. Why: From 3.00 V
+ * to 3.15 V a battery is within its range and raises an alarm all the same. [4.3 p.23; 7.4.1 p.44]
+ * Erratum ssi_output_code (settled, wrong data): Printed: 5.1: the output code can be Binary or
+ * Gray, see the order code. 5.2: the output code is BINARY, see the order code. Used: Binary. Why:
+ * 5.1 describes SSI in general, 5.2 this encoder; the order code has no place for a code and only
+ * one SSI variant, BG1. [5.1; 5.2]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits
+ * (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least as many clocks as data bits. Used:
+ * Neither is enforced; n + 1 clocks satisfy both. Why: With the word aligned to the left, a clock
+ * too many brings a zero after it, one too few may lose the LSB. [5.1; 5.2; it: 5.1]
+ * Erratum ssi_table_65kkg1 (settled, wrong limit): Printed: AMM5A17/65KKG1... and five more in the
+ * English table of word lengths. Used: 65KBG1. Why: The table just below it and the Italian edition
+ * have 65KBG1; no model has KG1. [5.2; it: 5.2]
+ * Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on
+ * which of singleturn and multiturn comes first in the position. Used: Multiturn first, as the more
+ * significant part; singleturn after it. Why: The Preset registers hold one number with multiturn
+ * above singleturn (6.4). Figures that might show the order are lost. [5.2; 6.2.1 p.32; 6.4]
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 4 MHz. [5.3]
+ * Erratum profile_id_missing (open, omission): Printed: The encoder complies with the "Standard
+ * encoder profile"; no register 42h to 43h is listed. Used: No profile ID. Why: The BiSS register
+ * map keeps the profile ID at 42h to 43h. What an unlisted register answers, the manual does not
+ * say. [6 p.31; 6.4 p.35; prot: p.14-15]
+ * Erratum scd_length (settled, wrong data): Printed: SCD data is nbitres+7 long. Used:
+ * position_bits + 8. Why: Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres +
+ * 8; nbitres+7 is the number of the top bit in the table. [6.2.1 p.32; it: 6.2.1 p.32]
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. Why: Public BiSS
+ * documents begin with 0 unless something else is stated, and BiSS devices may have another. With
+ * another start value every frame fails its CRC, with or without errors on the line. [6.2.1 p.33;
+ * 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum error_bits_leds_alarms (open, omission): Printed: nE and LED 1: misalignment and the
+ * like, or battery spent, see MT error. nW and LED 2: an error in the magnetic multiturn system, or
+ * battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY flag, PS error, Battery
+ * alarm and MT error. Used: Each as printed, none derived from another. Why: They do not map one to
+ * one. MT error means a spent battery over RS-485 and belongs to LED 1, yet an error of the
+ * multiturn system is the warning of LED 2. PS error and BUSY flag have neither LED nor bit of
+ * their own, nor is ST error named with nE. A spent battery is an error over BiSS and in the same
+ * bit as a low one over RS-485. [6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51]
+ * Erratum unused_status_bits (open, omission): Printed: EI_3 to EI_0 and four more bits of SF and
+ * ALMC: 0. Used: A reply that has them otherwise is decoded, and reports them; its position is
+ * usable with a warning. Why: What another value means is not said. Later firmware may use such a
+ * bit, and sync, data ID, parity and CRC prove the frame without it. [7.3.2 p.42; 7.4 p.43]
+ * Erratum position_under_error (open, omission): Printed: BUSY: all position data are 0. A spent
+ * battery: the encoder cannot operate. A low one, with the warning alone: the position is kept.
+ * What the other errors do to the position is not said. Used: Not usable with an error, BUSY, PS
+ * error, ST error or MT error, latched ones until they are reset. Usable with a warning with the
+ * warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, battery alarm and MT error,
+ * makes it not usable, unless the frame carries these four as well (data ID 3): then they decide.
+ * Why: PS error and ST error are faults of the counting itself, and the position may have been
+ * counted wrongly before the error was seen. Where EE_1 is all there is, the position may be the 0
+ * of BUSY. The warning bit also stands for an error in the magnetic multiturn system, so that the
+ * number of revolutions may be wrong with it; the manual calls it a warning all the same. After a
+ * spent battery the singleturn position is right (4.3.2, step 9); replies that carry it alone are
+ * held not usable all the same. [6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1
+ * p.44]
+ * Erratum preset_limit (settled, wrong limit): Printed: English: less than the total hardware
+ * resolution. Italian: less than or equal to it (minore o uguale). Used: At most 2^position_bits -
+ * 1. Why: The total resolution itself needs one bit more than the register has for it. [6.4; it:
+ * 6.4]
+ * Erratum preset_revolutions (settled, wrong limit): Printed: English: the number of revolutions is
+ * always 65,536 in all models. Italian: in all multiturn models. Used: Singleturn models have no
+ * multiturn bits; their bits 48:33 are taken as 0. Why: Models of 1 revolution exist (preliminary
+ * information, 5.2, 6.2.1). What their bits 48:33 hold is not said. [6.4; it: 6.4]
+ * Erratum preset_bits_below_lsb (open, omission): Printed: Only bits 9:8 and byte 11h are said to
+ * be 0; the lowest singleturn bit is 12 at 21 bits and 16 at 17 bits. Used: All bits below the
+ * lowest singleturn bit are 0. Why: The example at 21 bits has 0 in bits 11:8 (byte 12h is 30h),
+ * and the AMM80 manual has the same at 20 bits; bits 15:10 at 17 bits are stated nowhere. [6.4;
+ * amm80: 6.4 p.40]
+ * Erratum biss_bank_select (open, omission): Printed: Register 40h is Preset setting enable; the
+ * preset is at 11h to 17h. Used: As printed. Why: In the BiSS register map 40h selects the bank and
+ * 00h to 3Fh is the area that it switches. A master that follows the map may write 40h on its own:
+ * bank 1 would open the preset, bank 0 close it. [6.4 p.38; prot: p.14-15]
+ * Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all
+ * models. Used: As printed. Why: BiSS asks for another device ID where the data length differs. The
+ * SC1 models have six lengths; unless the release bytes, printed as xx, differ with them, a master
+ * cannot tell the models apart. [6.4 p.39; prot: p.14-15]
+ * Erratum serial_number_order (open, wrong data): Printed: 44h to 47h read 0A E8 69 EE, decimal 18
+ * 30 03630. Used: High byte first, as printed. Why: The manual of the AMM36, a sister with the same
+ * example, reads EE 69 E8 0A from 44h to 47h and reverses it; that of the AMM80 agrees with this
+ * one. Manual 1.7 updated the registers 44h to 47h, so that an older AMM5 may answer in the other
+ * order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38; amm80: 6.4 p.41]
+ * Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is
+ * worked out for 50 kHz as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz.
+ * [6.5 p.40; prot: p.18]
+ * Erratum control_field_structure (settled, omission): Printed: One byte for each data ID, without
+ * its structure. Used: Bits 2:0 are 010, bits 6:3 the data ID, bit 7 the even parity of the data
+ * ID. Why: All nine printed bytes fit this structure, which public sources give for the T-format.
+ * [7.3.1 p.42; stmbl: src/comps/smartabs.c]
+ * Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used:
+ * 23h is what the encoder ID should be; a frame with another one is decoded, and the other one
+ * reported. Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's
+ * sample prints ENID 0x17. The 23h may be a decimal 23 that was taken for hexadecimal, and the
+ * value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1 p.42; 7.4 p.43;
+ * hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+ * Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error,
+ * Battery alarm, or MT error. Used: One flag, status_other_error; the position beside it is not to
+ * be trusted until ALMC has been read. Why: BUSY does not latch, and all position data are 0
+ * meanwhile; the other three latch, and the position may be right. In the replies to data IDs 0, 1,
+ * 2, 7, 8 and C nothing tells them apart; data ID 3 has ALMC, which does. [7.3.2 p.42; 7.4.1 p.44]
+ * Erratum battery_alarm_reset (open, omission): Printed: 7.4.1: Battery alarm latches and is reset
+ * with ID 7 or C. 7.4.2: these reset all latch errors (PS error, ST error, MT error). Used: Data ID
+ * 7 and C clear it as well. Why: 7.4.1 says so for this alarm by name; the lists in 7.4.2 claim to
+ * be of all latched errors and leave it out. [7.4.1 p.44; 7.4.2 p.45]
+ * Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and
+ * multiturn data. Note: singleturn data resetting after Data ID 8. Used: The table, singleturn and
+ * multiturn. Why: The table says it twice, the note only in passing. But public T-format documents
+ * know three resets, of the data in one revolution, of the multiturn data, and of errors; with C
+ * and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
+ * docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
+ * Erratum mem_busy_position (open, wrong data): Printed: MEM BUSY is bit 0 of the address field,
+ * the address is bits 7:1, so that address 5 is sent as 0Ah. Used: Either, by a decision of the
+ * user that has no default. A wrong one reaches twice the address or half of it, and a write
+ * destroys other data there: read before you write, and compare. Why: Two independent T-format
+ * stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F 01 4C (page 1), 32
+ * 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 is 1, though
+ * as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for address 5,
+ * where this manual has EA 0A E0. Only address 0 is the same in both. [7.5 p.46; hpm_sdk:
+ * samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk:
+ * tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
+ * Erratum crc_example_frame (settled, wrong data): Printed: Request 02h, reply 32h 10h 01h 28h B0h
+ * 08h B3h with fields CF, SF, DF0 to DF3, CRC. Used: A check of the CRC only; as a reply it is
+ * refused for its length. Why: The CRC is right. A reply begins with the control field of its
+ * request; 32h is that of data ID 6, whose reply has four bytes and no SF. No data ID has four data
+ * bytes. [7.6]
+ * Erratum crc_code_bit_order (settled, wrong data): Printed: Data is configured LSB first; the
+ * printed code takes the bits of a string in order. Used: The XOR of all bytes before the CRC,
+ * which is x^8 + 1 with input and output reflected. Why: Fed with the bits of the example LSB first
+ * the code returns CDh, the printed B3h with its bits reversed; it returns B3h only when each byte
+ * is fed MSB first. [7.6]
+ * Erratum preset_default_length (settled, wrong data): Printed: Default of Preset: 00 00 00 00 00.
+ * Used: Seven bytes of 00. Why: The register has seven bytes, 11h to 17h; five bytes written from
+ * 11h on leave 16h and 17h, most of the multiturn part, as they were. [10 p.52; it: 10 p.53]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission
+ * intervals of 40 us or more. Used: No other request in between, and 40 us or more after each
+ * request before the next one begins. Why: Whether an interval is the gap between two requests or
+ * runs from start to start is not said; a gap of 40 us satisfies both. Nor is said whether a
+ * request with another data ID begins the count anew. [7.4.2 p.45; it: 7.4.2 p.45]
+ * Erratum reset_standstill (open, wrong limit): Printed: Note on data IDs C and 7: while the shaft
+ * is in stop (rotational speed 300 rpm or less). Used: At a standstill, that is 300 rpm or less, as
+ * printed. Why: A shaft at 300 rpm does not stand still. The descriptions of C and 7 have no
+ * condition at all, and that of data ID 8 asks for a stop without a speed. [7.4.2 p.45; it: 7.4.2
+ * p.45]
+ * Erratum busy_clear (open, omission): Printed: BUSY flag: returns to 0 when the delay is over. How
+ * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. Why: The
+ * description knows no speed. Whether power-on above 300 rpm keeps the flag set, with all position
+ * data at 0, is not said. [7.4.1 p.44; it: 7.4.1 p.44]
+ */
 
 #ifdef __cplusplus
 }

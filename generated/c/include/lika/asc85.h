@@ -25,7 +25,8 @@
  *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
+ * decides, open where only hardware or the manufacturer could. Each is named where it bites, and
+ * told at the end of this header, with its reason. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -60,15 +61,8 @@ extern "C" {
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum supply_digit (open, omission): Printed: The supply voltage is explained for SC1 and SC2
- * only, as an example; BG and GG stand with three dots. Used: 1 and 2 mean the same after BG and
- * GG; any other digit is accepted as unlisted. [Cover; 4 p.13; 5 p.15]
- * Erratum ssi_code_letters (open, wrong data): Printed: The output code can be Gray or binary, see
- * the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
- * binary, GG is Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary; the
- * SMA21 manual calls the output of its G1x models Gray and has BG and GG beside them. That the
- * letters mean the same here is an inference. Turn the shaft slowly: if neighbouring positions
- * jump, the code is the other one. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
+ * Erratum supply_digit (open, omission).
+ * Erratum ssi_code_letters (open, wrong data): Used: BG is binary, GG is Gray.
  */
 
 /* What differs between order codes. */
@@ -281,11 +275,12 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (everything from the position to the warning bit, the constant 0
  * included) are those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22;
- * prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^6 leaves x^1 + 1; squared, x^12 leaves x^2 + 1, then x^24 leaves x^4 + 1. So the
+ * bits h from s = 6, 12, 24 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 6 bits are left.
  */
 static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 {
@@ -306,11 +301,12 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
  * p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22;
- * prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^4 leaves x^1 + 1; squared, x^8 leaves x^2 + 1, then x^16 leaves x^4 + 1. So the
+ * bits h from s = 4, 8, 16 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 4 bits are left.
  */
 static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 {
@@ -376,15 +372,9 @@ static inline const lika_report_text *lika_asc85_report_text(uint32_t reports)
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
  * p.16].
  * Code: binary or Gray, by order code [5.2 p.16].
- * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
- * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
- * within the range. [5.3 p.17]
- * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
- * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
- * the table no cable may be run at 400 kHz to 4 MHz. [5.3 p.17]
- * Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 12 us (Tp > 12 us); Tm has a
- * typical duration of 12 us. Used: At least 12 us; take more. [5.1; 5.3 p.17; amm5: 5.3; sma21:
- * 5.3]
+ * Erratum ssi_cable_400_m (open, wrong limit).
+ * Erratum ssi_cable_50_m (open, wrong limit).
+ * Erratum ssi_pause (open, wrong limit).
  */
 #define LIKA_ASC85_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 4 MHz [5.3 p.17]. */
 #define LIKA_ASC85_SSI_CLOCK_MAX_HZ 4000000U
@@ -480,20 +470,9 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  * As many bits as the position has, 20 to 25, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit, no CRC, and not the constant 0 bit of the BiSS
  * frame.
- * Erratum ssi_code_letters (open, wrong data): Printed: The output code can be Gray or binary, see
- * the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
- * binary, GG is Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary; the
- * SMA21 manual calls the output of its G1x models Gray and has BG and GG beside them. That the
- * letters mean the same here is an inference. Turn the shaft slowly: if neighbouring positions
- * jump, the code is the other one. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
- * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits,
- * 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1
- * clocks satisfy both. [5.1; 5.2]
- * Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
- * Used: 19:0 to 24:0, with bit 0 as the LSB. Why: The words are 20 to 25 bits long, by the table of
- * lengths, which leaves no room for a further bit at 0; everything else in the manual counts from
- * 0. (The SMA21 manual numbers its position n ... 1 as well, and has an error bit at 0.). [5.2;
- * sma21: 5.2]
+ * Erratum ssi_code_letters (open, wrong data): Used: BG is binary, GG is Gray.
+ * Erratum ssi_clock_count (open, wrong limit).
+ * Erratum ssi_bit_numbers (settled, wrong data).
  *   from bit 0 up  position  position_bits bits.
  */
 typedef struct lika_asc85_ssi_word {
@@ -550,8 +529,7 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
  * Network: point to point, one slave only [6 p.19].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  * main fields and refers to the BiSS C protocol description for the whole structure.
- * Erratum biss_timeout (open, omission): Printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz).
- * Used: The one value; no rule for other clocks. [6.5 p.32; prot: p.18; amm5: 6.5 p.40]
+ * Erratum biss_timeout (open, omission).
  */
 #define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 10 MHz [6.5 p.32]. */
 #define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U
@@ -620,27 +598,12 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
  * In the manual: Single Cycle Data SCD.
  * position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads
  * a bit less, without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
- * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
- * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
- * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
- * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
- * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
- * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
- * onstepx: src/lib/encoder/bissc/Asc85.cpp]
- * Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1
- * bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
- * Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
- * SMA21 manual the same byte differs with the model and is its data length. Another ID at a lower
- * resolution is likely; a public controller with the same registers knows 24 or 26 singleturn bits
- * only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
- * Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error
- * register; its six bits are all called errors. Used: No bit of the error register is taken as a
- * warning; all are active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
- * Erratum position_under_error (open, omission): Printed: nE and nW tell of an active error or
- * warning; what the position is worth then is not said. Used: Not usable with an error; usable with
- * a warning with a warning. [6.2.1 p.20; 6.4 p.29]
+ * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
+ * and error bit.
+ * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
+ * of position_bits + 9 bits.
+ * Erratum warning_sources (open, omission).
+ * Erratum position_under_error (open, omission).
  *   from bit 9 up  position  position_bits bits.
  *   bit 8          zero      0: Always 0, between position and error bit.
  *   bit 7          error
@@ -808,21 +771,10 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  * Printed once for all models, although the data length fits only the one of 25 bits; so the length
  * is not taken to tell the encoder. For the variant the manual refers to the standard encoder
  * profile, data format.
- * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
- * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
- * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
- * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
- * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
- * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
- * onstepx: src/lib/encoder/bissc/Asc85.cpp]
- * Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1
- * bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
- * Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
- * SMA21 manual the same byte differs with the model and is its data length. Another ID at a lower
- * resolution is likely; a public controller with the same registers knows 24 or 26 singleturn bits
- * only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
+ * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
+ * and error bit.
+ * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
+ * of position_bits + 9 bits.
  */
 #define LIKA_ASC85_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_ASC85_REG_PROFILE_ID_LENGTH 2U /* bytes, 42h to 43h */
@@ -901,8 +853,7 @@ static inline lika_result lika_asc85_read_profile_id(
  * Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
  * Serial number of the device, in ascending order.
  * Byte order: high byte first, at 44h.
- * Erratum serial_number_digits (open, omission): Printed: Serial number in ascending order, with
- * the example 171256846. Used: One number. [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]
+ * Erratum serial_number_digits (open, omission).
  *   bits 31:0  serial
  */
 #define LIKA_ASC85_REG_SERIAL_NUMBER_ADDRESS 0x44U
@@ -1084,9 +1035,7 @@ static inline lika_result lika_asc85_read_diagnostic_data(
  * Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25; 6.4 p.26].
  * Command register, the side of Command & status that is written.
  * A read of the same address reaches Command & status, Status mode instead.
- * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
- * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
- * p.26; 6.4 p.30; icmr: p.26]
+ * Erratum cycle_counter (open, omission).
  */
 #define LIKA_ASC85_REG_COMMAND_ADDRESS 0x60U
 #define LIKA_ASC85_REG_COMMAND_LENGTH 1U /* byte */
@@ -1160,20 +1109,10 @@ static inline lika_result lika_asc85_write_command(
  * Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
  * Present status of the system, the side of Command & status that is read.
  * A write to the same address reaches Command & status, Command mode instead.
- * Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2
- * Absolute data valid. List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the
- * eight bits once and has Internal data bus busy at bit 2. A public controller with the same
- * commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28; icmr: p.41]
- * Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status
- * bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each
- * of the eight bits once and has the write access to the EDS memory area at bit 3. A public
- * controller with the same commands lists its status byte in the order of the list. [6.4 p.26; 6.4
- * p.27; 6.4 p.28; icmr: p.41]
- * Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error
- * register; its six bits are all called errors. Used: No bit of the error register is taken as a
- * warning; all are active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
- * Erratum eds_bank_missing (open, omission): Printed: Status bit 3: write access permitted to the
- * EDS memory area. No registers 40h and 41h are listed. Used: No EDS. [6.4 p.22; prot: p.14-15]
+ * Erratum absolute_data_valid_bit (settled, wrong data).
+ * Erratum internal_data_bus_busy_bit (settled, wrong data).
+ * Erratum warning_sources (open, omission).
+ * Erratum eds_bank_missing (open, omission).
  */
 #define LIKA_ASC85_REG_STATUS_ADDRESS 0x60U
 #define LIKA_ASC85_REG_STATUS_LENGTH 1U /* byte */
@@ -1293,24 +1232,12 @@ static inline lika_result lika_asc85_read_status(
  * 25 bits the 26 bits are taken as the position and, in bit 6, the constant 0 bit of the BiSS
  * frame; with a lower resolution the position is taken as left-aligned too. Low byte first, unlike
  * the other registers of several bytes.
- * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
- * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
- * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
- * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
- * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
- * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
- * onstepx: src/lib/encoder/bissc/Asc85.cpp]
- * Erratum position_register_bits (open, wrong data): Printed: Position: registers 61h to 64h with
- * 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models. Used: The exponents number the bits of the
+ * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
+ * and error bit.
+ * Erratum position_register_bits (open, wrong data): Used: The exponents number the bits of the
  * register: the position is left-aligned at bit 31 and position_bits wide; the bits below it are
- * unspecified. Why: 26 bits are more than any model has; 25 and the constant 0 bit of the frame
- * fill them. Whether the position stays left-aligned at 20 to 24 bits, and what the bits below it
- * hold then, is not said. A public controller with the same addresses holds 26 singleturn bits
- * there. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
- * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
- * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
+ * unspecified.
+ * Erratum error_reset (open, omission).
  *   from bit 32 - position_bits up  position  position_bits bits.
  */
 #define LIKA_ASC85_REG_POSITION_ADDRESS 0x61U
@@ -1378,14 +1305,9 @@ static inline lika_result lika_asc85_read_position(
  * Error and warning messages that are active at present.
  * Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both,
  * too. Reading out position data resets a message; while its cause lasts it appears again.
- * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
- * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
- * p.26; 6.4 p.30; icmr: p.26]
- * Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error
- * register; its six bits are all called errors. Used: No bit of the error register is taken as a
- * warning; all are active errors. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
- * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
- * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
+ * Erratum cycle_counter (open, omission).
+ * Erratum warning_sources (open, omission).
+ * Erratum error_reset (open, omission).
  */
 #define LIKA_ASC85_REG_ERROR_REGISTER_ADDRESS 0x69U
 #define LIKA_ASC85_REG_ERROR_REGISTER_LENGTH 1U /* byte */
@@ -1493,8 +1415,7 @@ static inline lika_result lika_asc85_read_error_register(
  * Byte order: high byte first, at 78h.
  * The revision table of the manual has hardware 0 and software 1, which are the two characters of
  * the release.
- * Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for
- * all models. Used: As printed. [6.4 p.31; prot: p.14-15]
+ * Erratum device_id_shared (open, omission).
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -1728,8 +1649,7 @@ static inline const lika_asc85_order_code *lika_asc85_next_candidate(
 /*
  * Request new position data and read them [6.4 p.26].
  * Result: The position register holds the position that was asked for.
- * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
- * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
+ * Erratum error_reset (open, omission).
  */
 #define LIKA_ASC85_REQUEST_POSITION_STEPS_COUNT 6U
 
@@ -1782,11 +1702,7 @@ static inline lika_result lika_asc85_request_position(
  * Before: An EEPROM was connected at power-on; without it the command has no effect.
  * Result: The configuration registers and a new check sum are in the EEPROM.
  * The configuration registers, 00h to 2Dh, are reserved to the maker.
- * Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status
- * bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each
- * of the eight bits once and has the write access to the EDS memory area at bit 3. A public
- * controller with the same commands lists its status byte in the order of the list. [6.4 p.26; 6.4
- * p.27; 6.4 p.28; icmr: p.41]
+ * Erratum internal_data_bus_busy_bit (settled, wrong data).
  */
 #define LIKA_ASC85_SAVE_CONFIGURATION_STEPS_COUNT 3U
 
@@ -1836,13 +1752,8 @@ static inline lika_result lika_asc85_save_configuration(
  * How long the reading takes is not said, nor that Absolute data valid goes to 0 first. After a
  * reading that failed the bit does not become 1: give up after a while and look at the error
  * register.
- * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
- * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
- * p.26; 6.4 p.30; icmr: p.26]
- * Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2
- * Absolute data valid. List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the
- * eight bits once and has Internal data bus busy at bit 2. A public controller with the same
- * commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28; icmr: p.41]
+ * Erratum cycle_counter (open, omission).
+ * Erratum absolute_data_valid_bit (settled, wrong data).
  */
 #define LIKA_ASC85_READ_ABSOLUTE_DATA_STEPS_COUNT 3U
 
@@ -1944,11 +1855,7 @@ static inline lika_result lika_asc85_software_reset(
 /*
  * Verify the CRC of the configuration [6.4 p.27].
  * Result: Configuration error tells whether the configuration registers agree with their check sum.
- * Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status
- * bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each
- * of the eight bits once and has the write access to the EDS memory area at bit 3. A public
- * controller with the same commands lists its status byte in the order of the list. [6.4 p.26; 6.4
- * p.27; 6.4 p.28; icmr: p.41]
+ * Erratum internal_data_bus_busy_bit (settled, wrong data).
  */
 #define LIKA_ASC85_VERIFY_CONFIGURATION_STEPS_COUNT 3U
 
@@ -2077,8 +1984,7 @@ static inline lika_result lika_asc85_clear_simulated_error(
 /*
  * Look up and reset errors and warnings [6.4 p.29].
  * Result: The messages are reset; those whose cause lasts are there again.
- * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
- * data. Used: Reading the position register. [6.4 p.29; icmr: p.42]
+ * Erratum error_reset (open, omission).
  */
 #define LIKA_ASC85_RESET_ERRORS_STEPS_COUNT 7U
 
@@ -2137,8 +2043,7 @@ static inline lika_result lika_asc85_reset_errors(
  * Identify the encoder [6.4 p.22].
  * Result: It is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and
  * supplies, so that only the label tells the rest of the order code.
- * Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for
- * all models. Used: As printed. [6.4 p.31; prot: p.14-15]
+ * Erratum device_id_shared (open, omission).
  */
 #define LIKA_ASC85_IDENTIFY_STEPS_COUNT 14U
 
@@ -2234,9 +2139,7 @@ static inline lika_result lika_asc85_identify(
  * Stays until it is reset.
  * Remedy: Reset upon reading out position data; appears again while its cause lasts.
  * Cleared by: reset_errors.
- * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
- * Synchronization error is about the cycle counter and the interpolator. Used: As printed. [6.4
- * p.26; 6.4 p.30; icmr: p.26]
+ * Erratum cycle_counter (open, omission).
  */
 #define LIKA_ASC85_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U
 
@@ -2275,6 +2178,116 @@ static inline lika_result lika_asc85_identify(
  * Cleared by: reset_errors.
  */
 #define LIKA_ASC85_ALARM_ABSOLUTE_DATA_ERROR_MASK 0x40U
+
+/* -- errata ------------------------------------------------------------------------------------ */
+
+/*
+ * Erratum supply_digit (open, omission): Printed: The supply voltage is explained for SC1 and SC2
+ * only, as an example; BG and GG stand with three dots. Used: 1 and 2 mean the same after BG and
+ * GG; any other digit is accepted as unlisted. Why: The table of connections and its footnote, the
+ * supply voltage as in the order code, hold for SSI and BiSS alike. Which digits exist is not
+ * listed. [Cover; 4 p.13; 5 p.15]
+ * Erratum ssi_code_letters (open, wrong data): Printed: The output code can be Gray or binary, see
+ * the order code; the order codes are BG and GG, without a word on which is which. Used: BG is
+ * binary, GG is Gray. Why: The AMM5 manual has one SSI code, BG1, and calls its output binary; the
+ * SMA21 manual calls the output of its G1x models Gray and has BG and GG beside them. That the
+ * letters mean the same here is an inference. Turn the shaft slowly: if neighbouring positions
+ * jump, the code is the other one. [Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: up to n + 1 rising edges for n bits,
+ * 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is enforced; n + 1
+ * clocks satisfy both. Why: With the word aligned to the left, a clock too many brings a zero after
+ * it, one too few may lose the LSB. [5.1; 5.2]
+ * Erratum ssi_bit_numbers (settled, wrong data): Printed: SSI bits numbered 20 ... 1 to 25 ... 1.
+ * Used: 19:0 to 24:0, with bit 0 as the LSB. Why: The words are 20 to 25 bits long, by the table of
+ * lengths, which leaves no room for a further bit at 0; everything else in the manual counts from
+ * 0. (The SMA21 manual numbers its position n ... 1 as well, and has an error bit at 0.). [5.2;
+ * sma21: 5.2]
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3 p.17]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 4 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 4 MHz. [5.3 p.17]
+ * Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 12 us (Tp > 12 us); Tm has a
+ * typical duration of 12 us. Used: At least 12 us; take more. Why: "At least" allows 12 us, the
+ * sign ">" does not. A pause of just 12 us leaves no margin anyway: the encoder is ready again only
+ * after Tm, and the typical Tm is too short for every encoder whose Tm is longer. The AMM5 manual
+ * asks for 20 us with the same Tm, the SMA21 manual for 16 us. [5.1; 5.3 p.17; amm5: 5.3; sma21:
+ * 5.3]
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. Why: Public BiSS
+ * documents begin with 0 unless something else is stated, and so does the one public driver for
+ * this encoder; but a public controller with the same registers lets its maker set any start value.
+ * With another one every frame fails its CRC, with or without errors on the line. [6.2.1 p.21; 6.3
+ * p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter;
+ * Synchronization error is about the cycle counter and the interpolator. Used: As printed. Why:
+ * This encoder has one turn and no revolutions to count. What the counter counts is not said; in a
+ * public controller with the same commands it counts the periods of the sine and cosine signals,
+ * within the turn. [6.4 p.26; 6.4 p.30; icmr: p.26]
+ * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
+ * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
+ * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
+ * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
+ * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
+ * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
+ * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
+ * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
+ * onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1
+ * bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
+ * Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
+ * SMA21 manual the same byte differs with the model and is its data length. Another ID at a lower
+ * resolution is likely; a public controller with the same registers knows 24 or 26 singleturn bits
+ * only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
+ * Erratum serial_number_digits (open, omission): Printed: Serial number in ascending order, with
+ * the example 171256846. Used: One number. Why: In the AMM5 manual the same register holds year,
+ * week and number as decimal digits; read like that the example is 17 12 56846, week 12 of 2017,
+ * two months before this manual. The SMA21 manual has the year in 44h and the week in 45h, which
+ * hold 0Ah and 35h here. [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]
+ * Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2
+ * Absolute data valid. List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the
+ * eight bits once and has Internal data bus busy at bit 2. A public controller with the same
+ * commands lists its status byte in the order of the list. [6.4 p.26; 6.4 p.28; icmr: p.41]
+ * Erratum internal_data_bus_busy_bit (settled, wrong data): Printed: Commands 01 and 04: the status
+ * bit 3 Internal data bus busy. List of status bits: bit 2. Used: Bit 2. Why: The list gives each
+ * of the eight bits once and has the write access to the EDS memory area at bit 3. A public
+ * controller with the same commands lists its status byte in the order of the list. [6.4 p.26; 6.4
+ * p.27; 6.4 p.28; icmr: p.41]
+ * Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error
+ * register; its six bits are all called errors. Used: No bit of the error register is taken as a
+ * warning; all are active errors. Why: Which of them make nE active and set Error message, and
+ * which nW and Warning message, is not said. A public controller with the same registers has two
+ * masks for it, which the maker sets. [6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42]
+ * Erratum position_under_error (open, omission): Printed: nE and nW tell of an active error or
+ * warning; what the position is worth then is not said. Used: Not usable with an error; usable with
+ * a warning with a warning. Why: The errors of the error register concern the signals, the
+ * conversion and the configuration, from all of which the position is made. [6.2.1 p.20; 6.4 p.29]
+ * Erratum position_register_bits (open, wrong data): Printed: Position: registers 61h to 64h with
+ * 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models. Used: The exponents number the bits of the
+ * register: the position is left-aligned at bit 31 and position_bits wide; the bits below it are
+ * unspecified. Why: 26 bits are more than any model has; 25 and the constant 0 bit of the frame
+ * fill them. Whether the position stays left-aligned at 20 to 24 bits, and what the bits below it
+ * hold then, is not said. A public controller with the same addresses holds 26 singleturn bits
+ * there. [6.2.1 p.20; 6.4 p.29; icmr: p.33]
+ * Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position
+ * data. Used: Reading the position register. Why: Each BiSS frame carries the position, and a
+ * register is read bit by bit over many frames: should a frame count as reading out, a message
+ * would be reset before the register can show it. The manual does not say which reading is meant.
+ * [6.4 p.29; icmr: p.42]
+ * Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for
+ * all models. Used: As printed. Why: BiSS asks for another device ID where the data length differs.
+ * The SC models have six lengths; with the profile ID the same as well, a master cannot tell the
+ * models apart. [6.4 p.31; prot: p.14-15]
+ * Erratum biss_timeout (open, omission): Printed: BiSS time-out: adaptive (typ. 0.35 us @ 10 MHz).
+ * Used: The one value; no rule for other clocks. Why: An adaptive time-out follows the clock, but
+ * how is not said. At 10 MHz the one and a half clock periods of the BiSS description and of the
+ * AMM5 manual are 0.15 us; 0.35 us are three and a half. [6.5 p.32; prot: p.18; amm5: 6.5 p.40]
+ * Erratum eds_bank_missing (open, omission): Printed: Status bit 3: write access permitted to the
+ * EDS memory area. No registers 40h and 41h are listed. Used: No EDS. Why: In the BiSS register map
+ * 40h selects the bank and 41h holds the EDS bank. Whether there is an EDS, and where, is not said.
+ * [6.4 p.22; prot: p.14-15]
+ */
 
 #ifdef __cplusplus
 }

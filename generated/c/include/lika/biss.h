@@ -506,7 +506,7 @@ static inline bool lika_biss_master_next(lika_biss_master *master, bool cds)
 /* The frames that an access takes until the first S is answered, zeros before it included. */
 #define LIKA_BISS_LATE_FRAMES 35U
 
-/* The slave is busy, but the bit after S is on its way: gives this try up, and has the next begin. */
+/* The slave is busy, but the bit after S is on its way: gives this try up, and begins the next. */
 static inline bool lika_biss_late_busy(lika_biss_master *master)
 {
     const uint32_t passed = (uint32_t)master->busy + LIKA_BISS_LATE_FRAMES;
@@ -605,8 +605,9 @@ static inline bool lika_biss_late_byte(lika_biss_master *master, bool cds)
  * sends the bit after S in the belief that the slave is not busy. Where it is, zeros follow, which
  * store nothing, and the access begins again with the register it was at: to write until the slave
  * is ready; to read with S repeated until it is answered, of which the last falls into the place of
- * DATA7. That a slave that is read does not look at that bit is inferred. An access to one register takes 47 frames, each further
- * one 14 more, each new beginning 35. With a busy limit of 0 it does not begin again.
+ * DATA7. That a slave that is read does not look at that bit is inferred. An access to one register
+ * takes 47 frames, each further one 14 more, each new beginning 35. With a busy limit of 0 it does
+ * not begin again.
  */
 static inline bool lika_biss_master_next_late(lika_biss_master *master, bool cds)
 {

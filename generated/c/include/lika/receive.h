@@ -15,9 +15,9 @@
  *   lika_biss_receive(rx, sizeof rx, <order code>_BISS_BITS, &word)
  *
  * What these functions see is told apart by its fault: LINE_HIGH is a cut cable or no supply,
- * LINE_LOW an encoder that is still busy or a short, NO_START and LENGTH a buffer that is too short,
- * CONSTANT a frame that is shorter or longer than said. Everything inside the word is for its
- * decoder.
+ * LINE_LOW an encoder that is still busy or a short, NO_START and LENGTH a buffer that is too
+ * short, CONSTANT a frame that is shorter or longer than said. Everything inside the word is for
+ * its decoder.
  *
  * C99 or C++11. No library, no allocation; the state of a line is in a struct of yours. Pointers
  * must not be null. Nothing here was tried on an encoder.
@@ -149,8 +149,8 @@ static inline lika_result lika_biss_receive(
 }
 
 /*
- * The CDS bit of a frame in which lika_biss_receive found its word, for register access (lika/biss.h).
- * LENGTH: there is no frame.
+ * The CDS bit of a frame in which lika_biss_receive found its word, for register access by
+ * lika/biss.h. LENGTH: there is no frame.
  */
 static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
 {

@@ -27,7 +27,8 @@
  *   asc85: ASC85 manual, English edition 1.0, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
- * decides, open where only hardware or the manufacturer could. Those of wording alone are left out.
+ * decides, open where only hardware or the manufacturer could. Each is named where it bites, and
+ * told at the end of this header, with its reason. Those of wording alone are left out.
  *
  * Decoders and encoders take the variant of the order code first. Of a member that repeats others
  * (a position and its turns, a number and its digits) encoders demand that it agrees with them;
@@ -65,27 +66,12 @@ extern "C" {
  * An encoder whose order code ends in /Sxxx may differ from the standard mechanically and
  * electrically, and may come with documentation of its own for special connections (Technical
  * Info).
- * Erratum order_code_key (open, omission): Printed: See the order code (si veda il codice di
- * ordinazione), for the output code, the supply and the incremental signals. Used: BG is binary and
- * GG is Gray; supply 1 is +5 V, 4 is +5 V to +30 V. [4.1 p.15; 5.1; 5.2 p.20]
- * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
- * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
- * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
- * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
- * Why: The limit of the offset is the whole field less the positions of the resolution, with a
- * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
- * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
- * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25
- * bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why:
- * The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the
- * whole field and not the position, and one bit more has one plus less. A master that takes the
- * length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85: 6.4
- * p.23]
- * Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position
- * by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used:
- * 20 bits at 50 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
- * 7.3.3.2]
+ * Erratum order_code_key (open, omission).
+ * Erratum offset_in_the_padding (open, wrong data): Used: 6.4 while an offset is selected in the
+ * register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros
+ * above the position, and a frame with another bit there is refused.
+ * Erratum profile_variants (open, wrong data): Used: As printed.
+ * Erratum rs485_position_width (open, omission).
  */
 
 /* What differs between order codes. */
@@ -370,11 +356,12 @@ static inline uint8_t lika_sma21_crc_biss_6_entry(uint8_t byte)
  * data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
  * bit first, and the range (position, error and warning bit) are those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27;
- * prot: p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^6 leaves x^1 + 1; squared, x^12 leaves x^2 + 1, then x^24 leaves x^4 + 1. So the
+ * bits h from s = 6, 12, 24 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 6 bits are left.
  */
 static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
 {
@@ -395,11 +382,12 @@ static inline uint8_t lika_sma21_crc_biss_6(uint64_t data)
  * p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0 and the range are
  * those of public BiSS documents.
- * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
- * without a start value; the logic circuits are lost. Used: Start value 0. [6.2 p.26; 6.3 p.27;
- * prot: p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
+ * How it folds: x^4 leaves x^1 + 1; squared, x^8 leaves x^2 + 1, then x^16 leaves x^4 + 1. So the
+ * bits h from s = 4, 8, 16 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
+ * mod 2^s) ^ h ^ (h << 1 ...), until 4 bits are left.
  */
 static inline uint8_t lika_sma21_crc_biss_4(uint64_t data)
 {
@@ -590,12 +578,8 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
  * Alignment: left: the most significant bit comes with the first clock, zeros follow the word [5.2
  * p.20].
  * Code: binary or Gray, by order code [5.2 p.20].
- * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
- * ranges from 100 kHz to 1 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
- * within the range. [5.3 p.22]
- * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
- * ranges from 100 kHz to 1 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
- * the table no cable may be run at 400 kHz to 1 MHz. [5.3 p.22]
+ * Erratum ssi_cable_400_m (open, wrong limit).
+ * Erratum ssi_cable_50_m (open, wrong limit).
  */
 #define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /* Clock: 100 kHz to 1 MHz [5.3 p.22]. */
 #define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U
@@ -700,18 +684,9 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
  * 21, 23, 24, 25 or 26 bits, position and error bit, the most significant first. Further clocks
  * bring zeros after the word. No warning bit and no CRC. Bit 0 is the error bit; the LSB of the
  * position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
- * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: n + 1 rising edges, n being the
- * resolution in bits, 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is
- * enforced; one clock more than the word has bits satisfies both. [5.1; 5.2 p.20]
- * Erratum gray_scope (open, omission): Printed: The output code can be binary or Gray, without
- * saying which bits of the frame it covers. Used: The position alone; error and warning bit and the
- * CRC are sent as they are. [5.2 p.20; 6.4 p.31]
- * Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is
- * right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid
- * position may be frozen, wrong data may be sent. What single alarms and nW do to the position is
- * not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are
- * reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable while none is
- * active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
+ * Erratum ssi_clock_count (open, wrong limit).
+ * Erratum gray_scope (open, omission).
+ * Erratum position_under_error (open, omission).
  *   from bit 1 up  position  position_bits bits.
  *   bit 0          error
  */
@@ -789,14 +764,8 @@ static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *fr
  * Network: point to point, one slave only [6 p.24].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  * main fields and refers to the document "Protocol description C-mode" for the whole structure.
- * Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25
- * bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why:
- * The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the
- * whole field and not the position, and one bit more has one plus less. A master that takes the
- * length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85: 6.4
- * p.23]
- * Erratum biss_timeout (open, omission): Printed: The BiSS time-out adapts itself to the clock, 16
- * us at most, without saying how. Used: At most 16 us. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
+ * Erratum profile_variants (open, wrong data): Used: As printed.
+ * Erratum biss_timeout (open, omission).
  */
 #define LIKA_SMA21_BISS_CLOCK_MIN_HZ 200000U /* Clock: 200 kHz to 10 MHz [6.5 p.34]. */
 #define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U
@@ -869,34 +838,14 @@ static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *fr
  * register Configuration) it takes the whole field. Output code Gray: zeros above a number stay
  * zeros in Gray code, so that it does not matter whether they are taken in; that error and warning
  * bit are not taken in is assumed.
- * Erratum gray_scope (open, omission): Printed: The output code can be binary or Gray, without
- * saying which bits of the frame it covers. Used: The position alone; error and warning bit and the
- * CRC are sent as they are. [5.2 p.20; 6.4 p.31]
- * Erratum scd_length (settled, wrong data): Printed: SCD (32 bit), with a position of 24 or 25
- * bits. Used: 32 bits from 50 um to 2 um, 33 bits at 1 um. Why: Position, error, warning and CRC
- * add up to 25 + 1 + 1 + 6 = 33 at 1 um; the table below has bits 32 to 0 for it. [6.2 p.25]
- * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
- * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
- * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
- * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
- * Why: The limit of the offset is the whole field less the positions of the resolution, with a
- * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
- * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
- * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
- * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
- * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
- * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
- * p.41]
- * Erratum warning_level (open, omission): Printed: Warning, nW, without saying which level means a
- * warning. Used: 0 is a warning, as with the error bit. Why: The name nW and the BiSS documents
- * have it active low. The bit is for Lika's technicians anyway. [6.2 p.26; 9.1]
- * Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is
- * right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid
- * position may be frozen, wrong data may be sent. What single alarms and nW do to the position is
- * not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are
- * reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable while none is
- * active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
+ * Erratum gray_scope (open, omission).
+ * Erratum scd_length (settled, wrong data).
+ * Erratum offset_in_the_padding (open, wrong data): Used: 6.4 while an offset is selected in the
+ * register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros
+ * above the position, and a frame with another bit there is refused.
+ * Erratum position_below_zero (open, omission).
+ * Erratum warning_level (open, omission).
+ * Erratum position_under_error (open, omission).
  *   from bit scd_value_bits + 8 up  padding   position_bits + scd_padding_bits - scd_value_bits
  *                                             bits. Zeros above the position, part of the manual's
  *                                             Posizione; none while an offset is selected. Always
@@ -1025,26 +974,11 @@ static inline uint32_t lika_sma21_single_cycle_data_reports(
  * bit first (7.3.1 to 7.3.4): ten bits, as a serial port with one stop bit sends them. Of a number
  * the low byte comes first. The master asks, the encoder answers with the control field it
  * received. A request is not valid if its sync code, data ID, parity, delimiter or length is wrong.
- * Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed
- * after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets
- * the position to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38; 7.3.3.2
- * p.41]
- * Erratum control_field_structure (settled, omission): Printed: Five bits cc0 to cc4 as ID code.
- * Used: cc0 to cc3 are the data ID, cc4 is its even parity bit. [7.3.1 p.38; 7.2.2 p.37; stmbl:
- * src/comps/smartabs.c]
- * Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is
- * right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid
- * position may be frozen, wrong data may be sent. What single alarms and nW do to the position is
- * not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are
- * reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable while none is
- * active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
- * Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in
- * sequenza), at transmission intervals of 40 us or more. Used: No other request in between, and 40
- * us or more after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
- * Erratum error_bit_level (settled, wrong data): Printed: When the fault is gone the error bit goes
- * to the high level (commuta al livello logico alto). Used: So with SSI and BiSS. Over RS-485 the
- * error bit is high while there is an error, and stays so until it is reset. Why: 7.3.2 and the
- * note in 9.1 say so; section 9 does not tell the interfaces apart. [9 p.47; 9.1; 7.3.2 p.38]
+ * Erratum zero_setting_rs485 (open, wrong limit).
+ * Erratum control_field_structure (settled, omission).
+ * Erratum position_under_error (open, omission).
+ * Erratum reset_interval (open, omission).
+ * Erratum error_bit_level (settled, wrong data).
  */
 /* Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
 #define LIKA_SMA21_RS485_BAUD 2500000U
@@ -1163,21 +1097,10 @@ static inline lika_result lika_sma21_data_request_encode(
  * Carries data_id 4 (position), B (reset_errors) or F (reset_position).
  * position = (DF2 << 16) + (DF1 << 8) + DF0, always binary; bits above the resolution are 0: bit
  * 23, bits 23:22 or bits 23:20.
- * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
- * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
- * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
- * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
- * p.41]
- * Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh.
- * Used: To FFFFFFh. Why: Seven digits are 28 bits. [7.3.3]
- * Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position
- * by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used:
- * 20 bits at 50 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
- * 7.3.3.2]
- * Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and
- * from ABS2 to ABS0, marked as the order of transmission. Used: ABS0 first. Why: The text above
- * both tables says that the position is sent from the least to the most significant byte, and the
- * examples do so. [7.3.3 p.39]
+ * Erratum position_below_zero (open, omission).
+ * Erratum abs_range_24 (settled, wrong limit).
+ * Erratum rs485_position_width (open, omission).
+ * Erratum position_sending_order (settled, wrong data).
  *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity                      cc4. Even parity of data_id.
@@ -1387,26 +1310,12 @@ static inline uint32_t lika_sma21_position_reply_reports(const lika_sma21_positi
  * Carries data_id 5 (wide_position).
  * Always binary, negative values as two's complement. No error code; the status field alone tells
  * of errors.
- * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
- * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
- * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
- * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
- * p.41]
- * Erratum abs_range_48 (settled, wrong limit): Printed: 48-bit position from 800000000000h to
- * 7FFFFFFFFFh. Used: To 7FFFFFFFFFFFh. Why: Two digits are missing; the highest number of 48 bits
- * as two's complement has twelve. [7.3.3; a4: p.298]
- * Erratum wide_position_sign (open, omission): Printed: Unused high bits are 0; the 48-bit position
- * is signed. Used: Signed, over all 48 bits. [7.3.3]
- * Erratum data_id_5_example_status (open, wrong data): Printed: Reply to data ID 5 with SF = 02h.
- * Used: dd0 to dd3 are unused and 0, as 7.3.2 has it; a reply that has them otherwise is decoded,
- * and reports them. Why: 02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h and
- * 20h. Yet it is the only reply to data ID 5 that the manual prints, with a right CRC. Whether the
- * example is wrong, or an encoder may set these bits, only hardware can tell. The manual says
- * nothing of the position then; it is taken as usable with a warning. [7.3.4; 7.3.2 p.38]
- * Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and
- * from ABS2 to ABS0, marked as the order of transmission. Used: ABS0 first. Why: The text above
- * both tables says that the position is sent from the least to the most significant byte, and the
- * examples do so. [7.3.3 p.39]
+ * Erratum position_below_zero (open, omission).
+ * Erratum abs_range_48 (settled, wrong limit).
+ * Erratum wide_position_sign (open, omission).
+ * Erratum data_id_5_example_status (open, wrong data): Used: dd0 to dd3 are unused and 0, as 7.3.2
+ * has it; a reply that has them otherwise is decoded, and reports them.
+ * Erratum position_sending_order (settled, wrong data).
  *   byte 0, bits 2:0  sync          SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id       cc0 ... cc3: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity        cc4. Even parity of data_id.
@@ -1546,16 +1455,9 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
  * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
  * Carries data_id A (identification).
- * Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh.
- * Used: To FFFFFFh. Why: Seven digits are 28 bits. [7.3.3]
- * Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position
- * by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used:
- * 20 bits at 50 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. [4.10 p.18; 5.2 p.20; 6.2 p.25;
- * 7.3.3.2]
- * Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and
- * from ABS2 to ABS0, marked as the order of transmission. Used: ABS0 first. Why: The text above
- * both tables says that the position is sent from the least to the most significant byte, and the
- * examples do so. [7.3.3 p.39]
+ * Erratum abs_range_24 (settled, wrong limit).
+ * Erratum rs485_position_width (open, omission).
+ * Erratum position_sending_order (settled, wrong data).
  *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id                     cc0 ... cc3: What the request asks for; a reply
  *                                                 repeats it.
@@ -1850,13 +1752,7 @@ static inline lika_result lika_sma21_rs485_reply_frame(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
-/*
- * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
- * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
- * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
- * after as many as their bits tell apart; the 48-bit position goes below zero. [6.4 p.32; 7.3.3.2
- * p.41]
- */
+/* Erratum position_below_zero (open, omission). */
 
 /* The position over SSI starts again at 0 after so many counts [5.2 p.20; 6.2 p.25]. */
 static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_variant *variant)
@@ -1972,12 +1868,7 @@ static inline double lika_sma21_rs485_millimetres(
  * Code of the profile used.
  * Byte order: high byte first, at 42h.
  * Standard encoder profile, data format, Variant 0-24 from 50 um to 2 um, Variant 0-24+++ at 1 um.
- * Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25
- * bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why:
- * The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the
- * whole field and not the position, and one bit more has one plus less. A master that takes the
- * length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85: 6.4
- * p.23]
+ * Erratum profile_variants (open, wrong data): Used: As printed.
  *   bits 15:0  profile_id
  */
 #define LIKA_SMA21_REG_PROFILE_ID_ADDRESS 0x42U
@@ -2046,9 +1937,7 @@ static inline lika_result lika_sma21_read_profile_id(
  * p.29].
  * Year and week of production and a running number, in hexadecimal.
  * Byte order: high byte first, at 44h.
- * Erratum serial_number_coding (open, omission): Printed: Year, week and number in hexadecimal (in
- * esadecimale), without an example. Used: Three binary numbers: one byte, one byte, and two bytes
- * with the high byte first. [6.4 p.29; amm5: 6.4 p.38]
+ * Erratum serial_number_coding (open, omission).
  */
 #define LIKA_SMA21_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_SMA21_REG_SERIAL_NUMBER_LENGTH 4U /* bytes, 44h to 47h */
@@ -2170,9 +2059,7 @@ static inline lika_result lika_sma21_write_command(
  * Preset or offset, output code and counting direction.
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new setting is active at once after its transmission; save it with the Command register.
- * Erratum configuration_bit_8 (settled, wrong data): Printed: Bit 8 Direzione di conteggio. Used:
- * Bit 6. Why: The register has bits 7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the
- * example sets bits 6 and 5. [6.6.1 p.35; 6.4 p.30]
+ * Erratum configuration_bit_8 (settled, wrong data).
  *   bit 7     unused_7              Non utilizzato: Not used. Always 0.
  *   bit 6     counting_direction
  *   bit 5     output_code
@@ -2368,21 +2255,12 @@ static inline lika_result lika_sma21_read_absolute_resolution(
  * FFh at 2 um and 01 FF FF FFh at 1 um. The highest offset is the number of positions of the 24-bit
  * or 25-bit field less the number of positions of the resolution: F0 00 00h at 50 um, C0 00 00h at
  * 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
- * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
- * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
- * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
- * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
- * Why: The limit of the offset is the whole field less the positions of the resolution, with a
- * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
- * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
- * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum offset_meaning (open, wrong data): Printed: An offset gives a position a wanted value, is
- * applied to the position at its activation, and shifts all values by its amount. Used: All
- * transmitted values are shifted by the offset. Why: The range that the text gives, from the offset
- * up, and the limit fit a mere shift, which does not depend on where the sensor stands; a value
- * given to a position would be a preset. [6.4 p.32]
- * Erratum offset_range (settled, wrong limit): Printed: The values run from the offset to the sum
- * of offset and number of positions. Used: To that sum less 1. [6.4 p.32]
+ * Erratum offset_in_the_padding (open, wrong data): Used: 6.4 while an offset is selected in the
+ * register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros
+ * above the position, and a frame with another bit there is refused.
+ * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the
+ * offset.
+ * Erratum offset_range (settled, wrong limit).
  *   bits 31:0  preset_offset
  */
 #define LIKA_SMA21_REG_PRESET_OFFSET_ADDRESS 0x50U
@@ -2537,8 +2415,7 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
  * Used with the warning bit for an automatic check of the position.
  * Reserved for the manufacturer.
  * Do not change the value; only for Lika's technicians.
- * Erratum position_check_default (open, omission): Printed: Register 59h can be written and has the
- * default 00h; the list of defaults leaves it out. Used: 00h. [6.4 p.33; 12 p.51]
+ * Erratum position_check_default (open, omission).
  */
 #define LIKA_SMA21_REG_POSITION_CHECK_ADDRESS 0x59U
 #define LIKA_SMA21_REG_POSITION_CHECK_LENGTH 1U /* byte */
@@ -2565,8 +2442,7 @@ static inline lika_result lika_sma21_read_position_check(
  * Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
- * Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all
- * models. Used: As printed. [6.4 p.34; prot: p.14-15]
+ * Erratum device_id_shared (open, omission).
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -3027,19 +2903,11 @@ static inline lika_result lika_sma21_select_preset(
  * Result: The transmitted positions are shifted by the offset. From the selection on the position
  * takes the whole field of the single cycle data, so a decoder has to know what the register
  * Configuration holds.
- * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
- * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
- * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
- * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
- * Why: The limit of the offset is the whole field less the positions of the resolution, with a
- * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
- * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
- * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
- * Erratum offset_meaning (open, wrong data): Printed: An offset gives a position a wanted value, is
- * applied to the position at its activation, and shifts all values by its amount. Used: All
- * transmitted values are shifted by the offset. Why: The range that the text gives, from the offset
- * up, and the limit fit a mere shift, which does not depend on where the sensor stands; a value
- * given to a position would be a preset. [6.4 p.32]
+ * Erratum offset_in_the_padding (open, wrong data): Used: 6.4 while an offset is selected in the
+ * register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros
+ * above the position, and a frame with another bit there is refused.
+ * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the
+ * offset.
  */
 #define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 10U
 
@@ -3158,8 +3026,7 @@ static inline lika_result lika_sma21_restore_defaults(
 /*
  * Identify the device [6.4 p.28].
  * Result: Manufacturer, device, resolution and serial number are known; the supply is not.
- * Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all
- * models. Used: As printed. [6.4 p.34; prot: p.14-15]
+ * Erratum device_id_shared (open, omission).
  */
 #define LIKA_SMA21_IDENTIFY_STEPS_COUNT 14U
 
@@ -3231,12 +3098,8 @@ static inline lika_result lika_sma21_identify(
  * until the initialization, as after power-on, is over; the manual does not say how long it takes.
  * An Initialization error has to be reset after the initialization is over and normal operation has
  * started again.
- * Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in
- * sequenza), at transmission intervals of 40 us or more. Used: No other request in between, and 40
- * us or more after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
- * Erratum rs485_reset_duration (open, omission): Printed: Send no request until the initialization
- * is over; none is accepted while the position is reset. No time is given. Used: No wait is made
- * up. [7.3.3.2 p.41]
+ * Erratum reset_interval (open, omission).
+ * Erratum rs485_reset_duration (open, omission).
  */
 #define LIKA_SMA21_RESET_ERRORS_STEPS_COUNT 1U
 
@@ -3268,16 +3131,9 @@ static inline lika_result lika_sma21_reset_errors(
  * The ten requests have to follow one another: stop polling the position meanwhile. No request is
  * accepted meanwhile, since the absolute positions are composed and the EEPROM is written; the
  * manual does not say how long it takes.
- * Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed
- * after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets
- * the position to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38; 7.3.3.2
- * p.41]
- * Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in
- * sequenza), at transmission intervals of 40 us or more. Used: No other request in between, and 40
- * us or more after each request before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
- * Erratum rs485_reset_duration (open, omission): Printed: Send no request until the initialization
- * is over; none is accepted while the position is reset. No time is given. Used: No wait is made
- * up. [7.3.3.2 p.41]
+ * Erratum zero_setting_rs485 (open, wrong limit).
+ * Erratum reset_interval (open, omission).
+ * Erratum rs485_reset_duration (open, omission).
  */
 #define LIKA_SMA21_RESET_POSITION_STEPS_COUNT 1U
 
@@ -3369,6 +3225,147 @@ static inline lika_result lika_sma21_reset_position(
  * Cleared by: reset_errors.
  */
 #define LIKA_SMA21_ALARM_OVERSPEED_MASK 0x01U
+
+/* -- errata ------------------------------------------------------------------------------------ */
+
+/*
+ * Erratum order_code_key (open, omission): Printed: See the order code (si veda il codice di
+ * ordinazione), for the output code, the supply and the incremental signals. Used: BG is binary and
+ * GG is Gray; supply 1 is +5 V, 4 is +5 V to +30 V. Why: The key is not in the manual. It explains
+ * only G1 (Gray with AB /AB), SC, and by the example of SC the supplies 1 and 4. BG is binary in
+ * the AMM5 manual of the same maker; GG is what is left. Other supply digits and the rest of the
+ * label stay unexplained. [4.1 p.15; 5.1; 5.2 p.20]
+ * Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs,
+ * without a start value; the logic circuits are lost. Used: Start value 0. Why: Public BiSS
+ * documents begin with 0 unless something else is stated, and BiSS devices may have another. With
+ * another start value every frame fails its CRC, with or without errors on the line. [6.2 p.26; 6.3
+ * p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30]
+ * Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed
+ * after mounting but available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets
+ * the position to 0. Used: Data ID F as described in 7.3.1 and 7.3.3.2. Why: 7.3.3.2 describes it
+ * in detail, with the EEPROM that is written. For the SSI models 5.5 leaves it to the master, if
+ * needed. [3.3; 7.3.1 p.38; 7.3.3.2 p.41]
+ * Erratum ssi_clock_count (open, wrong limit): Printed: 5.1: n + 1 rising edges, n being the
+ * resolution in bits, 14 for 13 bits. 5.2: at least as many clocks as data bits. Used: Neither is
+ * enforced; one clock more than the word has bits satisfies both. Why: The word is one bit longer
+ * than the resolution, by the error bit. n + 1 edges with the resolution as n would only just bring
+ * that last bit; 5.1 speaks of SSI in general, where the word is the resolution. [5.1; 5.2 p.20]
+ * Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock
+ * ranges from 100 kHz to 1 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock
+ * within the range. [5.3 p.22]
+ * Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock
+ * ranges from 100 kHz to 1 MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by
+ * the table no cable may be run at 400 kHz to 1 MHz. [5.3 p.22]
+ * Erratum gray_scope (open, omission): Printed: The output code can be binary or Gray, without
+ * saying which bits of the frame it covers. Used: The position alone; error and warning bit and the
+ * CRC are sent as they are. Why: 6.4 speaks of the information of the absolute position, and a flag
+ * in Gray code would change with the bit beside it. The zeros above the position in the BiSS frame
+ * are the same either way. [5.2 p.20; 6.4 p.31]
+ * Erratum scd_length (settled, wrong data): Printed: SCD (32 bit), with a position of 24 or 25
+ * bits. Used: 32 bits from 50 um to 2 um, 33 bits at 1 um. Why: Position, error, warning and CRC
+ * add up to 25 + 1 + 1 + 6 = 33 at 1 um; the table below has bits 32 to 0 for it. [6.2 p.25]
+ * Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are
+ * 0. 6.4: an offset of up to F0 00 00h at 50 um, added to positions of 20 bits. Used: 6.4 while an
+ * offset is selected in the register Configuration: the position takes the whole field of 24 or 25
+ * bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused.
+ * Why: The limit of the offset is the whole field less the positions of the resolution, with a
+ * reference to that field: the sum is meant to fill it, so that from 50 um to 5 um the bits above
+ * the position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so,
+ * only a frame of one with an offset could show. [6.2 p.25; 6.4 p.32]
+ * Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value
+ * according to it, without saying what is sent below zero or above the maximum. Used: Over SSI and
+ * BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over RS-485
+ * after as many as their bits tell apart; the 48-bit position goes below zero. Why: A preset of 0,
+ * or a reset of the position, within the travel leaves places below it. The position fields are
+ * unsigned, but that of data ID 5. [6.4 p.32; 7.3.3.2 p.41]
+ * Erratum warning_level (open, omission): Printed: Warning, nW, without saying which level means a
+ * warning. Used: 0 is a warning, as with the error bit. Why: The name nW and the BiSS documents
+ * have it active low. The bit is for Lika's technicians anyway. [6.2 p.26; 9.1]
+ * Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25
+ * bits, Variant 0-24 and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why:
+ * The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the
+ * whole field and not the position, and one bit more has one plus less. A master that takes the
+ * length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85: 6.4
+ * p.23]
+ * Erratum serial_number_coding (open, omission): Printed: Year, week and number in hexadecimal (in
+ * esadecimale), without an example. Used: Three binary numbers: one byte, one byte, and two bytes
+ * with the high byte first. Why: The text does not say whether the digits are binary or decimal in
+ * each byte, from which year it counts, or which of 46h and 47h is the high byte. The AMM5 manual
+ * reads the same four registers as one number whose decimal digits are year, week and number. [6.4
+ * p.29; amm5: 6.4 p.38]
+ * Erratum offset_meaning (open, wrong data): Printed: An offset gives a position a wanted value, is
+ * applied to the position at its activation, and shifts all values by its amount. Used: All
+ * transmitted values are shifted by the offset. Why: The range that the text gives, from the offset
+ * up, and the limit fit a mere shift, which does not depend on where the sensor stands; a value
+ * given to a position would be a preset. [6.4 p.32]
+ * Erratum offset_range (settled, wrong limit): Printed: The values run from the offset to the sum
+ * of offset and number of positions. Used: To that sum less 1. Why: As many values as before,
+ * beginning with the offset, end one below the sum. With the highest offset the sum itself would
+ * need one bit more than the field has. [6.4 p.32]
+ * Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all
+ * models. Used: As printed. Why: BiSS asks for another device ID where the data length differs, and
+ * 1 um has one bit more. Unless the release bytes, printed as xx, differ, only the profile ID tells
+ * the models apart. [6.4 p.34; prot: p.14-15]
+ * Erratum biss_timeout (open, omission): Printed: The BiSS time-out adapts itself to the clock, 16
+ * us at most, without saying how. Used: At most 16 us. Why: By the BiSS protocol description it
+ * takes 1.5 clock periods or more, which is 7.5 us at 200 kHz; the ASC85 manual has 3.5 periods,
+ * which would be 17.5 us. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
+ * Erratum configuration_bit_8 (settled, wrong data): Printed: Bit 8 Direzione di conteggio. Used:
+ * Bit 6. Why: The register has bits 7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the
+ * example sets bits 6 and 5. [6.6.1 p.35; 6.4 p.30]
+ * Erratum control_field_structure (settled, omission): Printed: Five bits cc0 to cc4 as ID code.
+ * Used: cc0 to cc3 are the data ID, cc4 is its even parity bit. Why: 7.2.2 speaks of a parity that
+ * the structure does not show. All five printed bytes fit; with five bits A2h would be ID 14h, DAh
+ * 1Bh. [7.3.1 p.38; 7.2.2 p.37; stmbl: src/comps/smartabs.c]
+ * Erratum position_under_error (open, omission): Printed: ea0: danger of a fault, the position is
+ * right. ea1: a fault, or an error in the position, or the motor has to stop. nE: the last valid
+ * position may be frozen, wrong data may be sent. What single alarms and nW do to the position is
+ * not said. Used: Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are
+ * reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable while none is
+ * active (9.1). Why: ea1 does not tell which of the three it is. An error in the EEPROM alone may
+ * leave the position right; nobody says so. nW is for Lika's technicians, and nothing is known
+ * against a position with it. [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
+ * Erratum abs_range_48 (settled, wrong limit): Printed: 48-bit position from 800000000000h to
+ * 7FFFFFFFFFh. Used: To 7FFFFFFFFFFFh. Why: Two digits are missing; the highest number of 48 bits
+ * as two's complement has twelve. [7.3.3; a4: p.298]
+ * Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh.
+ * Used: To FFFFFFh. Why: Seven digits are 28 bits. [7.3.3]
+ * Erratum wide_position_sign (open, omission): Printed: Unused high bits are 0; the 48-bit position
+ * is signed. Used: Signed, over all 48 bits. Why: A negative number has ones in its high bits. When
+ * it gets negative is not said, and the 24-bit position of the same encoder is never. [7.3.3]
+ * Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position
+ * by model. RS-485 has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used:
+ * 20 bits at 50 um, 22 at 10 um, 23 at 5 um, 24 at 2 um and 1 um. Why: These are the widths of SSI
+ * and BiSS, cut to 24 bits at 1 um, for which 4.10 halves the travel. That a resolution has the
+ * width of the other interfaces is likely, but not said. [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]
+ * Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in
+ * sequenza), at transmission intervals of 40 us or more. Used: No other request in between, and 40
+ * us or more after each request before the next one begins. Why: Whether an interval is the gap
+ * between two requests or runs from start to start is not said; a gap of 40 us satisfies both. Nor
+ * is said whether a request with another data ID begins the count anew. [7.3.2 p.38; 7.3.3.2 p.41]
+ * Erratum rs485_reset_duration (open, omission): Printed: Send no request until the initialization
+ * is over; none is accepted while the position is reset. No time is given. Used: No wait is made
+ * up. Why: The AMM5 manual has 2 ms and 18 ms for its resets; nothing here says that they hold for
+ * this encoder. [7.3.3.2 p.41]
+ * Erratum data_id_5_example_status (open, wrong data): Printed: Reply to data ID 5 with SF = 02h.
+ * Used: dd0 to dd3 are unused and 0, as 7.3.2 has it; a reply that has them otherwise is decoded,
+ * and reports them. Why: 02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h and
+ * 20h. Yet it is the only reply to data ID 5 that the manual prints, with a right CRC. Whether the
+ * example is wrong, or an encoder may set these bits, only hardware can tell. The manual says
+ * nothing of the position then; it is taken as usable with a warning. [7.3.4; 7.3.2 p.38]
+ * Erratum error_bit_level (settled, wrong data): Printed: When the fault is gone the error bit goes
+ * to the high level (commuta al livello logico alto). Used: So with SSI and BiSS. Over RS-485 the
+ * error bit is high while there is an error, and stays so until it is reset. Why: 7.3.2 and the
+ * note in 9.1 say so; section 9 does not tell the interfaces apart. [9 p.47; 9.1; 7.3.2 p.38]
+ * Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and
+ * from ABS2 to ABS0, marked as the order of transmission. Used: ABS0 first. Why: The text above
+ * both tables says that the position is sent from the least to the most significant byte, and the
+ * examples do so. [7.3.3 p.39]
+ * Erratum position_check_default (open, omission): Printed: Register 59h can be written and has the
+ * default 00h; the list of defaults leaves it out. Used: 00h. Why: Whether loading the defaults
+ * sets it back is not said; it is the only register of this kind that is missing from the list.
+ * [6.4 p.33; 12 p.51]
+ */
 
 #ifdef __cplusplus
 }
