@@ -92,11 +92,11 @@ def _derivation(item: Crc) -> str:
     width, middle = item.width, (item.poly >> 1).bit_length()
     if not middle:
         return f"x^{width} leaves 1: the bits from {width} on go down by {width}, until {width} are left."
-    powers = [f"x^{width << up} leaves x^{middle << up} + 1" for up in range(3)]
+    powers = [f"x^{width << up} leaves x^{middle << up} + 1".replace("x^1 ", "x ") for up in range(3)]
     return (
-        f"How it folds: {powers[0]}; squared, {powers[1]}, then {powers[2]}. So the bits h from s = {width}, "
-        f"{2 * width}, {4 * width} on can be taken away and put back at bit 0 and at bit {middle}, {2 * middle}, "
-        f"{4 * middle}, v = (v mod 2^s) ^ h ^ (h << {middle} ...), until {width} bits are left."
+        f"How it folds: {powers[0]}, so that {powers[1]} (the square) and {powers[2]}. With h = v >> {4 * width}, "
+        f"v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}); in the same way at {2 * width} with "
+        f"{2 * middle}, and at {width} with {middle}, until {width} bits are left."
     )
 
 

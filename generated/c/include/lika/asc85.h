@@ -7,6 +7,15 @@
  * The encoders described here are products of Lika Electronic s.r.l.; this project is not
  * affiliated with either company and claims no certification.
  *
+ * A position:
+ *   static const lika_asc85_variant encoder = LIKA_ASC85_20_SC1;
+ *   lika_asc85_single_cycle_data frame;
+ *   if (lika_asc85_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
+ *       && lika_asc85_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+ *       ... frame.position ...
+ *   }
+ * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
+ *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
  * In brackets: its sections and pages.
  * Other documents, by the word before a colon in brackets:
@@ -278,9 +287,9 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
  * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * How it folds: x^6 leaves x^1 + 1; squared, x^12 leaves x^2 + 1, then x^24 leaves x^4 + 1. So the
- * bits h from s = 6, 12, 24 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
- * mod 2^s) ^ h ^ (h << 1 ...), until 6 bits are left.
+ * How it folds: x^6 leaves x + 1, so that x^12 leaves x^2 + 1 (the square) and x^24 leaves x^4 + 1.
+ * With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4); in the same way at 12 with 2, and at 6
+ * with 1, until 6 bits are left.
  */
 static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
 {
@@ -304,9 +313,9 @@ static inline uint8_t lika_asc85_crc_biss_6(uint64_t data)
  * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
- * How it folds: x^4 leaves x^1 + 1; squared, x^8 leaves x^2 + 1, then x^16 leaves x^4 + 1. So the
- * bits h from s = 4, 8, 16 on can be taken away and put back at bit 0 and at bit 1, 2, 4, v = (v
- * mod 2^s) ^ h ^ (h << 1 ...), until 4 bits are left.
+ * How it folds: x^4 leaves x + 1, so that x^8 leaves x^2 + 1 (the square) and x^16 leaves x^4 + 1.
+ * With h = v >> 16, v becomes (v mod 2^16) ^ h ^ (h << 4); in the same way at 8 with 2, and at 4
+ * with 1, until 4 bits are left.
  */
 static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 {
