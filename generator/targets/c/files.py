@@ -22,7 +22,7 @@ from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem,
 from .device import DeviceView
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
-from .lines import laid_out
+from .lines import documented, laid_out
 from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
 from .receivers import ReceiverCode
@@ -102,7 +102,9 @@ def _names_of(maker: Manufacturer) -> Shared:
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
     text = TEMPLATES.render(template, values, library.own_templates)
-    return laid_out(text) if template.endswith((".c.jinja", ".h.jinja")) else text
+    if template.endswith(".h.jinja"):
+        return documented(laid_out(text))
+    return laid_out(text) if template.endswith(".c.jinja") else text
 
 
 def _json(value: object) -> str:
