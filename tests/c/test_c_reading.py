@@ -139,7 +139,7 @@ def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
     assert re.search(r"/\* Absolute data valid: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U,", text)
     assert re.search(r"/\* Absolute data error: [^/]+\*/\n +\{ LIKA_STEP_READ, 0x69U,", text)
     assert re.search(r"/\* Internal data bus busy: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U,", text)
-    assert "/* Absolute data error of Error register: " in text
+    assert "/** Absolute data error of Error register: " in text
     text = (include / "lika" / "sma21.h").read_text()
     assert re.search(
         r"/\* Enable preset offset of Configuration: enable \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text

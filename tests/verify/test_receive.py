@@ -58,7 +58,7 @@ def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> Non
         ("two_readings", "(modulus - apart)", "(modulus - apart - 1U)"),
         ("other_shapes", "8U * (at % 4U)", "8U * (at % 3U)"),
         ("one_more_byte_of_a_line", "(line->count == line->length) || ", ""),
-        ("a_line_that_waits", "(now_us >= since)", "(now_us > since)"),
+        ("a_line_that_waits", "(uint64_t)1U << 32U", "(uint64_t)1U << 31U"),
     ],
 )
 def test_what_is_planted_is_found(claim: str, sound: str, planted: str, include: Path, tmp_path: Path) -> None:

@@ -41,7 +41,8 @@ def literals(text: object, indent: int) -> str:
 
 def documented(text: str) -> str:
     """A header whose comments Doxygen reads: those above a declaration, and those behind one that have the room."""
-    lines, in_body = [], False
+    lines: list[str] = []
+    in_body = False
     for line in text.splitlines():
         in_body = line == "{" or (in_body and line != "}")
         lines.append(line if in_body else "/** @file" if line == "/*" and not lines else _documented(line))
@@ -49,10 +50,7 @@ def documented(text: str) -> str:
 
 
 def _documented(line: str) -> str:
-    if _OPENS.match(line):
-        made = line.replace("/*", "/**", 1)
-    else:
-        made = _BEHIND.sub(r"\1 /**< ", line)
+    made = line.replace("/*", "/**", 1) if _OPENS.match(line) else _BEHIND.sub(r"\1 /**< ", line)
     return made if len(made) <= COLUMNS else line
 
 

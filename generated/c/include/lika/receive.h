@@ -318,14 +318,8 @@ static inline void lika_rs485_resume(lika_rs485_line *line)
  */
 static inline bool lika_rs485_late(const lika_rs485_line *line, uint32_t now_us)
 {
-    /* now - since, without the wrap of unsigned numbers that checkers warn of. */
-    const uint32_t since = line->since_us;
-    uint32_t passed = now_us;
-    if (now_us >= since) {
-        passed -= since;
-    } else {
-        passed += (0xFFFFFFFFU - since) + 1U;
-    }
+    /* now - since, in more bits: without the wrap that checkers warn of. */
+    const uint64_t passed = ((((uint64_t)1U << 32U) + now_us) - line->since_us) & 0xFFFFFFFFU;
     return (passed > line->at_most_us) && (line->count != line->length);
 }
 
