@@ -204,6 +204,27 @@ def test_how_many_frames_an_access_takes(library: ctypes.CDLL, late: bool) -> No
         assert line.frames == 46 + 14 * (count - 1) + late
 
 
+@pytest.mark.parametrize("late", [False, True], ids=["in the same frame", "a frame later"])
+@pytest.mark.parametrize("writes", [False, True], ids=["read", "written"])
+def test_a_disturbed_answer_is_seen(library: ctypes.CDLL, writes: bool, late: bool) -> None:
+    """Each bit of the answer in turn: what comes back as another byte is no byte, and nothing is said to be done."""
+    for frame in range(33, 45):
+        slave = model(random.Random(frame))
+        line = Master(library, slave, late)
+        held = dict(slave.registers)
+        if writes:
+            assert library.master_write(0x20, b"\x5a", 1, 0) == 0
+        else:
+            assert library.master_read(0x20, 1, 0) == 0
+        for at in range(60):
+            if at == frame + late + 1:
+                line.cds ^= 1
+            line.run(1)
+        assert OUTCOMES[library.master_outcome()] in (("BAD_ECHO",) if writes else ("BAD_CRC",)), frame
+        assert library.master_done() == 0
+        assert slave.registers == (held | {0x20: 0x5A} if writes else held)
+
+
 def test_a_slave_that_is_never_ready(library: ctypes.CDLL) -> None:
     """As many frames as allowed, and no more; with none allowed at the first sign."""
     for limit, most in ((0, 0), (1, 35), (100, 135), (1000, 1035)):

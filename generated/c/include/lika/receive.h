@@ -32,7 +32,6 @@ extern "C" {
 #endif
 
 /* -- bits -------------------------------------------------------------------------------------- */
-
 /** The bit at a place, 0 or 1; place 0 was received first. */
 static inline uint32_t lika_received_bit(const uint8_t *rx, size_t place)
 {
@@ -97,7 +96,6 @@ static inline size_t lika_received_samples(
 }
 
 /* -- BiSS C ------------------------------------------------------------------------------------ */
-
 /**
  * The word of single cycle data in what SLO brought, one bit for each clock:
  *
@@ -170,7 +168,6 @@ static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, 
 }
 
 /* -- SSI --------------------------------------------------------------------------------------- */
-
 /**
  * The word in what the data line brought, one bit for each clock:
  *
@@ -229,7 +226,6 @@ static inline lika_result lika_ssi_repeats(
 }
 
 /* -- RS-485 ------------------------------------------------------------------------------------ */
-
 /** As many bytes as the longest reply has. */
 #define LIKA_RECEIVE_RS485_BYTES 11U
 
