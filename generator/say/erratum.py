@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from .text import Ref, Said, said
@@ -33,17 +34,22 @@ def reference(item: Erratum) -> Ref:
     return Ref("erratum", item.name, item.name)
 
 
-def erratum(item: Erratum) -> Said:
-    """What is printed and what is used; and the evidence, where it is short or wrong bytes could be sent.
+def erratum(item: Erratum, *, whole: bool = False) -> Said:
+    """What is printed and what is used; and the evidence, where it is short, wrong bytes could be sent or it is told
+    as a whole.
 
     Of a change by an overlay or another edition: what the spec has, what is here, and always why.
+    In brief what is used stays where wrong bytes could be sent and nobody knows which they are.
     """
     if item.overlay or item.edition:
         return _change(item)
-    why = f" Why: {sentence(item.why)}" if item.severity == "wrong_data" or len(item.why) <= _SHORT else ""
-    text = f"Printed: {sentence(item.printed)} Used: {sentence(item.used)}{why}"
+    at_stake = item.severity == "wrong_data"
+    why = f" Why: {sentence(item.why)}" if item.why and (whole or at_stake or len(item.why) <= _SHORT) else ""
+    used = f"Used: {sentence(item.used)}"
     standing = f"{item.status}, {item.severity.replace('_', ' ')}"
-    return said(text, label=f"Erratum {item.name} ({standing})", source=item.source)
+    brief = used if at_stake and item.status == "open" else ""
+    text = f"Printed: {sentence(item.printed)} {used}{why}"
+    return Said((text,), f"Erratum {item.name} ({standing})", item.source, brief)
 
 
 def _change(item: Erratum) -> Said:
@@ -53,4 +59,6 @@ def _change(item: Erratum) -> Said:
     there = f"The spec has {item.printed}; {'there' if item.edition else 'here'} it is {item.used}"
     is_gone = item.used == NOT_KNOWN or (item.used == LEFT_OUT and item.edition)
     changed = f"{item.printed}: {item.used}" if is_gone else there
-    return said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source)
+    # Beside code it is enough that another edition differs: what the code does is right for this one.
+    brief = "differs; the end of this file says how." if item.edition else None
+    return replace(said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source), brief=brief)

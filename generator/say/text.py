@@ -64,6 +64,8 @@ class Said:
     parts: tuple[Part, ...]
     label: str = ""
     source: Sources = ()
+    #: What of it stays here where an output tells the whole elsewhere; None for what is told where it is.
+    brief: str | None = None
 
 
 def said(*parts: Part, label: str = "", source: Sources = ()) -> Said:

@@ -57,6 +57,7 @@ PRINTED = {
         "that is 6.150 mm\n",
     ],
     "sma21_rs485": ["position: 5517840\n", "send DA\n"],
+    **{f"{name}_biss_dma": [] for name in ("am36", "amm5", "asc85", "sma21")},
     "sma21_ssi": ["position: 1569\n", "that is 1.569 mm\n"],
 }
 

@@ -10,6 +10,7 @@ import pytest
 from c_harness import FAMILIES, write
 from codewheel.model import Device
 from codewheel.targets import Library
+from codewheel.targets.c.comments import in_comment
 from codewheel.targets.c.files import generate
 
 #: How far from the manual's name its value may stand, in lines: on the same screen.
@@ -138,7 +139,7 @@ def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
     assert re.search(r"/\* Absolute data valid: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x02U, 0x02U,", text)
     assert re.search(r"/\* Absolute data error: [^/]+\*/\n +\{ LIKA_STEP_READ, 0x69U,", text)
     assert re.search(r"/\* Internal data bus busy: [^/]+\*/\n +\{ LIKA_STEP_POLL, 0x60U, 0x04U, 0x00U,", text)
-    assert "/* Absolute data error of Error register: " in text
+    assert "/** Absolute data error of Error register: " in text
     text = (include / "lika" / "sma21.h").read_text()
     assert re.search(
         r"/\* Enable preset offset of Configuration: enable \*/\n +\{ LIKA_STEP_WRITE, 0x49U, 0x04U, 0x00U,", text
@@ -169,11 +170,25 @@ def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[De
     assert "17 at most (`lika_am36_set_resolution`)" in generate(Library(c_devices))["c/README.md"]
 
 
-def test_an_erratum_says_why_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
+def test_an_erratum_is_told_once_with_its_reason(c_devices: tuple[Device, ...]) -> None:
+    files = generate(Library(c_devices))
+    for device in c_devices:
+        header = " ".join(files[f"c/include/lika/{device.name}.h"].replace("\n *", "\n").split())
+        body, _, end = header.partition("/* -- errata -")
+        told = [item for item in device.errata if f"Erratum {item.name} (" in body]
+        assert told
+        for item in told:
+            assert (
+                header.count(f"Erratum {item.name} ({item.status}, {item.severity.replace('_', ' ')}): Printed:") == 1
+            )
+            assert f"Printed: {in_comment(item.printed)}"[:60] in end
+            assert not item.why or in_comment(item.why)[:60] in end
+
+
+def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
     """An AMM5 EEPROM write with the address where others have it reaches another one: the functions say so."""
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"#define LIKA_AMM5_{name}_LENGTH")[0].rpartition("/*")[2]
-        assert "MEM BUSY is bit 0 of the address field" in before
-        assert "Why: " in before
+        assert "Used: Either, by a decision of the user that has no default" in before
         assert "a write destroys other data" in before

@@ -62,6 +62,8 @@ static void conversation(void)
     const size_t count = take(1U) % 70U;
     const uint16_t busy_limit = (uint16_t)(take(1U) % 8U);
     const uint32_t steps = take(2U) % 1100U;
+    const bool late = (take(1U) & 1U) != 0U;
+    bool waiting = false;
     uint8_t *const bytes = malloc(count + (count == 0U));
     bool disturbed = false;
     bool cds = false;
@@ -80,7 +82,12 @@ static void conversation(void)
     begun = write ? @maker@_biss_master_write(&master, id, address, bytes, count, busy_limit) : @maker@_biss_master_read(&master, id, address, bytes, count, busy_limit);
     for (frame = 0U; frame < steps; frame++) {
         const uint32_t noise = take(1U);
-        bool cdm = @maker@_biss_master_next(&master, cds);
+        bool cdm = waiting;
+        if (late) {
+            waiting = @maker@_biss_master_next_late(&master, cds);
+        } else {
+            cdm = @maker@_biss_master_next(&master, cds);
+        }
         disturbed = disturbed || (noise & 0x1FU) != 0U;
         cdm = cdm != ((noise & 1U) != 0U);
         cds = @maker@_biss_slave_next(&slave, cdm, (noise & 2U) != 0U);
@@ -97,7 +104,7 @@ static void conversation(void)
         }
     }
     require(master.done <= count, "more bytes than were asked for");
-    if (!disturbed && begun == @MAKER@_OK && steps > 46U + 14U * count) {
+    if (!disturbed && begun == @MAKER@_OK && steps > 47U + 14U * count) {
         require(id != 0U ? master.outcome == @MAKER@_BISS_NO_ANSWER : master.outcome == @MAKER@_BISS_DONE, "an undisturbed access that is not done");
         for (at = 0U; id == 0U && at < count; at++) {
             require(bytes[at] == memory[address + at] && bytes[at] == (uint8_t)(write ? 91U * at + 5U : 37U * (address + at) + 11U), "another byte than that of the register");

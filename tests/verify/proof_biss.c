@@ -64,6 +64,51 @@ void one_more_bit_of_a_master(void)
     __CPROVER_assert(master_can_be(&master) && (master.outcome != @MAKER@_BISS_RUNNING), "and can be given up");
 }
 
+/* The same of the machine whose bit comes a frame late: S and what follows it are counted otherwise. */
+static bool late_master_can_be(const @maker@_biss_master *master)
+{
+    if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > @MAKER@_BISS_ZEROS)) {
+        return false;
+    }
+    if (master->outcome != @MAKER@_BISS_RUNNING) {
+        return master->phase == @MAKER@_BISS_PHASE_WAIT;
+    }
+    if ((master->request.id > 7U) || (master->done >= master->count) || (master->count > @MAKER@_BISS_REGISTERS)) {
+        return false;
+    }
+    if ((master->request.address + (master->count - master->done)) > 0x80) {
+        return false;
+    }
+    if (master->request.write ? ((master->from != from) || master->insists) : (master->into != into)) {
+        return false;
+    }
+    switch (master->phase) {
+    case @MAKER@_BISS_PHASE_HEADER:
+        return (master->at <= 18U) && ((master->answers >> master->at) == 0U);
+    case @MAKER@_BISS_PHASE_BYTE:
+        return (master->at <= 12U) && ((master->answers >> master->at) == 0U);
+    default:
+        return true;
+    }
+}
+
+void one_more_bit_of_a_late_master(void)
+{
+    @maker@_biss_master master;
+    uint8_t done;
+    master.outcome = (@maker@_biss_outcome)nondet_int();
+    master.phase = (@maker@_biss_phase)nondet_int();
+    master.request.write = either();
+    master.insists = either();
+    __CPROVER_assume(late_master_can_be(&master));
+    done = master.done;
+    (void)@maker@_biss_master_next_late(&master, either());
+    __CPROVER_assert(late_master_can_be(&master), "a late master stays what it can be");
+    __CPROVER_assert((master.done == done) || (master.done == (uint8_t)(done + 1U)), "a register is done once");
+    @maker@_biss_master_abort(&master);
+    __CPROVER_assert(late_master_can_be(&master) && (master.outcome != @MAKER@_BISS_RUNNING), "and can be given up");
+}
+
 void a_master_begins(void)
 {
     @maker@_biss_master master;
@@ -73,7 +118,7 @@ void a_master_begins(void)
     const bool fits = (id < 8U) && (address < 0x80U) && (count > 0U) && (count <= (size_t)(0x40U - (address % 0x40U)));
     @maker@_result result;
     @maker@_biss_master_init(&master);
-    __CPROVER_assert(master_can_be(&master), "a master that is new");
+    __CPROVER_assert(master_can_be(&master) && late_master_can_be(&master), "a master that is new");
     master.zeros = nondet_byte();
     __CPROVER_assume(master_can_be(&master));
     if (either()) {
@@ -82,7 +127,7 @@ void a_master_begins(void)
         result = @maker@_biss_master_write(&master, id, address, from, count, nondet_half());
     }
     __CPROVER_assert(result == (fits ? @MAKER@_OK : @MAKER@_FAULT_RANGE), "what runs past the end is refused, and nothing else");
-    __CPROVER_assert(master_can_be(&master) && (fits == (master.outcome == @MAKER@_BISS_RUNNING)), "nothing begins that is refused");
+    __CPROVER_assert((!fits || late_master_can_be(&master)) && master_can_be(&master) && (fits == (master.outcome == @MAKER@_BISS_RUNNING)), "nothing begins that is refused");
 }
 
 static bool slave_can_be(const @maker@_biss_slave *slave)

@@ -55,7 +55,9 @@ def test_whatever_comes_over_the_line(claim: str, include: Path, tmp_path: Path)
 @pytest.mark.parametrize(
     ("claim", "sound", "planted"),
     [
-        ("one_more_bit_of_a_master", "if (master->at == 12U) {", "if (master->at == 13U) {"),
+        ("one_more_bit_of_a_master", "at == 12U) {\n        if (cds)", "at == 13U) {\n        if (cds)"),
+        ("one_more_bit_of_a_late_master", "if (master->at == 18U) {", "if (master->at == 19U) {"),
+        ("one_more_bit_of_a_late_master", "master->insists = !master->request.write;", "master->insists = true;"),
         ("a_master_begins", "(request->address & 0x3FU)", "(request->address & 0x1FU)"),
         ("one_more_bit_of_a_slave", "if (slave->at > 12U) {", "if (slave->at > 13U) {"),
         ("one_more_bit_of_a_slave", "const bool last = (slave->current & 0x3FU) == 0x3FU;", "const bool last = false;"),

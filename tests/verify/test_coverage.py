@@ -17,10 +17,11 @@ from tools import tool
 from tree import generated_tree
 
 ROOT = Path(__file__).resolve().parents[2]
+FUNCTIONS = ("access", "biss_control", "biss_latency", "families", "receive", "transport")
 #: Those that run programs over the headers, in both forms of the CRCs; the others only compile them,
 #: or are about headers of made-up devices.
 TESTS = {
-    "functions": [f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "families", "transport")],
+    "functions": [f"tests/c/test_c_{name}.py" for name in FUNCTIONS],
     "codecs": ["tests/c/test_c_codec.py", "tests/c/test_c_reports.py"],
 }
 

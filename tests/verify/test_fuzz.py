@@ -26,9 +26,9 @@ SANITIZERS = [
     "-fno-sanitize=unsigned-integer-overflow,unsigned-shift-base",
     "-fno-sanitize-recover=all",
 ]
-#: Register access over BiSS is a header of the manufacturer's, not of a family.
+#: Register access over BiSS and what is received are headers of the manufacturer's, not of a family.
 #: The other form of the CRCs is tried for a quarter of the time.
-TARGETS = (*FAMILIES, "biss", *(f"{name}-crc-table" for name in FAMILIES))
+TARGETS = (*FAMILIES, "biss", "receive", *(f"{name}-crc-table" for name in FAMILIES))
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,7 @@ def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> N
     else:
         maker = Batch(library()[FAMILIES[0]]).view.maker.name
         text, inputs = (
-            (HERE / "fuzz_biss.c")
+            (HERE / f"fuzz_{name}.c")
             .read_text(encoding="utf-8")
             .replace("@maker@", maker)
             .replace("@MAKER@", maker.upper()),

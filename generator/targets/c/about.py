@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from ...model import (
     Alarm,
+    Crc,
     Device,
     Field,
     Form,
@@ -23,12 +24,12 @@ from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Waits, Writ
 from ...say import alarm, crc, field, hardware_input, layout, order_code, parameter, procedure, register
 from ...say.name import full_title, register_field, title
 from ...say.place import addresses, bit_range, field_place
-from ...say.text import BY_TITLE as S
 from ...say.text import Code, Said, listed, said
 from ...say.words import counted
 from .comments import Paragraph
 from .order_codes import unknown_parts
 from .structs import Struct
+from .style import S
 
 #: The functions of a transport.
 CALLS = {
@@ -82,7 +83,21 @@ _TAKES = {
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
-    return [*map(S.sentence, crc.crc(device, function.crc)), _TAKES.get((function.form, function.carrier), "")]
+    derived = _derivation(function.crc) if function.form is Form.FOLD else ""
+    return [*map(S.sentence, crc.crc(device, function.crc)), _TAKES.get((function.form, function.carrier), ""), derived]
+
+
+def _derivation(item: Crc) -> str:
+    """Why straight-line code leaves the remainder."""
+    width, middle = item.width, (item.poly >> 1).bit_length()
+    if not middle:
+        return f"x^{width} leaves 1: the bits from {width} on go down by {width}, until {width} are left."
+    powers = [f"x^{width << up} leaves x^{middle << up} + 1".replace("x^1 ", "x ") for up in range(3)]
+    return (
+        f"How it folds: {powers[0]}, so that {powers[1]} (the square) and {powers[2]}. With h = v >> {4 * width}, "
+        f"v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}); in the same way at {2 * width} with "
+        f"{2 * middle}, and at {width} with {middle}, until {width} bits are left."
+    )
 
 
 # -- layouts

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from ...model import Alternative, Device
 from ...model.expressions import Expression
 from ...say.erratum import errata, erratum
-from ...say.text import BY_TITLE as S
 from ...say.text import said
 from .enumerations import Entry, Enumeration
 from .expr import Either, Expr, Name, Number, Operation
 from .names import Declared
 from .reserved import c_name
+from .style import S
 
 #: What the functions of a frame call their other arguments and locals.
 _TAKEN = frozenset(("bytes", "crc", "flags", "in", "length", "out", "plain", "unused", "variant", "word"))

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain
 from typing import TypeVar
 
-from ...model import Device
+from ...model import Biss, Device
 from ...plan.crcs import crc_functions
 from ...plan.held import held_parameters
 from ...say.erratum import errata, erratum
 from ...say.origin import origin, other_editions, taken_away
-from ...say.text import BY_TITLE as S
+from ...say.text import BY_TITLE
 from .. import TargetError
 from .about import about_input
 from .access import state_registers
@@ -22,15 +23,33 @@ from .crcs import crc_code
 from .facts import AlarmCode
 from .identity import identity_codes
 from .interfaces import InterfaceCode
+from .lengths import LengthCode
 from .macros import timing_macros
 from .names import Declared, Names
 from .positions import positions
 from .procedures import ProcedureCode
 from .registers import RegisterCode
+from .reserved import c_name
 from .run_time import Taker
+from .style import S
 from .variants import VariantCode
 
+#: What a header is about, of all that errata can affect.
+_IN_HEADER = (
+    *("alarms", "alternatives", "crcs", "field_groups", "inputs", "interfaces", "measurement", "order_code"),
+    *("parameters", "procedures", "registers", "timings"),
+)
 _Built = TypeVar("_Built")
+
+
+@dataclass(frozen=True, slots=True)
+class Usage:
+    """How a position is read: the macro of an order code, the frame, the function of its verdict, the member."""
+
+    macro: str
+    frame: str
+    verdict: str
+    member: str
 
 
 class DeviceView:
@@ -46,6 +65,7 @@ class DeviceView:
         self.interfaces = [
             _at(partial(InterfaceCode, context, item), "interfaces", item.name) for item in device.interfaces
         ]
+        self.lengths = {item.name: LengthCode(context, item, self.variants.rows) for item in device.interfaces}
         self.positions = list(positions(context))
         self.registers = [
             _at(partial(RegisterCode, context, item), "registers", item.name) for item in device.registers
@@ -77,6 +97,7 @@ class DeviceView:
             [self.reports],
             self.alternatives,
             self.interfaces,
+            self.lengths.values(),
             self.positions,
             self.registers,
             self.takers,
@@ -110,8 +131,27 @@ class DeviceView:
             (f"  {item.key}: ", f"{item.title}{' - ' + item.url if item.url else ''}") for item in self.device.documents
         ]
 
+    @property
+    def usage(self) -> Usage | None:
+        """The lines that most readers come for, of the interface with the best frames; None where no frame tells."""
+        for code in sorted(self.interfaces, key=lambda item: not isinstance(item.interface, Biss)):
+            measurement = self.device.measurement_of(code.interface.name)
+            row = next((row for row in self.variants.rows if row.variant.interface == code.interface.name), None)
+            for item in code.codecs if measurement is not None and row is not None else ():
+                names = {field.name for field in item.struct.layout.fields}
+                names |= {join.name for join in item.struct.layout.joins}
+                told = item.reports.verdict if item.reports is not None else ""
+                if told and not item.asked and not item.plan.in_bytes and measurement and measurement.of in names:
+                    return Usage(row.macro if row else "", item.name, told, c_name(measurement.of))
+        return None
+
     def errata(self, *paths: str) -> list[Paragraph]:
         return [S.sentence(erratum(item)) for item in errata(self.device, *paths)]
+
+    @property
+    def all_errata(self) -> list[Paragraph]:
+        """Those of what the header has, told in full."""
+        return [BY_TITLE.sentence(erratum(item, whole=True)) for item in errata(self.device, *_IN_HEADER)]
 
 
 def _at(build: Callable[[], _Built], *path: str) -> _Built:

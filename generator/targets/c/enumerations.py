@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from ...model import Choice, Device, Field, Value
 from ...say.field import meaning
 from ...say.name import printed, title
-from ...say.text import BY_TITLE as S
 from ...say.text import Said, told
 from ...spec.problems import Path
 from .comments import Paragraph
 from .names import Declared
+from .style import S
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,15 +15,17 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, TypedDict
 
 from ...model import Manufacturer
+from ...plan.received import longest_reply
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem, has_biss
 from .device import DeviceView
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
-from .lines import laid_out
+from .lines import documented, laid_out
 from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
+from .receivers import ReceiverCode
 
 
 class Shared(TypedDict):
@@ -32,8 +34,16 @@ class Shared(TypedDict):
     PREFIX: Annotated[str, "the same in capitals, for macros"]
 
 
+class Receive(Shared):
+    longest: Annotated[int, "the bytes of the longest reply over RS-485; 0 where no family has one"]
+
+
 class Family(Shared):
     d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
+
+
+class Receiver(Family):
+    e: Annotated[ReceiverCode, "the program that takes positions out of raw buffers"]
 
 
 class Program(Family):
@@ -47,8 +57,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for maker, devices in library.by_manufacturer():
         for name in ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",):
             files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", _names_of(maker))
+        receive: Receive = {**_names_of(maker), "longest": longest_reply(devices)}
+        files[f"c/include/{maker.name}/receive.h"] = _render(library, "receive.h.jinja", receive)
         for device in devices:
-            if device.name in ("biss", "encoder"):
+            if device.name in ("biss", "encoder", "receive"):
                 raise TargetError(
                     f"a family cannot be called '{device.name}': that is the name of a header that all share"
                 )
@@ -90,7 +102,9 @@ def _names_of(maker: Manufacturer) -> Shared:
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
     text = TEMPLATES.render(template, values, library.own_templates)
-    return laid_out(text) if template.endswith((".c.jinja", ".h.jinja")) else text
+    if template.endswith(".h.jinja"):
+        return documented(laid_out(text))
+    return laid_out(text) if template.endswith(".c.jinja") else text
 
 
 def _json(value: object) -> str:
@@ -103,8 +117,10 @@ TEMPLATES = Templates(
     values={
         "encoder.h.jinja": Shared,
         "biss.h.jinja": Shared,
+        "receive.h.jinja": Receive,
         "device.h.jinja": Family,
         "example.c.jinja": Program,
+        "receiver.c.jinja": Receiver,
         **dict.fromkeys(FILES.values(), Package),
     },
     filters=FILTERS,

@@ -9,7 +9,6 @@ from ...plan.frames import Branch, Dispatch, dispatches
 from ...say.erratum import errata, erratum
 from ...say.interface import control_field, data_id, settings
 from ...say.interface import interface as said_of
-from ...say.text import BY_TITLE as S
 from ...say.text import Said
 from ...say.timing import timing
 from .about import about_layout
@@ -21,6 +20,7 @@ from .expr import Expr
 from .macros import Macro, timing_macros
 from .names import Declared
 from .structs import Struct
+from .style import S
 from .types import number
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}

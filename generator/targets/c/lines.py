@@ -13,6 +13,9 @@ from .types import string
 _CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
 _ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[a-z&(])")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
+#: A comment that begins a line, but for the titles of sections; and one behind a declaration or a macro.
+_OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
+_BEHIND = re.compile(r"^(\s*[A-Za-z#][^*]*) /\* (?=[^*]*\*/$)")
 #: The end of a line that the next one goes on.
 _OPEN = ("(", " =", " |")
 
@@ -34,6 +37,21 @@ def literals(text: object, indent: int) -> str:
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
     parts = [*(string(f"{line} ") for line in lines[:-1]), *map(string, lines[-1:] or [""])]
     return f"\n{' ' * indent}".join(parts)
+
+
+def documented(text: str) -> str:
+    """A header whose comments Doxygen reads: those above a declaration, and those behind one that have the room."""
+    lines: list[str] = []
+    in_body = False
+    for line in text.splitlines():
+        in_body = line == "{" or (in_body and line != "}")
+        lines.append(line if in_body else "/** @file" if line == "/*" and not lines else _documented(line))
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _documented(line: str) -> str:
+    made = line.replace("/*", "/**", 1) if _OPENS.match(line) else _BEHIND.sub(r"\1 /**< ", line)
+    return made if len(made) <= COLUMNS else line
 
 
 def laid_out(text: str) -> str:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ...model import Timing
-from ...say.text import BY_TITLE as S
 from ...say.timing import timing as said_of
+from .style import S
 from .types import number
 
 

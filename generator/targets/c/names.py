@@ -69,27 +69,34 @@ class Names:
 #: What the headers that all families share declare, after the prefix of the manufacturer.
 _ENCODER_H = """
     ACCESS_READ_ONLY ACCESS_READ_WRITE ACCESS_WRITE_ONLY ENCODER_H FAULT_CONSTANT FAULT_CRC FAULT_LENGTH
-    FAULT_RANGE FAULT_TIMEOUT FAULT_TRANSPORT FAULT_UNSUPPORTED INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485
-    INTERFACE_SSI NOT_TOLD NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US STEP_POLL STEP_READ STEP_SEND STEP_WAIT
-    STEP_WRITE USABLE USABLE_WITH_WARNING above access capital difference failed failed_at failure field fits_signed
-    from_gray interface is_digit is_letter_or_digit label_ends label_match mask open_code parity read report_text
-    result run run_poll run_reads run_send run_step run_together run_write send signed step step_kind step_poll
-    step_read step_send step_wait step_write to_gray transport verdict wait write write_byte
+    FAULT_LINE_HIGH FAULT_LINE_LOW FAULT_NO_START FAULT_RANGE FAULT_REPEAT FAULT_TIMEOUT FAULT_TRANSPORT
+    FAULT_UNSUPPORTED INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485 INTERFACE_SSI NOT_TOLD NOT_USABLE NO_CODE OK
+    POLL_AT_MOST POLL_PAUSE_US STEP_POLL STEP_READ STEP_SEND STEP_WAIT STEP_WRITE USABLE USABLE_WITH_WARNING above
+    access capital difference failed failed_at failure field fits_signed from_gray interface is_digit
+    is_letter_or_digit label_ends label_match mask open_code parity read report_text result run run_poll run_reads
+    run_send run_step run_together run_write send signed step step_kind step_poll step_read step_send step_wait
+    step_write to_gray transport verdict wait write write_byte
+"""
+#: The same of receive.h.
+_RECEIVE_H = """
+    RECEIVE_H RECEIVE_RS485_BYTES biss_receive biss_receive_cds received_bit received_bits received_samples
+    received_words16 received_words32 rs485_ask rs485_late rs485_line rs485_resume rs485_take ssi_receive ssi_repeats
 """
 #: The same of biss.h, after that and ``biss_``.
 _BISS_H = """
-    ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START PHASE_WAIT
-    READS REFUSED REGISTERS RUNNING WANTS_BYTE WANTS_NOTHING WANTS_STORE WRITES ZEROS answer_decode byte_decode
-    byte_encode crc data echo master master_abort master_begin master_byte master_ends master_header master_init
-    master_next master_read master_start master_write outcome phase request request_decode request_encode slave
-    slave_allow slave_awaits slave_byte slave_fetch slave_give slave_header slave_init slave_leaves slave_lock
-    slave_may slave_next slave_start slave_stored slaves wants zeros
+    ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS LATE_FRAMES NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START
+    PHASE_WAIT READS REFUSED REGISTERS RUNNING WANTS_BYTE WANTS_NOTHING WANTS_STORE WRITES ZEROS answer_decode
+    byte_decode byte_encode crc data echo header late_busy late_byte late_first late_header master master_abort
+    master_begin master_byte master_ends master_header master_init master_next master_next_late master_read
+    master_start master_write outcome phase request request_decode request_encode slave slave_allow slave_awaits
+    slave_byte slave_fetch slave_give slave_header slave_init slave_leaves slave_lock slave_may slave_next slave_start
+    slave_stored slaves wants zeros
 """
 
 
 def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
     """The names in the headers that the families of a manufacturer share; those of macros are in capitals."""
-    names = [*_ENCODER_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
+    names = [*_ENCODER_H.split(), *_RECEIVE_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
     for name in names:
         yield f"{prefix}_{name}".upper() if name.removeprefix("biss_").isupper() else f"{prefix}_{name}"
 

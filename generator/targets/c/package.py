@@ -14,6 +14,7 @@ from .crcs import CrcCode
 from .device import DeviceView
 from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
 from .procedures import ProcedureCode
+from .receivers import ReceiverCode, receiver_codes
 from .reserved import c_name
 
 #: Each file beside headers and programs, and its template; ``{package}`` is the package's name. The folder is laid out
@@ -55,6 +56,7 @@ def package_files(
 ) -> dict[str, str]:
     """The files of the package beside the headers, by their path in the C folder."""
     programs = [example for _, devices in makers for device in devices for example in example_codes(views[device.name])]
+    shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     names = [maker.name for maker, _ in makers]
     package = "-".join((*names, "encoders"))
     values: Package = {
@@ -74,13 +76,14 @@ def package_files(
             key=lambda item: item.count,
             default=None,
         ),
-        "examples": [item.name for item in programs],
+        "examples": [item.name for item in shown],
     }
     files = {path.format(package=package): render(template, values) for path, template in FILES.items()}
-    for item in programs:
+    for item in shown:
         maker = item.view.maker
-        shown = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
-        files[f"examples/{item.name}.c"] = render("example.c.jinja", shown)
+        used = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
+        template = "receiver.c.jinja" if isinstance(item, ReceiverCode) else "example.c.jinja"
+        files[f"examples/{item.name}.c"] = render(template, used)
     return files
 
 

@@ -9,7 +9,6 @@ from ...plan.codec import Part, Reserved
 from ...plan.reports import Judgement, Report, Reporting, Speaks, reportings, reports_of
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
-from ...say.text import BY_TITLE as S
 from ...say.text import said
 from ...spec.problems import Path
 from .. import TargetError
@@ -17,6 +16,7 @@ from .enumerations import Entry, Enumeration
 from .expr import Cast, Either, Expr, Name, Number, Operation, joined, masked
 from .names import Declared
 from .reserved import c_name
+from .style import S
 from .types import unsigned
 
 _UNUSED = Name("frame->unused")

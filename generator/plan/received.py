@@ -1,0 +1,71 @@
+"""How much a receiver takes in for a frame that comes as bits: by order code, so that code has it as constants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from ..model import Device, Interface, Layout, Rs485, Ssi, Variant
+
+#: Before the start bit of a BiSS frame the line rests for two clocks, then come acknowledge and line delay. No manual
+#: says how long an encoder takes; this is room for so many bits, 4 us at 10 MHz.
+BISS_REST, BISS_ACKNOWLEDGE = 2, 40
+#: Start and CDS before the data, and the stop bit after them.
+BISS_AROUND = 3
+#: Over SSI the line is high until the first clock has stored the position, and one more clock brings the 0 after it.
+SSI_AROUND = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """What a frame of one order code takes: its bits, and the bytes of a buffer with room for what surrounds them.
+
+    ``held`` says that registers change the bits at run time: they are then those of the encoder as delivered, and the
+    bytes are enough for whatever the registers hold.
+    """
+
+    variant: Variant
+    layout: Layout
+    bits: int
+    bytes: int
+    held: bool
+
+
+def received(device: Device, interface: Interface) -> Iterator[Received]:
+    """The frames that this interface carries as bits from the encoder, by order code.
+
+    A frame whose length hangs on what the manual leaves open has no length before the user has decided.
+    """
+    settled = {item.name for item in device.set_parameters}
+    held = {item.name for item in device.set_parameters if item.register}
+    for layout in interface.layouts:
+        needed = set(_set_parameters(device, layout.bits.parameters))
+        if layout.in_bytes or layout.sender != "encoder" or not needed <= settled:
+            continue
+        for variant in device.variants:
+            if variant.interface in ("", interface.name):
+                bits, moves = layout.bits.value(variant.parameters), bool(needed & held)
+                size = _bytes(interface, layout.widest if moves else bits)
+                yield Received(variant, layout, bits, size, moves)
+
+
+def _bytes(interface: Interface, bits: int) -> int:
+    around = SSI_AROUND if isinstance(interface, Ssi) else BISS_REST + BISS_ACKNOWLEDGE + BISS_AROUND
+    return (around + bits + 7) // 8
+
+
+def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
+    """The parameters that these come down to."""
+    for name in names:
+        item = next((item for item in device.parameters if item.name == name), None)
+        if item is None or item.equals is None:
+            yield name
+        else:
+            yield from _set_parameters(device, item.equals.parameters)
+
+
+def longest_reply(devices: Iterable[Device]) -> int:
+    """The bytes of the longest frame that one of these sends over RS-485; 0 where there is none."""
+    ports = (item for device in devices for item in device.interfaces if isinstance(item, Rs485))
+    frames = (frame for port in ports for frame in port.layouts if frame.sender == "encoder" and frame.in_bytes)
+    return max((frame.widest // 8 for frame in frames), default=0)

@@ -1,0 +1,43 @@
+"""A program that takes positions out of the raw buffers of an SPI with DMA, over BiSS."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ...model import Biss
+from ...plan.received import received
+from .device import DeviceView
+from .examples import ExampleCode
+from .variants import CodeRow
+
+
+class ReceiverCode:
+    """What the template prints: the order code whose frame is the longest, and the example whose frame it is."""
+
+    def __init__(self, example: ExampleCode) -> None:
+        view = example.view
+        self.view, self.example = view, example
+        self.name = f"{view.device.name}_biss_dma"
+        self.struct = example.struct.name
+        self.verdict = example.reports.verdict if example.reports is not None else ""
+        self.member = example.counts
+        frames = (item for item in received(view.device, example.interface) if item.layout is example.frame.layout)
+        self.longest = max(frames, key=lambda item: item.bits)
+        rows = view.variants.rows
+        self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
+        (self.bits, self.size) = self._constants(view)
+
+    def _constants(self, view: DeviceView) -> tuple[str, str]:
+        """The macros of its length."""
+        own = (item.name for item in view.lengths[self.example.interface.name].macros)
+        bits, size = (name for name in own if name.startswith(f"{self.row.macro}_"))
+        return bits, size
+
+
+def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
+    """A program for each family whose BiSS frames say what their position is worth."""
+    for item in examples:
+        told = item.reports is not None and item.reports.verdict
+        lengths = item.view.lengths[item.interface.name]
+        if isinstance(item.interface, Biss) and told and item.counts and item.position and len(lengths.layouts) == 1:
+            yield ReceiverCode(item)

@@ -1,0 +1,451 @@
+"""From what SPI, DMA or a serial port received to the word of a decoder, against lines that are drawn bit by bit here.
+
+The lines follow the protocol description of BiSS C (p. 3, 5 and 7) and the manuals' words on SSI; nothing of ours makes
+them.
+"""
+
+from __future__ import annotations
+
+import random
+import subprocess
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from biss_line import ssi_only
+from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
+from codewheel.model import Device
+from codewheel.plan.received import longest_reply, received
+from codewheel.targets import Library, TargetError
+from codewheel.targets.c.files import generate
+
+OK, LENGTH, CRC, CONSTANT, RANGE = range(5)
+LINE_HIGH, LINE_LOW, NO_START, REPEAT = range(8, 12)
+
+#: One line in, one line out; all numbers, bytes as one word of hex.
+PROGRAM = r"""
+#include "lika/receive.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static unsigned long long number(void)
+{
+    const char *const item = strtok(NULL, " \n");
+    return (item == NULL) ? 0ULL : strtoull(item, NULL, 0);
+}
+
+/* Into memory of just this size, so that a byte too far is seen. */
+static uint8_t *bytes(size_t *size)
+{
+    const char *const item = strtok(NULL, " \n");
+    size_t at;
+    uint8_t *made;
+    *size = (item[0] == '-') ? 0U : strlen(item) / 2U;
+    made = (uint8_t *)malloc(*size + (*size == 0U));
+    for (at = 0U; at < *size; at++) {
+        const char digits[3] = { item[2U * at], item[2U * at + 1U], '\0' };
+        made[at] = (uint8_t)strtoul(digits, NULL, 16);
+    }
+    return made;
+}
+
+static void show(const uint8_t *data, size_t size)
+{
+    size_t at;
+    for (at = 0U; at < size; at++) {
+        printf("%02X", data[at]);
+    }
+    printf("\n");
+}
+
+int main(void)
+{
+    static char text[4096];
+    static lika_rs485_line line;
+    while (fgets(text, sizeof text, stdin) != NULL) {
+        const char verb = strtok(text, " \n")[0];
+        uint64_t word = 0xA5A5A5A5A5A5A5A5ULL;
+        size_t size = 0U;
+        uint8_t *rx = (strchr("bcsSWX", verb) != NULL) ? bytes(&size) : NULL;
+        if (verb == 'b') {
+            const lika_result result = lika_biss_receive(rx, size, (uint32_t)number(), &word);
+            printf("%d %llu\n", (int)result, (unsigned long long)word);
+        } else if (verb == 'c') {
+            bool cds = false;
+            const lika_result result = lika_biss_receive_cds(rx, size, &cds);
+            printf("%d %d\n", (int)result, (int)cds);
+        } else if (verb == 's') {
+            const lika_result result = lika_ssi_receive(rx, size, (uint32_t)number(), &word);
+            printf("%d %llu\n", (int)result, (unsigned long long)word);
+        } else if (verb == 'r') {
+            const uint64_t first = number();
+            const uint64_t second = number();
+            const uint64_t modulus = number();
+            printf("%d\n", (int)lika_ssi_repeats(first, second, modulus, number()));
+        } else if (verb == 'S') {
+            const uint8_t mask = (uint8_t)number();
+            show(rx, lika_received_samples(rx, size, mask, rx));
+        } else if (verb == 'W' || verb == 'X') {
+            const size_t wide = (verb == 'W') ? 2U : 4U;
+            uint8_t *const out = (uint8_t *)malloc(size + 1U);
+            uint16_t halves[64];
+            uint32_t words[64];
+            size_t at;
+            for (at = 0U; at < size / wide; at++) {
+                halves[at] = (uint16_t)(((unsigned)rx[wide * at] << 8) | rx[wide * at + 1U]);
+                words[at] = (verb == 'W') ? 0U : ((uint32_t)halves[at] << 16)
+                    | ((uint32_t)rx[4U * at + 2U] << 8) | rx[4U * at + 3U];
+            }
+            if (verb == 'W') {
+                lika_received_words16(halves, size / wide, out);
+            } else {
+                lika_received_words32(words, size / wide, out);
+            }
+            show(out, size / wide * wide);
+            free(out);
+        } else if (verb == 'a') {
+            const uint8_t control = (uint8_t)number();
+            const size_t length = (size_t)number();
+            const size_t echo = (size_t)number();
+            const uint32_t now = (uint32_t)number();
+            printf("%d\n", (int)lika_rs485_ask(&line, control, length, echo, now, (uint32_t)number()));
+        } else if (verb == 't') {
+            printf("%d\n", (int)lika_rs485_take(&line, (uint8_t)number()));
+        } else if (verb == 'u') {
+            lika_rs485_resume(&line);
+            printf("%lu\n", (unsigned long)line.count);
+        } else if (verb == 'l') {
+            printf("%d\n", (int)lika_rs485_late(&line, (uint32_t)number()));
+        } else {
+            show(line.bytes, line.length);
+        }
+        free(rx);
+    }
+    return 0;
+}
+"""
+
+
+@pytest.fixture(scope="session")
+def run(include: Path, made_once: MadeOnce) -> Run:
+    """The program, in which undefined behaviour is watched."""
+    command = [*GCC, "-O1", *SANITIZED]
+    return runner(made_once("receive", lambda folder: compile_c(command, PROGRAM, folder, include)) / "program")
+
+
+Ask = Callable[[str], list[int]]
+
+
+@pytest.fixture(scope="session")
+def ask(run: Run) -> Ask:
+    return lambda line: [int(item) for item in run([line])[0].split()]
+
+
+# --------------------------------------------------------------------------------------------------------- lines, drawn
+
+
+def in_bytes(bits: Sequence[int], then: int = 0) -> str:
+    """Bits as hex bytes, the first in bit 7; what is left of the last byte is ``then``."""
+    whole = [*bits, *[then] * (-len(bits) % 8)]
+    return "".join(f"{int(''.join(map(str, whole[at : at + 8])), 2):02X}" for at in range(0, len(whole), 8)) or "-"
+
+
+def of(number: int, width: int) -> list[int]:
+    return [number >> place & 1 for place in range(width - 1, -1, -1)]
+
+
+def biss_line(data: Sequence[int], rest: int = 2, acknowledge: int = 1, cds: int = 0, stop: int = 0) -> list[int]:
+    """SLO at each rising edge of MA: rest, acknowledge, start, CDS, the data and the stop bit (PROT p. 3)."""
+    return [*[1] * rest, *[0] * acknowledge, 1, cds, *data, stop]
+
+
+def test_a_line_on_paper(ask: Ask) -> None:
+    """11 000 1 0 10110 0: the word 10110, CDS 0, the stop bit 0; then the line is high again."""
+    line = [1, 1, 0, 0, 0, 1, 0, 1, 0, 1, 1, 0, 0, 1, 1, 1]
+    assert in_bytes(line) == "C567"
+    assert ask("b C567 5") == [OK, 0b10110]
+    assert ask("c C567") == [OK, 0]
+    assert ask("c C767") == [OK, 1]
+    # A bit more would take the stop bit for data, and find a 1 where it has to be 0.
+    assert ask("b C567 6") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
+
+
+def test_a_word_after_every_rest_and_acknowledge(run: Run) -> None:
+    """Widths from 1 to 64, the rest from 1 to 9 bits, the acknowledge from 1 to 40: every place within a byte."""
+    chance = random.Random(1)
+    asked, expected = [], []
+    for width in range(1, 65):
+        for _ in range(60):
+            word, cds = chance.getrandbits(width), chance.getrandbits(1)
+            line = biss_line(of(word, width), chance.randint(1, 9), chance.randint(1, 40), cds)
+            received = in_bytes(line, chance.getrandbits(1))
+            asked += [f"b {received} {width}", f"c {received}"]
+            expected += [f"0 {word}", f"0 {cds}"]
+    assert run(asked) == expected
+
+
+def test_each_fault_of_a_biss_line(ask: Ask) -> None:
+    word = of(0x5A3C, 16)
+    kept = 0xA5A5A5A5A5A5A5A5
+    assert ask("b FFFFFFFFFFFF 16") == [LINE_HIGH, kept]
+    assert ask("b - 16") == [LINE_HIGH, kept], "nothing received, nothing low"
+    assert ask("b 000000000000 16") == [LINE_LOW, kept]
+    # Still in the time-out of the frame before: what comes then may be the end of anything.
+    assert ask(f"b {in_bytes([0, *biss_line(word)])} 16") == [LINE_LOW, kept]
+    assert ask("b C00000000000 16") == [NO_START, kept]
+    assert ask(f"b {in_bytes(biss_line(word, stop=1))} 16") == [CONSTANT, kept]
+    for missing in range(1, 20):
+        # Rest and start end at a whole byte, then whole bytes are missing or the start comes too late.
+        line = [1, *[0] * 6, 1, 0, *word, 0, *[0] * 6][: 32 - 8]
+        assert ask(f"b {in_bytes(line[:24])} 16") == [LENGTH, kept]
+        late = biss_line(word, 2, 13 + missing)[:32]
+        assert ask(f"b {in_bytes(late)} 16")[0] in (LENGTH, NO_START)
+    assert ask(f"b {in_bytes(biss_line(of(0, 70)))} 65") == [LENGTH, kept]
+    assert ask(f"b {in_bytes(biss_line(word))} 4294967295") == [LENGTH, kept]
+    assert ask("c FFFF") == ask("c C000") == ask("c C001") == [LENGTH, 0]
+
+
+def test_the_stop_bit_has_to_be_there(ask: Ask) -> None:
+    """A buffer that ends with the last bit of the word shows no stop bit: one byte more is asked for."""
+    line = biss_line(of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
+    assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
+    line = biss_line(of(0x2B5, 10), 2, 2)[:16]
+    assert ask(f"b {in_bytes(line)} 10")[0] == LENGTH
+
+
+def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
+    """However the peripheral keeps what it received, the same bytes come out."""
+    chance = random.Random(2)
+    data = bytes(chance.randrange(256) for _ in range(24))
+    assert run([f"W {data.hex()}", f"X {data.hex()}"]) == [data.hex().upper()] * 2
+    bits = [bit for byte in data for bit in of(byte, 8)]
+    for mask in (0x01, 0x10, 0x80):
+        # The other pins of the port say what they will.
+        samples = [chance.randrange(256) & ~mask | (mask if bit else 0) for bit in bits]
+        for spare in (0, 1, 7):
+            line = bytes([*samples, *[0xFF] * spare]).hex()
+            assert run([f"S {line} {mask}"]) == [data.hex().upper()]
+    assert run(["S 01010101010101 1", "S - 1"]) == ["", ""]
+
+
+# ------------------------------------------------------------------------------------------------------------------ SSI
+
+
+class SsiEncoder:
+    """Data line of an encoder: high at rest; the first falling edge stores; each rising edge brings a bit, the most
+    significant first, then zeros until the clock has rested for the monoflop time."""
+
+    def __init__(self, word: int, bits: int) -> None:
+        self.left, self.data = of(word, bits), 1
+
+    def rise(self) -> None:
+        self.data = self.left.pop(0) if self.left else 0
+
+
+@pytest.mark.parametrize("mode", [2, 3])
+def test_an_ssi_word_as_each_spi_mode_samples_it(mode: int, run: Run) -> None:
+    chance = random.Random(3)
+    asked, expected = [], []
+    for width in range(1, 65):
+        for _ in range(20):
+            word = chance.getrandbits(width)
+            encoder, line = SsiEncoder(word, width), []
+            for _ in range(8 * ((width + 2 + 7) // 8)):
+                # The clock rests high, so it falls first; what the rising edge brings comes after it.
+                at_the_falling_edge = encoder.data
+                at_the_rising_edge = encoder.data
+                encoder.rise()
+                line.append(at_the_falling_edge if mode == 2 else at_the_rising_edge)
+            asked.append(f"s {in_bytes(line)} {width}")
+            expected.append(f"0 {word}")
+    assert run(asked) == expected
+
+
+def test_each_fault_of_an_ssi_line(ask: Ask) -> None:
+    kept = 0xA5A5A5A5A5A5A5A5
+    assert ask("s FFFFFF 20") == [LINE_HIGH, kept], "not plugged in"
+    assert ask("s 000000 20") == [LINE_LOW, kept], "a short"
+    assert ask(f"s {in_bytes([0, *of(0x12345, 20), 0])} 20") == [LINE_LOW, kept], "the pause was too short"
+    assert ask(f"s {in_bytes([1, *of(0x12345, 20), 1])} 20") == [CONSTANT, kept], "a word of 21 bits"
+    assert ask(f"s {in_bytes([1, *of(0xFFFFF, 20), 0])} 20") == [OK, 0xFFFFF], "all ones can be a position"
+    assert ask(f"s {in_bytes([1, *of(0, 20), 0])} 20") == [OK, 0]
+    assert ask("s 800000 23") == [LENGTH, kept]
+    assert ask("s 800000 22") == [OK, 0]
+    assert ask("s FFFFFFFFFFFFFFFFFFFFFFFF 65") == ask("s - 1") == ask("s 80 4294967295") == [LENGTH, kept]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "modulus", "at_most", "result"),
+    [
+        (100, 100, 4096, 0, OK),
+        (100, 103, 4096, 3, OK),
+        (103, 100, 4096, 3, OK),
+        (100, 104, 4096, 3, REPEAT),
+        (4095, 0, 4096, 1, OK),
+        (1, 4095, 4096, 2, OK),
+        (1, 4095, 4096, 1, REPEAT),
+        (1, 4095, 0, 2, REPEAT),
+        (1, 4095, 0, 4094, OK),
+        (0, 2**64 - 1, 0, 2**64 - 1, OK),
+        (0, 2**63, 0, 2**63 - 1, REPEAT),
+        (2048, 0, 4096, 2048, OK),
+        (2048, 0, 4096, 2047, REPEAT),
+        (4096, 0, 4096, 9, RANGE),
+        (0, 4096, 4096, 9, RANGE),
+        (0, 0, 1, 0, OK),
+    ],
+)
+def test_two_readings_agree(first: int, second: int, modulus: int, at_most: int, result: int, ask: Ask) -> None:
+    assert ask(f"r {first} {second} {modulus} {at_most}") == [result]
+
+
+# --------------------------------------------------------------------------------------------------------------- RS-485
+
+#: Data ID 3 of AMM5, control byte 1Ah: eleven bytes, the last one the XOR of the others.
+REPLY = [0x1A, 0x00, 0xC7, 0xD1, 0x6A, 0x23, 0x02, 0x00, 0x00, 0x00]
+REPLY = [*REPLY, 0x1A ^ 0xC7 ^ 0xD1 ^ 0x6A ^ 0x23 ^ 0x02]
+
+
+def taken(
+    ask_many: Run, control: int, length: int, stream: Iterable[int], echo: int = 0
+) -> tuple[list[int], list[str]]:
+    """What a receiver makes of these bytes: which byte ends a reply, and the replies whose XOR is 0; the others are
+    refused, as a decoder would."""
+    state = [f"a {control} {length} {echo} 0 100"]
+    ends, found = [], []
+    for index, byte in enumerate(stream):
+        state.append(f"t {byte}")
+        if ask_many(state)[-1] == "1":
+            data = ask_many([*state, "d"])[-1]
+            xor = 0
+            for item in bytes.fromhex(data):
+                xor ^= item
+            if xor == 0:
+                ends.append(index)
+                found.append(data)
+            else:
+                state.append("u")
+    return ends, found
+
+
+def test_a_reply_byte_by_byte(run: Run) -> None:
+    assert taken(run, 0x1A, 11, REPLY) == ([10], [bytes(REPLY).hex().upper()])
+    # What comes after a whole reply is dropped, and nothing is late.
+    assert run(["a 26 11 0 0 100", *(f"t {byte}" for byte in [*REPLY, 0x1A]), "d", "l 4000000000"])[-2:] == [
+        bytes(REPLY).hex().upper(),
+        "0",
+    ]
+
+
+@pytest.mark.parametrize("noise", [[0x00], [0xFF, 0x7E], [0x1A], [0x1A, 0x1A], [0x1A, 0x02, 0x1A]])
+def test_noise_before_a_reply_costs_nothing(noise: list[int], run: Run) -> None:
+    assert taken(run, 0x1A, 11, [*noise, *REPLY])[1] == [bytes(REPLY).hex().upper()]
+
+
+def test_the_echo_of_a_request(run: Run) -> None:
+    assert taken(run, 0x1A, 11, [0x1A, *REPLY], echo=1) == ([11], [bytes(REPLY).hex().upper()])
+    assert taken(run, 0xEA, 4, [0xEA, 0x0A, 0xE0, 0xEA, 0x0A, 0x55, 0xB5], echo=3) == ([6], ["EA0A55B5"])
+
+
+def test_a_lost_byte_ends_in_a_time_out(run: Run) -> None:
+    head = ["a 26 11 0 4294967290 100"]
+    lines = [*head, *(f"t {byte}" for byte in REPLY[:4] + REPLY[5:])]
+    # 6 us are left before the time runs over, so that 100 us are over at 94.
+    assert run([*lines, "l 4294967290", "l 4294967295", "l 94", "l 95"])[-4:] == ["0", "0", "0", "1"]
+    # The next request forgets what is left of it.
+    assert run([*lines, "a 26 11 0 0 100", *(f"t {byte}" for byte in REPLY)])[-1] == "1"
+
+
+def test_what_cannot_be_waited_for(run: Run) -> None:
+    assert run(["a 26 0 0 0 100", "a 26 12 0 0 100", "a 26 11 0 0 100", "l 100", "l 101"]) == ["1", "1", "0", "0", "1"]
+
+
+def test_a_line_of_zeros_waits_for_nothing(run: Run) -> None:
+    assert run(["t 0", "l 4000000000", "u"]) == ["0", "0", "0"]
+
+
+# -------------------------------------------------------------------------------------------------------------- lengths
+
+
+#: From the manuals: AMM5 6.2.1 p.32 (nbitres + 8) and 5.2; AM36 6.3.1 p.21; ASC85 6.2.1 p.20; SMA21 6.2 p.25 and 5.2.
+LENGTHS = {
+    "amm5": {
+        "A23_65KSC1_BISS": 47,
+        "A17_1SC1_BISS": 25,
+        "B21_65KSC1_BISS": 45,
+        "A23_65KBG1_SSI": 39,
+        "A17_1BG1_SSI": 17,
+    },
+    "am36": {"AM3616_4096_I7_BISS": 44, "AM3619_4096_BG_SSI": 31, "AMC3616_4096_GG_SSI": 28},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("compiler", "standard", "assertion"),
+    [("gcc", "c11", "_Static_assert"), ("g++", "c++11", "static_assert")],
+)
+@pytest.mark.parametrize("family", LENGTHS)
+def test_lengths_are_constants(
+    compiler: str, standard: str, assertion: str, family: str, include: Path, tmp_path: Path
+) -> None:
+    """As sizes of arrays and in static asserts; a wrong one is an error, so that the assert is known to look."""
+    lines = [f'#include "lika/{family}.h"', '#include "lika/receive.h"']
+    for name, bits in LENGTHS[family].items():
+        stem = f"LIKA_{family.upper()}_{name}"
+        around = 2 if name.endswith("SSI") else 2 + 40 + 1 + 1 + 1
+        lines += [
+            f"static uint8_t rx_{name.lower()}[{stem}_RX_BYTES];",
+            f'{assertion}({stem}_BITS == {bits}U, "bits");',
+            f'{assertion}(sizeof rx_{name.lower()} == {(bits + around + 7) // 8}U, "bytes");',
+        ]
+    lines.append("int main(void) { return " + " + ".join(f"rx_{name.lower()}[0]" for name in LENGTHS[family]) + "; }")
+    language = "c++" if compiler == "g++" else "c"
+    command = [compiler, f"-std={standard}", "-x", language, *WARNINGS, f"-I{include}", "-c", "-o", "/dev/null", "-"]
+    done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:3000]
+    wrong = "\n".join(lines).replace("_BITS == ", "_BITS == 1U + ") + "\n"
+    assert subprocess.run(command, input=wrong, capture_output=True, text=True).returncode != 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_constants_are_what_the_functions_say(
+    family: str, every_device: dict[str, Device], include: Path, tmp_path: Path
+) -> None:
+    device = every_device[family]
+    lines = [f'#include "lika/{family}.h"', "int main(void) {", "    int wrong = 0;"]
+    count = 0
+    for interface in device.interfaces:
+        for item in received(device, interface):
+            code = item.variant.code.upper().removeprefix(family.upper())
+            name = "".join(letter if letter.isalnum() else "_" for letter in code).strip("_")
+            text = (include / "lika" / f"{family}.h").read_text(encoding="ascii")
+            macro = next(
+                stem
+                for stem in (f"LIKA_{family.upper()}_{name}", f"LIKA_{family.upper()}_{family.upper()}{name}")
+                if f"#define {stem} " in text
+            )
+            bits = f"lika_{family}_{item.layout.name}_bits"
+            lines.append(f"    {{ static const lika_{family}_variant v = {macro};")
+            lines.append(f"      wrong += {bits}(&v) != {macro}_{interface.name.upper()}_BITS; }}")
+            count += 1
+    lines += ["    return wrong;", "}"]
+    program = compile_c(GCC, "\n".join(lines) + "\n", tmp_path, include)
+    assert count == sum(item.interface in ("ssi", "biss") for item in device.variants)
+    assert subprocess.run([str(program)]).returncode == 0
+
+
+def test_a_family_of_bits_alone_has_no_serial_line(tmp_path: Path) -> None:
+    device = ssi_only(tmp_path)
+    text = generate(Library((device,)))["c/include/test/receive.h"]
+    assert longest_reply((device,)) == 0
+    assert "RS485" not in text
+    assert "test_ssi_receive" in text
+
+
+def test_no_family_has_the_name_of_the_header(amm5: Device) -> None:
+    with pytest.raises(TargetError, match="a family cannot be called 'receive'"):
+        generate(Library((replace(amm5, name="receive"),)))

@@ -1,0 +1,183 @@
+"""The program that takes positions out of raw SPI buffers, fed with a line that is drawn here, faults and all."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import pytest
+from c_harness import GCC, SANITIZED, MadeOnce, compile_c, devices_of, write
+
+ROOT = Path(__file__).resolve().parents[2]
+#: AMM5A23/65KSC1: 39 bits of position, nE, nW and six of CRC (6.2.1 p.32), received into twelve bytes.
+POSITION_BITS, SIZE = 39, 12
+FRAMES = 100_000
+
+
+def crc_6(data: int, bits: int) -> int:
+    """x^6 + x + 1, start value 0, inverted: bit by bit, as PROT p. 7-8 has it."""
+    rest = 0
+    for place in range(bits - 1, -1, -1):
+        top = rest >> 5 ^ data >> place & 1
+        rest = rest << 1 & 0x3F ^ (0x03 if top else 0)
+    return rest ^ 0x3F
+
+
+def word(position: int, error: bool = False, warning: bool = False) -> int:
+    data = position << 2 | (not error) << 1 | (not warning)
+    return data << 6 | crc_6(data, POSITION_BITS + 2)
+
+
+class Line:
+    """SLO in one buffer: rest, line delay, acknowledge, start, CDS, word, stop bit, and low until the time-out ends."""
+
+    BITS = 8 * SIZE
+
+    def __init__(self, chance: random.Random, frame: int, acknowledge: int, delay: int) -> None:
+        self.chance = chance
+        self.acknowledge = range(2 + delay, 2 + delay + acknowledge)
+        self.start = self.acknowledge.stop
+        self.word = range(self.start + 2, self.start + 2 + POSITION_BITS + 8)
+        bits = [1] * self.acknowledge.start + [0] * acknowledge + [1, chance.getrandbits(1)]
+        bits += [frame >> place & 1 for place in range(len(self.word) - 1, -1, -1)] + [0]
+        # The time-out may end within the buffer; the line is high then.
+        bits += [0] * chance.randrange(8) + [1] * self.BITS
+        self.bits = bits[: self.BITS]
+
+    def flip(self, place: int) -> None:
+        self.bits[place] ^= 1
+
+    @property
+    def bytes(self) -> bytes:
+        return int("".join(map(str, self.bits)), 2).to_bytes(SIZE, "big")
+
+
+def nothing(line: Line) -> None:
+    """A sound frame."""
+
+
+def one_bit(line: Line) -> None:
+    line.flip(line.chance.choice(line.word))
+
+
+def two_bits(line: Line) -> None:
+    for place in line.chance.sample(line.word, 2):
+        line.flip(place)
+
+
+def burst(line: Line) -> None:
+    """Up to six bits in a row, which a CRC of six bits sees for certain."""
+    first = line.chance.choice(line.word[:-6])
+    line.flip(first)
+    for place in range(first + 1, first + 6):
+        line.bits[place] = line.chance.getrandbits(1)
+
+
+def stuck_high(line: Line) -> None:
+    line.bits = [1] * line.BITS
+
+
+def stuck_low(line: Line) -> None:
+    line.bits = [0] * line.BITS
+
+
+def cut(line: Line) -> None:
+    """The cable breaks in the middle of a frame, and the receiver pulls the line up."""
+    place = line.chance.choice(line.word)
+    line.bits[place:] = [1] * (line.BITS - place)
+
+
+def never_ready(line: Line) -> None:
+    """The acknowledge lasts longer than the buffer."""
+    line.bits[line.acknowledge.start :] = [0] * (line.BITS - line.acknowledge.start)
+
+
+def too_late(line: Line) -> None:
+    """The frame begins where it no longer fits."""
+    rest = line.chance.randrange(60, line.BITS)
+    line.bits = (line.bits[:2] + [0] * (rest - 2) + line.bits[line.start :])[: line.BITS]
+
+
+def still_in_the_time_out(line: Line) -> None:
+    """The master did not wait: the buffer begins in the frame before."""
+    line.bits = ([0] * line.chance.randrange(1, 20) + line.bits)[: line.BITS]
+
+
+CERTAIN: tuple[Callable[[Line], None], ...] = (
+    *(one_bit, two_bits, burst, stuck_high, stuck_low),
+    *(cut, never_ready, too_late, still_in_the_time_out),
+)
+
+
+def moved(line: Line) -> None:
+    """A disturbed acknowledge or start bit: the word is looked for elsewhere."""
+    line.flip(line.chance.choice([*line.acknowledge, line.start]))
+
+
+def story(seed: int) -> Iterator[tuple[str, int | None, bytes]]:
+    """What happened, the position that may be said, and the buffer: a shaft that moves on and back over the whole
+    range, read every 100 us."""
+    chance = random.Random(seed)
+    position, speed = chance.getrandbits(POSITION_BITS), 0
+    for _ in range(FRAMES):
+        speed = max(-8000, min(8000, speed + chance.randint(-200, 200)))
+        position = (position + speed) % (1 << POSITION_BITS)
+        error = chance.random() < 0.02
+        line = Line(chance, word(position, error, chance.random() < 0.02), chance.randint(1, 38), chance.randint(0, 3))
+        fault = chance.choices((nothing, chance.choice(CERTAIN), moved), (80, 18, 2))[0]
+        before = list(line.bits)
+        fault(line)
+        name = fault.__name__ if line.bits != before else nothing.__name__
+        yield "error" if error and name == "nothing" else name, None if error else position, line.bytes
+
+
+@pytest.fixture(scope="module")
+def program(made_once: MadeOnce) -> Path:
+    def built(folder: Path) -> None:
+        include = write(folder, devices_of())
+        text = (include.parent / "examples" / "amm5_biss_dma.c").read_text(encoding="ascii")
+        compile_c([*GCC, "-O2", *SANITIZED], text, folder, include)
+
+    return made_once("amm5_biss_dma", built) / "program"
+
+
+@pytest.fixture(scope="module")
+def told(program: Path) -> Mapping[str, Counter[str]]:
+    """By what happened to a frame: how often the program was right, said nothing, or was wrong."""
+    rows = list(story(14))
+    done = subprocess.run([str(program)], input=b"".join(row[2] for row in rows), capture_output=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    said = done.stdout.decode().splitlines()
+    assert len(said) == FRAMES
+    found: dict[str, Counter[str]] = {}
+    for index, ((name, position, _), line) in enumerate(zip(rows, said, strict=True)):
+        when, _, what = line.partition(" us: ")
+        assert int(when) == 100 * index
+        verdict = "nothing" if what == "no position" else "right" if what == str(position) else "wrong"
+        found.setdefault(name, Counter())[verdict] += 1
+    return found
+
+
+def test_100_000_buffers_without_a_wrong_position(told: Mapping[str, Counter[str]]) -> None:
+    assert {name: counts["wrong"] for name, counts in told.items() if name != "moved" and counts["wrong"]} == {}
+    assert told["nothing"]["right"] > 70_000
+    assert set(told["nothing"]) == {"right"}, "no sound frame is lost"
+    assert set(told["error"]) == {"nothing"}, "an encoder that reports an error has no position"
+    assert told.keys() >= {item.__name__ for item in CERTAIN}
+    assert all(told[item.__name__]["nothing"] > 1500 for item in CERTAIN)
+
+
+def test_what_no_check_of_a_frame_can_see(told: Mapping[str, Counter[str]]) -> None:
+    """One of 64 moved words has a CRC that fits; as said where the function is explained. Half of them have no stop
+    bit where it has to be."""
+    assert sum(told["moved"].values()) > 1500
+    assert told["moved"]["wrong"] < sum(told["moved"].values()) / 48
+
+
+def test_the_constants_of_the_program() -> None:
+    header = (ROOT / "generated" / "c" / "include" / "lika" / "amm5.h").read_text(encoding="ascii")
+    assert f"#define LIKA_AMM5_A23_65KSC1_BISS_RX_BYTES {SIZE}U\n" in header
+    assert f"#define LIKA_AMM5_A23_65KSC1_BISS_BITS {POSITION_BITS + 8}U\n" in header

@@ -1,0 +1,125 @@
+/*
+ * What libFuzzer calls for the header of what is received: buffers of any content and of just their
+ * size, lines that are drawn here and have to be read again, and a serial line with noise.
+ */
+#include "@maker@/receive.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint8_t *input;
+static size_t left;
+
+static uint64_t take(size_t count)
+{
+    uint64_t value = 0U;
+    while (count > 0U && left > 0U) {
+        value = (value << 8U) | *input++;
+        left--;
+        count--;
+    }
+    return value;
+}
+
+static void require(bool holds, const char *what)
+{
+    if (!holds) {
+        fprintf(stderr, "%s\n", what);
+        abort();
+    }
+}
+
+static void anything(void)
+{
+    const uint32_t bits = (uint32_t)take(((take(1U) & 3U) == 0U) ? 4U : 1U);
+    const uint8_t mask = (uint8_t)take(1U);
+    const size_t size = left;
+    uint8_t *const rx = malloc(size + (size == 0U));
+    uint8_t *const made = malloc(size + (size == 0U));
+    uint64_t word = 0x5AU;
+    bool cds = false;
+    memcpy(rx, input, size);
+    require(@maker@_biss_receive(rx, size, bits, &word) == @MAKER@_OK || word == 0x5AU, "a fault that changes the word");
+    word = 0x5AU;
+    require(@maker@_ssi_receive(rx, size, bits, &word) == @MAKER@_OK || word == 0x5AU, "a fault that changes the word");
+    (void)(@maker@_biss_receive_cds(rx, size, &cds) == @MAKER@_OK);
+    require(@maker@_received_samples(rx, size, mask, made) == size / 8U, "samples that are no whole bytes");
+    require(@maker@_received_samples(rx, size, mask, rx) == size / 8U, "samples that are no whole bytes");
+    require(memcmp(rx, made, size / 8U) == 0, "samples that are read otherwise in place");
+    free(rx);
+    free(made);
+}
+
+static void drawn(void)
+{
+    const uint32_t bits = 1U + (uint32_t)(take(1U) % 64U);
+    const uint64_t sent = take(8U) & @maker@_mask(bits);
+    const size_t rest = 1U + (size_t)(take(1U) % 9U);
+    const size_t acknowledge = 1U + (size_t)(take(1U) % 60U);
+    const bool ssi = (take(1U) & 1U) != 0U;
+    const size_t first = ssi ? 1U : rest + acknowledge + 2U;
+    const size_t size = (first + bits + 8U) / 8U;
+    uint8_t *const rx = calloc(size, 1U);
+    uint64_t word = 0U;
+    size_t at;
+    for (at = 0U; at < (ssi ? 1U : rest); at++) {
+        rx[at / 8U] |= (uint8_t)(0x80U >> (at % 8U));
+    }
+    if (!ssi) {
+        rx[(first - 2U) / 8U] |= (uint8_t)(0x80U >> ((first - 2U) % 8U));
+    }
+    for (at = 0U; at < bits; at++) {
+        if (((sent >> (bits - 1U - at)) & 1U) != 0U) {
+            rx[(first + at) / 8U] |= (uint8_t)(0x80U >> ((first + at) % 8U));
+        }
+    }
+    require((ssi ? @maker@_ssi_receive(rx, size, bits, &word) : @maker@_biss_receive(rx, size, bits, &word)) == @MAKER@_OK && word == sent,
+        "a line that is read as another word");
+    free(rx);
+}
+
+static void serial(void)
+{
+    @maker@_rs485_line line;
+    const uint8_t control = (uint8_t)take(1U);
+    const size_t length = (size_t)(take(1U) % 16U);
+    const size_t echo = (size_t)(take(1U) % 5U);
+    const uint32_t now = (uint32_t)take(4U);
+    const @maker@_result asked = @maker@_rs485_ask(&line, control, length, echo, now, (uint32_t)take(2U));
+    require((asked == @MAKER@_OK) == (length != 0U && length <= @MAKER@_RECEIVE_RS485_BYTES), "a length that does not fit");
+    while (asked == @MAKER@_OK && left > 0U) {
+        if (@maker@_rs485_take(&line, (uint8_t)take(1U))) {
+            require(line.count == length && line.bytes[0] == control && !@maker@_rs485_late(&line, now + 0x7FFFFFFFU), "a reply that is none");
+            if ((take(1U) & 1U) != 0U) {
+                @maker@_rs485_resume(&line);
+                require(line.count < length && (line.count == 0U || line.bytes[0] == control), "a rest that begins otherwise");
+            }
+        }
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    input = data;
+    left = size;
+    switch (take(1U) & 3U) {
+    case 0U:
+        anything();
+        break;
+    case 1U:
+        drawn();
+        break;
+    case 2U:
+        serial();
+        break;
+    default: {
+        const uint64_t first = take(8U);
+        const uint64_t second = take(8U);
+        const uint64_t modulus = take(8U);
+        (void)(@maker@_ssi_repeats(first, second, modulus, take(8U)) == @MAKER@_OK);
+        break;
+    }
+    }
+    return 0;
+}

@@ -1,0 +1,194 @@
+/*
+ * Claims about what is received for the model checker CBMC: whatever bytes a buffer holds, a reader
+ * stays inside it and finds the word that the line shows, which is written down here once more as a
+ * line is read by hand; and a serial line stays what it can be, whatever comes.
+ */
+#include "@maker@/receive.h"
+
+int nondet_int(void);
+uint8_t nondet_byte(void);
+uint32_t nondet_word(void);
+uint64_t nondet_wide(void);
+size_t nondet_size(void);
+
+/* Some bits of rest and acknowledge, and a word of some bits: every place within a byte comes up. */
+#define SIZE 2U
+
+static uint8_t rx[SIZE];
+static size_t size;
+
+static void any_buffer(void)
+{
+    size_t at;
+    for (at = 0U; at < SIZE; at++) {
+        rx[at] = nondet_byte();
+    }
+    size = nondet_size();
+    __CPROVER_assume(size <= SIZE);
+}
+
+static unsigned bit(size_t place)
+{
+    return (rx[place / 8U] >> (7U - (place % 8U))) & 1U;
+}
+
+/* The place of the first bit from this one on that is so; the end where there is none. */
+static size_t next(size_t place, unsigned wanted)
+{
+    while ((place < (8U * size)) && (bit(place) != wanted)) {
+        place++;
+    }
+    return place;
+}
+
+void a_frame_of_biss(void)
+{
+    const uint32_t bits = nondet_word();
+    uint64_t word = 0x5AU;
+    @maker@_result result;
+    size_t low;
+    size_t start;
+    uint64_t expected = 0U;
+    size_t at;
+    any_buffer();
+    low = next(0U, 0U);
+    start = next(low, 1U);
+    result = @maker@_biss_receive(rx, size, bits, &word);
+    __CPROVER_assert((result == @MAKER@_OK) || (word == 0x5AU), "a fault leaves the word as it was");
+    __CPROVER_assert((result == @MAKER@_FAULT_LINE_HIGH) == (low == (8U * size)), "never low");
+    __CPROVER_assert((result == @MAKER@_FAULT_LINE_LOW) == ((size != 0U) && (low == 0U)), "low before the frame");
+    if ((low == 0U) || (low == (8U * size))) {
+        return;
+    }
+    __CPROVER_assert((result == @MAKER@_FAULT_NO_START) == (start == (8U * size)), "no start");
+    if (start == (8U * size)) {
+        return;
+    }
+    if ((bits > 64U) || ((start + 2U + bits) >= (8U * size))) {
+        __CPROVER_assert(result == @MAKER@_FAULT_LENGTH, "too few bits");
+        return;
+    }
+    __CPROVER_assert(result == ((bit(start + 2U + bits) != 0U) ? @MAKER@_FAULT_CONSTANT : @MAKER@_OK), "the stop bit");
+    for (at = start + 2U; at < (start + 2U + bits); at++) {
+        expected = (2U * expected) + bit(at);
+    }
+    __CPROVER_assert((result != @MAKER@_OK) || (word == expected), "the word");
+}
+
+void its_cds(void)
+{
+    bool cds = false;
+    @maker@_result result;
+    size_t start;
+    any_buffer();
+    start = next(next(0U, 0U), 1U);
+    result = @maker@_biss_receive_cds(rx, size, &cds);
+    __CPROVER_assert((result == @MAKER@_OK) == ((start + 1U) < (8U * size)), "where there is one");
+    __CPROVER_assert((result != @MAKER@_OK) || (cds == (bit(start + 1U) != 0U)), "the bit after start");
+}
+
+void a_word_of_ssi(void)
+{
+    const uint32_t bits = nondet_word();
+    uint64_t word = 0x5AU;
+    uint64_t expected = 0U;
+    bool ones = true;
+    @maker@_result result;
+    size_t at;
+    any_buffer();
+    result = @maker@_ssi_receive(rx, size, bits, &word);
+    __CPROVER_assert((result == @MAKER@_OK) || (word == 0x5AU), "a fault leaves the word as it was");
+    if ((bits > 64U) || ((bits + 2U) > (8U * size))) {
+        __CPROVER_assert(result == @MAKER@_FAULT_LENGTH, "too few bits");
+        return;
+    }
+    for (at = 1U; at <= bits; at++) {
+        expected = (2U * expected) + bit(at);
+        ones = ones && (bit(at) != 0U);
+    }
+    if (bit(0U) == 0U) {
+        __CPROVER_assert(result == @MAKER@_FAULT_LINE_LOW, "low before the word");
+    } else if (bit(bits + 1U) != 0U) {
+        __CPROVER_assert(result == (ones ? @MAKER@_FAULT_LINE_HIGH : @MAKER@_FAULT_CONSTANT), "high after the word");
+    } else {
+        __CPROVER_assert((result == @MAKER@_OK) && (word == expected), "the word");
+    }
+}
+
+void two_readings(void)
+{
+    const uint64_t first = nondet_wide();
+    const uint64_t second = nondet_wide();
+    const uint64_t modulus = nondet_wide();
+    const uint64_t most = nondet_wide();
+    const @maker@_result result = @maker@_ssi_repeats(first, second, modulus, most);
+    const uint64_t apart = (first > second) ? (first - second) : (second - first);
+    if ((modulus != 0U) && ((first >= modulus) || (second >= modulus))) {
+        __CPROVER_assert(result == @MAKER@_FAULT_RANGE, "positions are below their modulus");
+    } else {
+        const bool near = (apart <= most) || ((modulus != 0U) && ((modulus - apart) <= most));
+        __CPROVER_assert(result == (near ? @MAKER@_OK : @MAKER@_FAULT_REPEAT), "the shorter way");
+    }
+}
+
+void other_shapes(void)
+{
+    const uint16_t halves[2] = { (uint16_t)(nondet_word() & 0xFFFFU), (uint16_t)(nondet_word() & 0xFFFFU) };
+    const uint32_t words[2] = { nondet_word(), nondet_word() };
+    const uint8_t mask = nondet_byte();
+    uint8_t samples[17];
+    uint8_t made[8];
+    size_t at;
+    @maker@_received_words16(halves, 2U, made);
+    __CPROVER_assert(((made[2] * 256U) + made[3]) == halves[1], "two bytes of each word");
+    @maker@_received_words32(words, 2U, made);
+    __CPROVER_assert(((((((made[4] * 256ULL) + made[5]) * 256U) + made[6]) * 256U) + made[7]) == words[1], "four bytes of each word");
+    for (at = 0U; at < 17U; at++) {
+        samples[at] = nondet_byte();
+    }
+    at = nondet_size();
+    __CPROVER_assume(at < 16U);
+    size = nondet_size();
+    __CPROVER_assume(size <= 17U);
+    __CPROVER_assert(@maker@_received_samples(samples, size, mask, rx) == (size / 8U), "whole bytes");
+    __CPROVER_assert((at >= (size - (size % 8U))) || (bit(at) == (((samples[at] & mask) != 0U) ? 1U : 0U)), "a bit of each sample");
+}
+
+static bool line_can_be(const @maker@_rs485_line *line)
+{
+    return (line->length <= @MAKER@_RECEIVE_RS485_BYTES) && (line->count <= line->length)
+        && ((line->count == 0U) || (line->bytes[0] == line->control));
+}
+
+void one_more_byte_of_a_line(void)
+{
+    @maker@_rs485_line line;
+    const uint8_t byte = nondet_byte();
+    size_t before;
+    bool whole;
+    __CPROVER_assume(line_can_be(&line));
+    before = line.count;
+    whole = @maker@_rs485_take(&line, byte);
+    __CPROVER_assert(line_can_be(&line), "a line stays what it can be");
+    __CPROVER_assert(!whole || ((line.count == line.length) && (line.count == (before + 1U)) && (line.bytes[before] == byte)),
+        "whole with this byte");
+    before = line.count;
+    @maker@_rs485_resume(&line);
+    __CPROVER_assert(line_can_be(&line) && ((line.count < before) || (before == 0U)), "and looks on behind the first byte");
+}
+
+void a_line_that_waits(void)
+{
+    @maker@_rs485_line line;
+    const uint32_t now = nondet_word();
+    const uint32_t later = nondet_word();
+    const uint32_t most = nondet_word();
+    const size_t length = nondet_size();
+    const @maker@_result result = @maker@_rs485_ask(&line, nondet_byte(), length, nondet_size(), now, most);
+    __CPROVER_assert(
+        result == (((length == 0U) || (length > @MAKER@_RECEIVE_RS485_BYTES)) ? @MAKER@_FAULT_LENGTH : @MAKER@_OK), "what there is room for");
+    if (result == @MAKER@_OK) {
+        __CPROVER_assert(line_can_be(&line), "a line that is new");
+        __CPROVER_assert(@maker@_rs485_late(&line, later) == ((((1ULL << 32U) + later - now) % (1ULL << 32U)) > most), "time that runs over");
+    }
+}

@@ -1,0 +1,91 @@
+"""What is received, proved by CBMC for every content of a buffer and every state of a serial line."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from c_harness import devices_of, write
+from tools import tool
+
+HARNESS = Path(__file__).with_name("proof_receive.c")
+#: Undefined behaviour, and besides it every unsigned overflow and every number that a smaller type cannot hold.
+CHECKS = (
+    "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check"
+    " --signed-overflow-check --unsigned-overflow-check --conversion-check --undefined-shift-check --div-by-zero-check"
+    " --unwind 18 --unwinding-assertions"
+).split()
+CLAIMS = re.findall(r"^void (\w+)\(void\)$", HARNESS.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("receive"), devices_of())
+
+
+def verdict(include: Path, folder: Path, claim: str) -> str:
+    """What fails, or nothing."""
+    checker = tool("cbmc", [str(Path(__file__).resolve().parents[2] / ".cbmc")])
+    (header,) = include.glob("*/receive.h")
+    maker = header.parent.name
+    harness = folder / "harness.c"
+    harness.write_text(
+        HARNESS.read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper()),
+        encoding="utf-8",
+    )
+    command = [checker, str(harness), f"-I{include}", "--function", claim, *CHECKS]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=400)
+    # A function without a body may give anything: that is what the harness is for.
+    failed = [line for line in done.stdout.splitlines() if line.endswith(": FAILURE") and ".no-body." not in line]
+    assert failed or "0 of " in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
+    return "\n".join(failed)
+
+
+@pytest.mark.parametrize("claim", CLAIMS)
+def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> None:
+    assert verdict(include, tmp_path, claim) == ""
+
+
+@pytest.mark.parametrize(
+    ("claim", "sound", "planted"),
+    [
+        ("a_frame_of_biss", "first = at + 2U;", "first = at + 1U;"),
+        ("a_frame_of_biss", "((first + bits) >= end)", "((first + bits) > end)"),
+        ("its_cds", "if ((at + 1U) >= end) {", "if (at >= end) {"),
+        ("a_word_of_ssi", "((size_t)bits + 2U)", "((size_t)bits + 1U)"),
+        ("two_readings", "(modulus - apart)", "(modulus - apart - 1U)"),
+        ("other_shapes", "8U * (at % 4U)", "8U * (at % 3U)"),
+        ("one_more_byte_of_a_line", "(line->count == line->length) || ", ""),
+        ("a_line_that_waits", "(uint64_t)1U << 32U", "(uint64_t)1U << 31U"),
+    ],
+)
+def test_what_is_planted_is_found(claim: str, sound: str, planted: str, include: Path, tmp_path: Path) -> None:
+    (header,) = include.glob("*/receive.h")
+    text = header.read_text(encoding="ascii")
+    assert text.count(sound) == 1
+    folder = tmp_path / "include" / header.parent.name
+    folder.mkdir(parents=True)
+    (folder / "encoder.h").write_bytes((header.parent / "encoder.h").read_bytes())
+    (folder / "receive.h").write_text(text.replace(sound, planted), encoding="ascii")
+    assert verdict(folder.parent, tmp_path, claim) != ""
+
+
+@pytest.mark.parametrize("cpu", ["cortex-m0plus", "cortex-m4"])
+def test_how_many_bytes_a_receiver_takes(cpu: str, include: Path, tmp_path: Path) -> None:
+    """160 at most for an order code that is known, and nothing of the compiler's library."""
+    source, made = tmp_path / "source.c", tmp_path / "source.o"
+    source.write_text(
+        '#include "lika/amm5.h"\n#include "lika/receive.h"\n'
+        "lika_result received(const uint8_t *rx, uint64_t *word);\n"
+        "lika_result received(const uint8_t *rx, uint64_t *word)\n{\n    return lika_biss_receive(\n"
+        "        rx, LIKA_AMM5_A23_65KSC1_BISS_RX_BYTES, LIKA_AMM5_A23_65KSC1_BISS_BITS, word);\n}\n",
+        encoding="ascii",
+    )
+    command = [tool("arm-none-eabi-gcc"), "-std=c99", "-Os", "-mthumb", f"-mcpu={cpu}", f"-I{include}", "-c"]
+    subprocess.run([*command, str(source), "-o", str(made)], check=True)
+    needed = subprocess.run(["arm-none-eabi-nm", "-u", str(made)], capture_output=True, text=True, check=True)
+    assert needed.stdout == ""
+    said = subprocess.run(["arm-none-eabi-size", str(made)], capture_output=True, text=True, check=True).stdout
+    assert int(said.splitlines()[1].split()[0]) <= 160
