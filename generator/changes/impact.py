@@ -35,7 +35,7 @@ TITLES = {"c": "C", "python": "Python", "xml": "XML", "pages": "pages"}
 class Rule:
     """A kind of change.
 
-    ``impacts`` has that of each of ``OUTPUTS``; ``when`` says what the rule is about and ``why`` why it has this impact.
+    ``impacts`` has that of each of ``OUTPUTS``; ``when`` says what the rule is about, ``why`` why it has this impact.
     """
 
     name: str

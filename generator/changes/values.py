@@ -24,11 +24,10 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Differing:
-    """Where two expressions come to something else: the order codes, and the two numbers of the first of them."""
+    """Where two expressions come to something else: the order codes, and each pair of numbers that occurs, once."""
 
     codes: tuple[str, ...]
-    old: int | None
-    new: int | None
+    values: tuple[tuple[int | None, int | None], ...]
 
 
 def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapping[str, str]) -> tuple[Point, ...]:
@@ -41,7 +40,7 @@ def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapp
         renamed: The parameters with another name, the new by the old.
     """
     variants = {item.code: item for item in new.variants}
-    settings = [{}, *_settings(new)] or [{}]
+    settings: list[dict[str, int]] = [{}, *_settings(new)]
     back = {name: before for before, name in renamed.items()}
     found = []
     for variant in old.variants:
@@ -81,22 +80,27 @@ def differing(
     Both are taken at the new parameters as far as the old one knows them: what follows from another parameter is told
     of that parameter alone. Without an order code that both sides have, texts are compared.
     """
-    if old is None or new is None or (old.is_constant and new.is_constant):
-        if old == new:
-            return None
-        first = next(iter(points), None)
-        codes = tuple(dict.fromkeys(point.code for point in points))
-        return Differing(codes, _number(old, first.old if first else {}), _number(new, first.new if first else {}))
+    if old is not None and new is not None and old.is_constant and new.is_constant and old == new:
+        return None
     if not points:
-        return None if old.render() == new.render() else Differing((), None, None)
-    found: dict[str, tuple[int | None, int | None]] = {}
+        same = (old is None) == (new is None) and (old is None or new is None or old.render() == new.render())
+        return None if same else Differing((), _constants(old, new))
+    found: dict[str, list[tuple[int | None, int | None]]] = {}
     for point in points:
-        before = point.old | {was: point.new[name] for was, name in renamed.items() if name in point.new}
+        before = dict(point.old) | {was: point.new[name] for was, name in renamed.items() if name in point.new}
         before |= {name: value for name, value in point.new.items() if name in point.old and name not in renamed}
         values = _number(old, before), _number(new, point.new)
         if values[0] != values[1]:
-            found.setdefault(point.code, values)
-    return Differing(tuple(found), *next(iter(found.values()))) if found else None
+            found.setdefault(point.code, []).append(values)
+    pairs = dict.fromkeys(pair for each in found.values() for pair in each)
+    return Differing(tuple(found), tuple(pairs)) if found else None
+
+
+def _constants(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
+    """The pair of numbers, where the expressions are numbers or nothing."""
+    if all(item is None or item.is_constant for item in (old, new)):
+        return ((_number(old, {}), _number(new, {})),)
+    return ()
 
 
 def _number(expression: Expression | None, parameters: Parameters) -> int | None:
