@@ -20,6 +20,8 @@ from typing import Any, TypeAlias
 
 from . import look_up
 from .arguments import Parser, ShowVersion, a_path, add_examples, parse
+from .diff import add_diff, explain
+from .diff import run as run_diff
 from .terminal import Stop, prepare, release
 
 _DESCRIPTION = (
@@ -74,7 +76,17 @@ def _parser() -> argparse.ArgumentParser:
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (_add_generate, _add_check, _add_list, _add_show, _add_decode, _add_master, _add_diff, _add_new):
+    for add in (
+        _add_generate,
+        _add_check,
+        _add_list,
+        _add_show,
+        _add_decode,
+        _add_master,
+        _add_diff,
+        _add_explain,
+        _add_new,
+    ):
         add(commands)
     add_examples(commands)
     return parser
@@ -241,12 +253,18 @@ def _add_diff(commands: _Commands) -> None:
     parser = commands.add_parser(
         "diff",
         help="what another version of a spec changes",
-        description="Name each changed fact, breaking or compatible; exit 1 if there is one.",
+        description="Name each change with the outputs and order codes that it reaches; exit 1 if there is one.",
     )
-    parser.add_argument("old", type=a_path, metavar="OLD", help="the spec as it was: a file or a folder")
-    parser.add_argument("new", type=a_path, metavar="NEW", help="the spec as it is to be")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_diff(parser)
     parser.set_defaults(run=_diff)
+
+
+def _add_explain(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "explain", help="why diff calls a change what it does", description="Explain a rule of diff."
+    )
+    parser.add_argument("rule", nargs="?", metavar="RULE", help="the name in brackets; without one, all are listed")
+    parser.set_defaults(run=_explain)
 
 
 def _add_new(commands: _Commands) -> None:
@@ -378,14 +396,14 @@ def _show(chosen: argparse.Namespace) -> int:
 
 
 def _diff(chosen: argparse.Namespace) -> int:
-    from .diff import as_data, as_text, compare
+    from .changed_files import changed_files
 
-    changes = compare(look_up.load([chosen.old]), look_up.load([chosen.new]))
-    if chosen.json:
-        _print_json(as_data(changes))
-    else:
-        print(as_text(changes))
-    return 1 if changes else 0
+    return run_diff(chosen, changed_files)
+
+
+def _explain(chosen: argparse.Namespace) -> int:
+    print(explain(chosen.rule))
+    return 0
 
 
 def _new(chosen: argparse.Namespace) -> int:
