@@ -71,7 +71,7 @@ def _allows_less(limit: Limit, old: int | None, new: int | None) -> bool:
 
 def numbers(found: Differing, old: Expression | None, new: Expression | None, form: str = "") -> str:
     """What two expressions come to where they differ: one pair of numbers, else the expressions, else some pairs."""
-    if len(found.values) == 1:
+    if len(found.values) == 1 and found.everywhere:
         return arrow(*found.values[0], form)
     texts = shown(old, form), shown(new, form)
     if texts[0] != texts[1]:

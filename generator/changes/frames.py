@@ -97,8 +97,12 @@ def _kind(sides: Sides, place: Thing, old: Field, new: Field, scope: str) -> Ite
     before, after = old.kind, new.kind
     if type(before) is not type(after):
         said = f": {_WORDS[type(before)]} → {_WORDS[type(after)]}"
-        plain = isinstance(before, _PLAIN) and isinstance(after, _PLAIN)
-        yield sides.change("field-reads-otherwise" if plain else "field-kind", place, said, before, after)
+        rule = "field-kind"
+        if isinstance(before, _PLAIN) and isinstance(after, _PLAIN):
+            rule = "field-reads-otherwise"
+        elif isinstance(before, Constant) and isinstance(after, Unused):
+            rule = "field-constant"
+        yield sides.change(rule, place, said, before, after)
         return
     for member in members_of(after):
         was, now = getattr(before, member.name), getattr(after, member.name)

@@ -1,4 +1,4 @@
-"""Specs as they were: files and folders of a git revision, such as ``v1.0:specs/lika``, laid out in a folder of its own.
+"""Specs as they were: a file or folder of a git revision, such as ``v1.0:specs/lika``, laid out in a folder.
 
 git is only asked for what it holds: no shell, no filter, no hook and no network has a part in it, and no text of the
 user's stands where git looks for an option.

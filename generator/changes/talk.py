@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import fields as members_of
 from dataclasses import replace
 
 from ..model import Biss, Crc, CrcValue, Device, Interface, Procedure, Register, Rs485, Step, Timing
@@ -11,7 +12,7 @@ from . import frames, known, names
 from .change import Change, Thing
 from .compare import members
 from .pairs import Pair
-from .shown import shown
+from .shown import arrow, plain, shown
 from .sides import Sides
 
 _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
@@ -203,4 +204,15 @@ def _steps(before: list[Step], after: list[Step]) -> str:
     if len(before) != len(after):
         return f": {len(before)} steps → {len(after)} steps"
     at = [index + 1 for index, pair in enumerate(zip(before, after, strict=True)) if pair[0] != pair[1]]
-    return f": step {at[0]} does otherwise" if len(at) == 1 else f": steps {', '.join(map(str, at))} do otherwise"
+    details = {_step(*pair) for pair in zip(before, after, strict=True) if pair[0] != pair[1]}
+    steps = f": step{'s' * (len(at) > 1)} {', '.join(map(str, at))}"
+    return f"{steps}: {details.pop()}" if len(details) == 1 else f"{steps} do otherwise"
+
+
+def _step(old: Step, new: Step) -> str:
+    """What differs between two steps."""
+    if type(old) is not type(new):
+        return f"{old.do} → {new.do}"
+    names = [item.name for item in members_of(new) if getattr(old, item.name) != getattr(new, item.name)]
+    pairs = ((name, getattr(old, name), getattr(new, name)) for name in names)
+    return ", ".join(f"{name.replace('_', ' ')} {arrow(plain(was), plain(now))}" for name, was, now in pairs)

@@ -24,10 +24,14 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Differing:
-    """Where two expressions come to something else: the order codes, and each pair of numbers that occurs, once."""
+    """Where two expressions come to something else: the order codes, and each pair of numbers that occurs, once.
+
+    ``everywhere`` says that they do under each setting of registers and answers.
+    """
 
     codes: tuple[str, ...]
     values: tuple[tuple[int | None, int | None], ...]
+    everywhere: bool = True
 
 
 def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapping[str, str]) -> tuple[Point, ...]:
@@ -93,7 +97,8 @@ def differing(
         if values[0] != values[1]:
             found.setdefault(point.code, []).append(values)
     pairs = dict.fromkeys(pair for each in found.values() for pair in each)
-    return Differing(tuple(found), tuple(pairs)) if found else None
+    here = sum(point.code in found for point in points)
+    return Differing(tuple(found), tuple(pairs), here == sum(map(len, found.values()))) if found else None
 
 
 def _constants(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:

@@ -20,7 +20,7 @@ from typing import Any, TypeAlias
 
 from . import look_up
 from .arguments import Parser, ShowVersion, a_path, add_examples, parse
-from .diff import add_diff, explain
+from .diff import add_diff, add_explain
 from .diff import run as run_diff
 from .terminal import Stop, prepare, release
 
@@ -76,17 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (
-        _add_generate,
-        _add_check,
-        _add_list,
-        _add_show,
-        _add_decode,
-        _add_master,
-        _add_diff,
-        _add_explain,
-        _add_new,
-    ):
+    for add in (_add_generate, _add_check, _add_list, _add_show, _add_decode, _add_master, _add_diff, _add_new):
         add(commands)
     add_examples(commands)
     return parser
@@ -250,21 +240,8 @@ def _add_master(commands: _Commands) -> None:
 
 
 def _add_diff(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "diff",
-        help="what another version of a spec changes",
-        description="Name each change with the outputs and order codes that it reaches; exit 1 if there is one.",
-    )
-    add_diff(parser)
-    parser.set_defaults(run=_diff)
-
-
-def _add_explain(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "explain", help="why diff calls a change what it does", description="Explain a rule of diff."
-    )
-    parser.add_argument("rule", nargs="?", metavar="RULE", help="the name in brackets; without one, all are listed")
-    parser.set_defaults(run=_explain)
+    add_diff(commands).set_defaults(run=_diff)
+    add_explain(commands)
 
 
 def _add_new(commands: _Commands) -> None:
@@ -399,11 +376,6 @@ def _diff(chosen: argparse.Namespace) -> int:
     from .changed_files import changed_files
 
     return run_diff(chosen, changed_files)
-
-
-def _explain(chosen: argparse.Namespace) -> int:
-    print(explain(chosen.rule))
-    return 0
 
 
 def _new(chosen: argparse.Namespace) -> int:

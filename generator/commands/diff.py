@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from ..changes.impact import IMPACTS, OUTPUTS, TITLES, Impact
 from ..say.words import counted
 from . import look_up
+from .arguments import Parser
 from .terminal import Stop
 
 if TYPE_CHECKING:
@@ -27,8 +28,13 @@ _MOST_SHOWN = 3
 Generate = Callable[["Sequence[Device]", "Sequence[Device]"], "Files | None"]
 
 
-def add_diff(parser: argparse.ArgumentParser) -> None:
-    """Give the command its arguments."""
+def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
+    """Add the command to those of the command line."""
+    parser = commands.add_parser(
+        "diff",
+        help="what another version of a spec changes",
+        description="Name each change with the outputs and order codes that it reaches; exit 1 if there is one.",
+    )
     where = "a file, a folder, or one of a git revision: v1.0:specs/lika"
     parser.add_argument("old", metavar="OLD", help=f"the specs as they were: {where}")
     parser.add_argument("new", metavar="NEW", help="the specs as they are to be, given alike")
@@ -41,6 +47,26 @@ def add_diff(parser: argparse.ArgumentParser) -> None:
         choices=IMPACTS,
         help=f"exit 1 only if a change asks that much of users: {', '.join(IMPACTS)} (default: any change)",
     )
+    parser.add_argument(
+        "--lenient",
+        action="store_true",
+        help="compare specs also where today's language finds problems; what is at fault is left out of them",
+    )
+    return parser
+
+
+def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
+    """Add the command that explains the rules."""
+    parser = commands.add_parser(
+        "explain", help="why diff calls a change what it does", description="Explain a rule of diff."
+    )
+    parser.add_argument("rule", nargs="?", metavar="RULE", help="the name in brackets; without one, all are listed")
+    parser.set_defaults(run=_explain)
+
+
+def _explain(chosen: argparse.Namespace) -> int:
+    print(explain(chosen.rule))
+    return 0
 
 
 @dataclass(frozen=True)
@@ -58,7 +84,7 @@ def run(chosen: argparse.Namespace, generate: Generate) -> int:
     Raises:
         Stop: Something cannot be read.
     """
-    found = look(chosen.old, chosen.new, generate)
+    found = look(chosen.old, chosen.new, generate, chosen.lenient)
     if chosen.json:
         from ..changes.data import as_data
 
@@ -75,7 +101,7 @@ def run(chosen: argparse.Namespace, generate: Generate) -> int:
     return 1 if found.impact >= least else 0
 
 
-def look(old: str, new: str, generate: Generate) -> Found:
+def look(old: str, new: str, generate: Generate, lenient: bool = False) -> Found:
     """What has changed from ``old`` to ``new``, as the command line names them.
 
     Raises:
@@ -85,7 +111,7 @@ def look(old: str, new: str, generate: Generate) -> Found:
     from ..changes.version import packages
     from ..changes.walk import compare
 
-    before, after = _side(old, is_old=True), _side(new, is_old=False)
+    before, after = _side(old, True, lenient), _side(new, False, lenient)
     left_out = before.left_out | after.left_out
     olds, news = (tuple(item for item in side.devices if item.name not in left_out) for side in (before, after))
     changes = compare(olds, news)
@@ -93,7 +119,7 @@ def look(old: str, new: str, generate: Generate) -> Found:
     return Found(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
 
 
-def _side(text: str, is_old: bool) -> _Side:
+def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """The families of one side; of the old one those that today's language still reads."""
     from ..build.load import load_families, sound_families
     from ..changes.revisions import RevisionError, lay_out, named
@@ -115,6 +141,12 @@ def _side(text: str, is_old: bool) -> _Side:
     problems = [_renamed(problem, prefix, place.revision if place else "") for problem in report.problems]
     if not problems:
         return _Side(tuple(family.device for family in families), frozenset(), ())
+    devices = tuple(family.device for family in families)
+    if lenient and devices:
+        _show(problems)
+        count = counted(len(problems), "problem")
+        said = f"{text} has {count} by today's spec language; what is at fault is left out, and may be told as new"
+        return _Side(devices, frozenset(), (said,))
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
@@ -144,8 +176,8 @@ def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
     if not is_old:
         return Stop(f"{text} has {count}, so it is not compared", 1)
     return Stop(
-        f"{text} has {count} by today's spec language, of which it may be an earlier form; so it is not compared. Take "
-        "a later revision, or run the codewheel of that revision",
+        f"{text} has {count} by today's spec language, of which it may be an earlier form, so it is not compared; add "
+        "--lenient, take a later revision, or run the codewheel of that time",
         1,
     )
 
