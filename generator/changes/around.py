@@ -168,7 +168,7 @@ def quantities(sides: Sides) -> Iterator[Change]:
         if old is not None and new is not None:
             yield from members(sides, thing, old, new)
         elif old is not new:
-            yield sides.change("measurement", thing, " is new" if old is None else " is gone", old, new)
+            yield from sides.presence("measurement", thing, old, new)
 
 
 def _decision(sides: Sides, old: Alternative | None, new: Alternative | None) -> Iterator[Change]:

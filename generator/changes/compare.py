@@ -9,7 +9,7 @@ from typing import Any
 from ..model.expressions import Expression
 from .change import Change, Thing
 from .members import MEMBERS, ByValue, Limit, Plain, Skip, Treatment
-from .shown import arrow, shown
+from .shown import arrow, differing_items, plain, shown, without_words
 from .sides import Sides
 from .values import Differing
 
@@ -40,10 +40,13 @@ def _member(
                 old = sides.to_new(refers_to, old, scope)
             if old == new:
                 return
+            rule = (
+                rule if without_words(old) != without_words(new) else "source" if plain(old) == plain(new) else "words"
+            )
             if rule in _IN_WORDS:
                 yield sides.change(rule, place, f": {name.replace('_', ' ')}", old, new)
             else:
-                yield sides.change(rule, place, f": {label} {arrow(old, new, form)}", old, new)
+                yield sides.change(rule, place, f": {label} {arrow(*differing_items(old, new), form)}", old, new)
         case ByValue(rule, label):
             found = sides.differing(thing.interface, old, new)
             if found is not None:

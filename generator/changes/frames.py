@@ -56,7 +56,8 @@ def _field(sides: Sides, thing: Thing, pair: Pair[Field], scope: str) -> Iterato
     item = pair.new or pair.old
     assert item is not None
     # What a group brings into many frames is told once, as the group's.
-    place = replace(thing.inside(item.name, f"{item.group or _short(thing)}: field {item.name}"), c="", python="")
+    path = f"field_groups.{item.group}.{item.name}" if item.group else f"{thing.path}.{item.name}"
+    place = Thing(path, f"{item.group or _short(thing)}: field {item.name}", thing.interface)
     yield from sides.presence("field", place, pair.old, pair.new)
     if pair.old is None or pair.new is None:
         return

@@ -53,6 +53,7 @@ _THINGS = (
     ("answer", "an answer to what the manual leaves open", "BBBD", "+++D", "BBBD", "the same bits"),
     ("control-field", "a field of the control frame", "B-BD", "+++D", "B-BD", "the same bits"),
     ("connector", "a connector or cable", "DBBD", "D++D", "DBBD", "the same contacts"),
+    ("measurement", "what the position counts", "BBBD", "+++D", "BBBD", ""),
     ("input", "a hardware input", "DDBD", "DD+D", "DDBD", "the same effect"),
 )
 

@@ -7,10 +7,12 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
+from ..model import Supply
 from ..model.expressions import Expression
 from ..say.words import counted, hertz, microseconds, volts
 
 _LONGEST = 60
+_SAID = ("meaning", "note")
 _FORMS: Mapping[str, Callable[[int], str]] = {
     "hex": lambda value: f"{value:02X}h",
     "bytes": lambda value: counted(value, "byte"),
@@ -52,15 +54,42 @@ def shown(value: Any, form: str = "") -> str:
         return str(value.value).replace("_", " ")
     if isinstance(value, (tuple, list)):
         return _cut(", ".join(shown(item, form) for item in value))
+    if isinstance(value, Supply):
+        return f"{volts(value.min_mv)} to {volts(value.max_mv)}"
+    if is_dataclass(value):
+        value = {key: item for key, item in without_words(value).items() if item not in (None, "", [], {})}
+        if len(value) == 1:
+            return shown(next(iter(value.values())))
     if isinstance(value, Mapping):
         return _cut(", ".join(f"{key} = {shown(item)}" for key, item in value.items()))
-    if is_dataclass(value):
-        return _cut(shown({key: item for key, item in plain(value).items() if item not in (None, "", [], {})}))
     return _cut(str(value))
 
 
 def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+
+
+def without_words(value: Any) -> Any:
+    """A part of the model as data, without what is only said of it."""
+    if isinstance(value, tuple):
+        return [without_words(item) for item in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        data = plain(value)
+        return {key: item for key, item in data.items() if key not in _SAID}
+    return value
+
+
+def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
+    """Two values; of two rows of parts only those that the other has not."""
+    if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
+        bare = [[without_words(item) for item in each] for each in (old, new)]
+        pairs = ((old, bare[0], bare[1]), (new, bare[1], bare[0]))
+        left, right = (
+            tuple(item for item, data in zip(each, own, strict=True) if data not in others)
+            for each, own, others in pairs
+        )
+        return (left, right) if left or right else (old, new)
+    return old, new
 
 
 def arrow(old: Any, new: Any, form: str = "") -> str:

@@ -47,7 +47,8 @@ def _words(changes: Sequence[Change]) -> Iterator[str]:
 
 
 def _place(change: Change) -> str:
-    return change.path if change.rule.name in ("words", "source") else change.text
+    path = change.path.removeprefix("interfaces.").replace(".layouts.", ".")
+    return path if change.rule.name in ("words", "source") else change.text
 
 
 def _result(found: Found) -> Iterator[str]:
