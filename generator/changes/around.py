@@ -118,7 +118,15 @@ def _parts(sides: Sides) -> Iterator[Change]:
             if value.text in after:
                 inner = thing.inside(value.text, f"{thing.label}: value {value.text}")
                 yield from members(sides, inner, value, after[value.text])
-                yield from supply(sides, inner, value.supply, after[value.text].supply)
+                yield from supply(
+                    sides, inner, value.supply, after[value.text].supply, _with(sides, item.name, value.text)
+                )
+
+
+def _with(sides: Sides, part: str, text: str) -> tuple[str, ...]:
+    """The order codes that have this text in this part; all where the manual lists none."""
+    found = tuple(item.code for item in sides.new.variants if item.parts.get(part) == text)
+    return found or sides.codes("")
 
 
 def _spellings(sides: Sides) -> Iterator[Change]:
@@ -133,14 +141,17 @@ def _spellings(sides: Sides) -> Iterator[Change]:
             yield from sides.presence("spelling", thing, old, new)
 
 
-def supply(sides: Sides, thing: Thing, old: Supply | None, new: Supply | None) -> Iterator[Change]:
-    """The supply of a family, or of a value of its order code."""
+def supply(
+    sides: Sides, thing: Thing, old: Supply | None, new: Supply | None, codes: tuple[str, ...] | None = None
+) -> Iterator[Change]:
+    """The supply of a family, or of a value of its order code, which ``codes`` have."""
     place = Thing(f"{thing.path}.supply".removeprefix("."), f"{thing.label} supply".strip())
     if old is not None and new is not None:
-        yield from members(sides, place, old, new)
+        for change in members(sides, place, old, new):
+            yield sides.change(change.rule.name, Thing(change.path, change.text), "", change.old, change.new, codes)
     elif old is not new:
         rule = "supply-wider" if new is None else "supply-narrower"
-        yield sides.change(rule, place, f" {arrow(old, new)}", old, new)
+        yield sides.change(rule, place, f" {arrow(old, new)}", old, new, codes)
 
 
 def quantities(sides: Sides) -> Iterator[Change]:

@@ -114,7 +114,9 @@ _SURROUNDINGS: dict[str, dict[str, Treatment]] = {
     ),
     "Contact": {"contact": _SKIP, **_plain("contact", signal="signal", only="order codes")},
     "Input": _with_words(
-        **_plain("input-rule", low="when low", high="when high", when_unused="when unused"),
+        "low",
+        "high",
+        when_unused=Plain("input-rule", "when unused"),
         pulse_at_least_us=Limit("input-rule", "input-rule", "pulse of at least", False, "us"),
         inverts=Plain("input-rule", "inverts", refers_to="dotted"),
         needs=Plain("input-rule", "needs", refers_to="dotted"),
