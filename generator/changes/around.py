@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from ..model import Alternative, Device, Supply, Variant
+from ..model import Alternative, Device, Spelling, Supply, Variant
 from . import known
 from .change import Change, Thing
 from .compare import members
+from .pairs import pairs
 from .reach import pattern
 from .shown import arrow
 from .sides import Sides
@@ -130,15 +131,22 @@ def _with(sides: Sides, part: str, text: str) -> tuple[str, ...]:
 
 
 def _spellings(sides: Sides) -> Iterator[Change]:
-    olds = {item.where: item for item in sides.old.order_code.also_written}
-    news = {item.where: item for item in sides.new.order_code.also_written}
-    for where in dict.fromkeys((*olds, *news)):
-        old, new = olds.get(where), news.get(where)
-        thing = Thing("order_code.also_written", f"labels written as in {where}")
-        if old is not None and new is not None:
-            yield from members(sides, thing, old, new)
+    olds, news = sides.old.order_code.also_written, sides.new.order_code.also_written
+
+    def same(item: Spelling) -> Hashable:
+        return item.pattern, item.values, item.then
+
+    for pair in pairs(olds, news, lambda item: item.where, same, same):
+        item = pair.new or pair.old
+        assert item is not None
+        thing = Thing("order_code.also_written", f"spelling by {item.where}")
+        if pair.old is None or pair.new is None:
+            yield from sides.presence("spelling", thing, pair.old, pair.new)
+        elif pair.old.where != pair.new.where:
+            said = f"spelling by {pair.old.where} → {pair.new.where} (the same texts)"
+            yield sides.change("spelling-renamed", Thing(thing.path, said), "", pair.old.where, pair.new.where)
         else:
-            yield from sides.presence("spelling", thing, old, new)
+            yield from members(sides, thing, pair.old, pair.new)
 
 
 def supply(
