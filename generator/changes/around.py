@@ -6,7 +6,7 @@ from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from ..model import Alternative, Device, Spelling, Supply, Variant
+from ..model import Alternative, Device, Parameter, Spelling, Supply, Variant
 from . import known
 from .change import Change, Thing
 from .compare import members
@@ -53,19 +53,28 @@ def order_codes(sides: Sides) -> Iterator[Change]:
     fresh = [item for item in new.variants if item.code not in kept]
     yield from _codes(sides, "order-code-gone", "gone", old, gone)
     yield from _codes(sides, "order-code-new", "new", new, fresh)
-    for before, after in sides.shared.items():
-        if before != after:
-            thing = Thing(f"order_codes.{after}", f"order code {before} → {after} (the same parts)")
-            yield sides.change("order-code-renamed", thing, "", before, after, [after])
+    renamed = {before: after for before, after in sides.shared.items() if before != after}
+    if renamed:
+        first = " → ".join(next(iter(renamed.items())))
+        more = f" and {len(renamed) - 1} more" if len(renamed) > 1 else ""
+        label = f"order code{'s' if more else ''} {first}{more} (the same parts)"
+        yield sides.change("order-code-renamed", Thing("order_codes", label), "", list(renamed), list(renamed.values()))
     yield from _same_codes(sides)
     thing = Thing("order_code", "order codes")
     yield from members(sides, thing, replace(old.order_code, pattern=""), replace(new.order_code, pattern=""))
-    if old.order_code.pattern != new.order_code.pattern:
+    if not renamed and in_new(sides, old.order_code.pattern) != new.order_code.pattern:
         said = f": pattern {arrow(old.order_code.pattern, new.order_code.pattern)}"
         inner = thing.inside("pattern", thing.label)
         yield sides.change("label", inner, said, old.order_code.pattern, new.order_code.pattern)
     yield from _parts(sides)
     yield from _spellings(sides)
+
+
+def in_new(sides: Sides, pattern: str) -> str:
+    """An old pattern with the new names of its parts."""
+    for before, after in sides.names.get("part", {}).items():
+        pattern = pattern.replace(f"{{{before}}}", f"{{{after}}}")
+    return pattern
 
 
 def _codes(sides: Sides, rule: str, word: str, device: Device, found: list[Variant]) -> Iterator[Change]:
@@ -93,8 +102,11 @@ def _same_codes(sides: Sides) -> Iterator[Change]:
         said = f": interface {arrow(*pair)}"
         yield sides.change("interface-of-code", Thing("order_codes.interface", "order codes"), said, *pair, codes)
     for item in sides.parameters():
-        if item.old is None or item.new is None or item.new.equals is not None or item.old.equals is not None:
+        both_known = item.old is not None and item.new is not None
+        if not both_known or not all(map(_is_of_code, (item.old, item.new))):
             continue
+        assert item.old is not None
+        assert item.new is not None
         found: dict[tuple[int, int], list[str]] = {}
         for old, new in both:
             numbers = old.parameters[item.old.name], new.parameters[item.new.name]
@@ -103,6 +115,11 @@ def _same_codes(sides: Sides) -> Iterator[Change]:
         for numbers, codes in found.items():
             thing = Thing(f"order_codes.parameters.{item.new.name}", item.new.name)
             yield sides.change("parameter-of-code", thing, f" {arrow(*numbers)}", *numbers, codes)
+
+
+def _is_of_code(item: Parameter | None) -> bool:
+    """Whether order codes set it: it follows from nothing else, and neither a register nor a decision has it."""
+    return item is not None and item.equals is None and not item.read_from and not item.alternative
 
 
 def _parts(sides: Sides) -> Iterator[Change]:
@@ -134,7 +151,7 @@ def _spellings(sides: Sides) -> Iterator[Change]:
     olds, news = sides.old.order_code.also_written, sides.new.order_code.also_written
 
     def same(item: Spelling) -> Hashable:
-        return item.pattern, item.values, item.then
+        return in_new(sides, item.pattern), item.values, item.then
 
     for pair in pairs(olds, news, lambda item: item.where, same, same):
         item = pair.new or pair.old
@@ -146,7 +163,8 @@ def _spellings(sides: Sides) -> Iterator[Change]:
             said = f"spelling by {pair.old.where} → {pair.new.where} (the same texts)"
             yield sides.change("spelling-renamed", Thing(thing.path, said), "", pair.old.where, pair.new.where)
         else:
-            yield from members(sides, thing, pair.old, pair.new)
+            before = replace(pair.old, pattern=in_new(sides, pair.old.pattern))
+            yield from members(sides, thing, before, pair.new)
 
 
 def supply(

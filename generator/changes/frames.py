@@ -6,7 +6,22 @@ from collections.abc import Iterator
 from dataclasses import fields as members_of
 from dataclasses import replace
 
-from ..model import Choice, Constant, CrcValue, Decimal, Field, Flag, Layout, Number, Parity, Text, Unused, Value
+from ..model import (
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Device,
+    Field,
+    Flag,
+    Layout,
+    Number,
+    Parity,
+    Rs485,
+    Text,
+    Unused,
+    Value,
+)
 from ..model.expressions import Expression
 from . import known
 from .change import Change, Thing
@@ -58,7 +73,9 @@ def _field(sides: Sides, thing: Thing, pair: Pair[Field], scope: str) -> Iterato
     # What a group brings into many frames is told once, as the group's.
     path = f"field_groups.{item.group}.{item.name}" if item.group else f"{thing.path}.{item.name}"
     place = Thing(path, f"{item.group or _short(thing)}: field {item.name}", thing.interface)
-    yield from sides.presence("field", place, pair.old, pair.new)
+    # The one field of a plain register is called as the register is.
+    if not (item.name == scope and pair.old and sides.to_new("register", pair.old.name) == scope):
+        yield from sides.presence("field", place, pair.old, pair.new)
     if pair.old is None or pair.new is None:
         return
     old, new = pair.old, pair.new
@@ -66,8 +83,14 @@ def _field(sides: Sides, thing: Thing, pair: Pair[Field], scope: str) -> Iterato
     yield from _expected(sides, place, old, new)
     yield from _kind(sides, place, old, new, scope)
     for value in known.values(old, new):
-        if isinstance(old.kind, Choice) and isinstance(new.kind, Choice):
+        if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(sides.new, new):
             yield from _value(sides, place, value)
+
+
+def _of_data_ids(device: Device, field: Field) -> bool:
+    """Whether its values are the data IDs of an interface, which are told as such."""
+    found = [item.data_ids for item in device.interfaces if isinstance(item, Rs485)]
+    return any({value.name for value in field.values} == {data_id.name for data_id in each} for each in found)
 
 
 def _expected(sides: Sides, place: Thing, old: Field, new: Field) -> Iterator[Change]:

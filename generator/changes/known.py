@@ -10,6 +10,7 @@ from ..model import (
     Alarm,
     Alternative,
     Biss,
+    Constant,
     CodePart,
     Crc,
     DataId,
@@ -30,6 +31,7 @@ from .pairs import Pair, pairs
 from .sides import Sides
 
 _Named = TypeVar("_Named")
+_FILLING = ("zero_above_", "zero_below_")
 _Mark = Callable[[Any], Hashable | None]
 
 
@@ -45,6 +47,8 @@ def nothing(_: Any) -> None:
 def note_all(sides: Sides) -> None:
     """Remember every renaming, so that what refers to a thing by its name is not told as changed."""
     old, new = sides.old, sides.new
+    for part in parts(old, new):
+        sides.note("part", part.old, part.new)
     for crc in crcs(old.crcs, new.crcs):
         sides.note("crc", crc.old, crc.new)
     for decision in alternatives(old.alternatives, new.alternatives):
@@ -113,7 +117,13 @@ def fields(sides: Sides, old: Layout, new: Layout, interface: str) -> list[Pair[
         at = {item.name: place for item, place in zip(layout.fields, places, strict=True)}
         return lambda item: (at[item.name], item.carries_data)
 
-    return named(old.fields, new.fields, mark(old, True), mark(new, False))
+    olds, news = ([item for item in layout.fields if not _fills(layout, item)] for layout in (old, new))
+    return named(olds, news, mark(old, True), mark(new, False))
+
+
+def _fills(layout: Layout, field: Field) -> bool:
+    """Whether it stands for the zeros between other fields, so that it follows from them."""
+    return bool(layout.gaps) and isinstance(field.kind, Constant) and field.name.startswith(_FILLING)
 
 
 def joins(sides: Sides, old: Layout, new: Layout, scope: str) -> list[Pair[Join]]:

@@ -147,11 +147,11 @@ _TALK: dict[str, dict[str, Treatment]] = {
         bank=Plain("register-moved", "bank"),
         length=Plain("register-length", "length", "bytes"),
         access=_SKIP,
-        byte_order=Plain("register-order", "byte order"),
+        byte_order=Plain("register-order", "byte order", "word"),
         default=Plain("register-default", "default", "hex"),
         min=Limit(_NARROWER, _WIDER, "minimum", False),
         max=Limit(_NARROWER, _WIDER, "maximum", True),
-        limits_of=Plain("register-rule", "limits are those of", refers_to="field"),
+        limits_of=Plain("register-rule", "limits are those of", refers_to="limits"),
         opened_by=Plain("register-rule", "opened by", refers_to="register"),
         opened_by_value=Plain("register-rule", "opened by the value", refers_to="any-value"),
         opened_by_field=Plain("register-rule", "opened by the field", refers_to="any-field"),
@@ -173,7 +173,7 @@ _TALK: dict[str, dict[str, Treatment]] = {
     "Layout": _with_words(
         sender=Plain("frame-order", "sent by"),
         in_bytes=Plain("frame-order", "carried in bytes"),
-        byte_order=Plain("frame-order", "byte order"),
+        byte_order=Plain("frame-order", "byte order", "word"),
         bits=ByValue("frame-length", "bits"),
         widest=_SKIP,
         fields=_SKIP,
@@ -225,8 +225,8 @@ _INTERFACES: dict[str, dict[str, Treatment]] = {
     "Ssi": _COMMON
     | _SIGNALS
     | {
-        "alignment": Plain("alignment", "alignment"),
-        "output_code": Plain("alignment", "code"),
+        "alignment": Plain("alignment", "alignment", "word"),
+        "output_code": Plain("alignment", "code", "word"),
         "cable_lengths": Plain("interface-rule", "clock by cable"),
     },
     "Biss": _COMMON

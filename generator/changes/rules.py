@@ -105,7 +105,7 @@ _CHANGES = (
         "An access that worked may do otherwise.",
     ),
     ("limit-narrower", "WWWD", "a value has narrower limits", _LESS),
-    ("limit-wider", "WWWD", "a value has wider limits, or none", "Values that were refused are accepted."),
+    ("limit-wider", "+++D", "a value has wider limits, or none", _MORE),
     ("wait-longer", "WWWD", "a time that has to be waited for is longer, or has come anew", _LESS),
     ("wait-shorter", "+++D", "a time that has to be waited for is shorter, or gone", _MORE),
     ("timing-typical", "+++D", "a typical time, or its symbol, has changed", "Nothing can be built on typical times."),

@@ -59,10 +59,10 @@ def shown(value: Any, form: str = "") -> str:
     if is_dataclass(value):
         value = {key: item for key, item in without_words(value).items() if item not in (None, "", [], {})}
         if len(value) == 1:
-            return shown(next(iter(value.values())))
+            return shown(next(iter(value.values())), form)
     if isinstance(value, Mapping):
         return _cut(", ".join(f"{key} = {shown(item)}" for key, item in value.items()))
-    return _cut(str(value))
+    return _cut(str(value).replace("_", " ") if form == "word" else str(value))
 
 
 def _cut(text: str) -> str:

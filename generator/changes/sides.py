@@ -15,6 +15,10 @@ from .shown import plain
 from .values import Differing, Point, differing, points_of
 
 
+#: Rules whose values are interfaces, which they reach both.
+_MOVES = ("register-interface", "procedure-interface")
+
+
 class Sides:
     """Two families, and what is known of both."""
 
@@ -25,6 +29,10 @@ class Sides:
         self.names: dict[str, dict[str, str]] = {}
         by_parts = {tuple(sorted(item.parts.items())): item.code for item in new.variants}
         codes = {item.code for item in new.variants}
+        #: The fields and joined numbers that the new frames have.
+        self.frame_names = frozenset(
+            item.name for _, layout in new.layouts() for items in (layout.fields, layout.joins) for item in items
+        )
         before = {item.code for item in old.variants}
         #: The order codes that both have, the new by the old.
         self.shared: dict[str, str] = {}
@@ -68,6 +76,10 @@ class Sides:
             head, dot, tail = value.partition(".")
             register = self.to_new("register", head)
             return f"{register}{dot}{self.to_new('field', tail, register)}"
+        if kind == "limits":
+            return self.to_new("register", self.to_new("field", value, scope))
+        if kind == "any-field" and value in self.frame_names:
+            return value
         if kind == "field":
             return self.names.get(f"field {scope}", {}).get(value, value)
         return self.names.get(kind, {}).get(value, value)
@@ -93,7 +105,7 @@ class Sides:
     def codes(self, interface: str, of: str = "shared") -> tuple[str, ...]:
         """The order codes of an interface, or all: those of the ``old`` or ``new`` family, or those that both have."""
         device = self.old if of == "old" else self.new
-        kept = set(self.shared.values()) if of == "shared" else None
+        kept = set(self.shared.values()) if of == "shared" and self.shared else None
         return tuple(
             item.code
             for item in device.variants
@@ -107,6 +119,8 @@ class Sides:
         side = "old" if rule.endswith("-gone") else "new" if rule.endswith("-new") else "shared"
         found = tuple(codes) if codes is not None else self.codes(thing.interface, side)
         device = self.old if side == "old" else self.new
+        if rule in _MOVES:
+            found = (*found, *(code for code in self.codes(old) if code not in found))
         names = {"c": thing.c, "python": thing.python}
         return Change(
             self.new.name,
@@ -116,7 +130,7 @@ class Sides:
             plain(old),
             plain(new),
             found,
-            reach(device, found),
+            "" if rule.startswith("order-code-") else reach(device, found),
             {name: text for name, text in names.items() if text},
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import fields as members_of
 from dataclasses import replace
+from typing import Any
 
 from ..model import Biss, Crc, CrcValue, Device, Interface, Procedure, Register, Rs485, Step, Timing
 from ..say.place import register_at
@@ -214,5 +215,10 @@ def _step(old: Step, new: Step) -> str:
     if type(old) is not type(new):
         return f"{old.do} → {new.do}"
     names = [item.name for item in members_of(new) if getattr(old, item.name) != getattr(new, item.name)]
-    pairs = ((name, getattr(old, name), getattr(new, name)) for name in names)
-    return ", ".join(f"{name.replace('_', ' ')} {arrow(plain(was), plain(now))}" for name, was, now in pairs)
+    return ", ".join(_part(name, plain(getattr(old, name)), plain(getattr(new, name))) for name in names)
+
+
+def _part(name: str, old: Any, new: Any) -> str:
+    if name == "microseconds":
+        return f"pause {arrow(old, new, 'us')}"
+    return f"{name.replace('_', ' ')} {arrow(old, new)}"
