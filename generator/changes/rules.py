@@ -28,7 +28,7 @@ _THINGS = (
     ("family", "a family of encoders", "BBBD", "+++D", "BBBD", "the same order codes"),
     ("order-code", "an order code", "BBBD", "+++D", "BBBD", "the same parts"),
     ("part", "a part of the order code", "-BBD", "-WWD", "-BBD", "the same values"),
-    ("spelling", "another way in which labels are written", "-BBD", "-++D", "-BBD", "the same texts"),
+    ("spelling", "another way in which labels are written", "BBBD", "+++D", "BBBD", "the same texts"),
     (
         "parameter",
         "a quantity that an order code sets",
@@ -51,10 +51,10 @@ _THINGS = (
     ("procedure", "a procedure", "BBBD", "+++D", "BBBD", "the same steps"),
     ("decision", "what the manual leaves open", "BBBD", "BBBD", "BBBD", "the same bits"),
     ("answer", "an answer to what the manual leaves open", "BBBD", "+++D", "BBBD", "the same bits"),
-    ("control-field", "a field of the control frame", "B-BD", "+++D", "B-BD", "the same bits"),
+    ("control-field", "a field of the control frame", "BBBD", "+++D", "BBBD", "the same bits"),
     ("connector", "a connector or cable", "DBBD", "D++D", "DBBD", "the same contacts"),
     ("measurement", "what the position counts", "BBBD", "+++D", "BBBD", ""),
-    ("input", "a hardware input", "DDBD", "DD+D", "DDBD", "the same effect"),
+    ("input", "a hardware input", "DBBD", "D++D", "DBBD", "the same effect"),
 )
 
 #: What else changes: name, impact on C, Python, XML and pages, when, why.
@@ -63,7 +63,7 @@ _CHANGES = (
     ("parameter-of-code", "WWWD", "an order code has another resolution or other number", _WIRE),
     ("parameter-rule", "WWWD", "a quantity follows from others by another rule", _WIRE),
     ("parameter-range", "WWWD", "a quantity that a register holds has another range or another register", _WIRE),
-    ("label", "-WWD", "labels are read by another rule", "Order codes are read from labels by it."),
+    ("label", "WWWD", "labels are read by another rule", "Order codes are read from labels by it."),
     ("movement", "-WWD", "rotary has become linear or the reverse", "A position means something else."),
     ("measurement", "WWWD", "the position counts something else", "Angles and lengths come out otherwise."),
     ("maker", "BBBD", "the manufacturer's name or its Python package has changed", "Every name begins with it."),
@@ -134,7 +134,7 @@ _CHANGES = (
     ("procedure-interface", "BBBD", "a procedure runs over another interface", "It is reached by other means."),
     ("answer-sets", "WWWD", "an answer stands for other bits", _WIRE),
     ("contact", "DWWD", "a contact or wire carries another signal", "Who wires by the old one may do harm."),
-    ("input-rule", "DDWD", "a hardware input does something else", "An encoder wired for it does otherwise."),
+    ("input-rule", "DWWD", "a hardware input does something else", "An encoder wired for it does otherwise."),
     ("unforeseen", "WWWD", "something has changed that no other rule knows", "It is better told than left out."),
     ("words", "DDDD", "something is said in other words", "No code acts on it."),
     ("source", "DDDD", "something is cited from another place", "No code acts on it."),

@@ -14,7 +14,6 @@ from .rules import RULES
 from .shown import plain
 from .values import Differing, Point, differing, points_of
 
-
 #: Rules whose values are interfaces, which they reach both.
 _MOVES = ("register-interface", "procedure-interface")
 

@@ -17,7 +17,7 @@ Edits = Sequence[Sequence[str]]
 
 
 class Case(TypedDict):
-    """A pair: ``before`` holds for both sides, ``edits`` make the new side, or the old one where it is ``backwards``."""
+    """A pair: ``before`` holds for both sides, ``edits`` make the new one, or the old one where it is ``backwards``."""
 
     rule: str
     before: Edits
