@@ -19,6 +19,7 @@ from .alike import check_alike
 from .counts import read_counts
 from .device import build_device
 from .facts import build_manufacturer
+from .history import read_history
 
 
 def packaged_specs() -> Path:
@@ -112,7 +113,8 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
         device = build_device(data, maker or _unknown_manufacturer(data["manufacturer"]), report.for_document(document))
         if device is None:
             continue
-        device = replace(device, times_read=read_counts(Path(document.file), report))
+        place = Path(document.file)
+        device = replace(device, times_read=read_counts(place, report), releases=read_history(place, report))
         _compare_with_others(device, [family.device for family in families], document, report)
         makers_files = (item for item in documents if "device" not in item.data)
         of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}

@@ -45,4 +45,10 @@ def _item(change: Change) -> str:
 
 def _about(change: Change) -> str:
     said = about(change, "\0{}\0").split("\0")
-    return "".join(in_code(piece) if index % 2 else text(piece) for index, piece in enumerate(said))
+    return "".join(in_code(piece) if index % 2 else _kept(piece) for index, piece in enumerate(said))
+
+
+def _kept(piece: str) -> str:
+    """Text with the spaces at its ends."""
+    start, end = (" " if edge == " " else "" for edge in (piece[:1], piece[-1:]))
+    return f"{start}{text(piece)}{end}" if piece.strip() else piece

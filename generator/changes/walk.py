@@ -43,10 +43,16 @@ def compare_family(old: Device, new: Device) -> list[Change]:
         around.told,
     )
     found = list(_merged(change for walk in walks for change in walk(sides)))
-    if not found and replace(old, times_read=None) != replace(new, times_read=None):
+    if not found and _bare(old) != _bare(new):
         thing = Thing("", f"family {new.name}")
         found.append(sides.change("order", thing, ": the same facts in another order", None, None))
     return sorted(found, key=lambda change: -change.impact)
+
+
+def _bare(device: Device) -> Device:
+    """A family without what tells of the spec itself: how often it was read, its history and the version."""
+    maker = replace(device.manufacturer, version="")
+    return replace(device, times_read=None, releases=(), manufacturer=maker)
 
 
 def _pairs(old: Sequence[Device], new: Sequence[Device]) -> Iterator[tuple[Device | None, Device | None]]:

@@ -20,6 +20,7 @@ from .terminal import Stop
 
 if TYPE_CHECKING:
     from ..changes.told import Files, Found
+    from ..build.load import Family
     from ..model import Device
     from ..spec.problems import Problem
 
@@ -48,6 +49,11 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         help=f"exit 1 only if a change asks that much of users: {', '.join(IMPACTS)} (default: any change)",
     )
     parser.add_argument(
+        "--record",
+        action="store_true",
+        help="keep the changes beside the specs of NEW, and the version that follows in the manufacturer's file",
+    )
+    parser.add_argument(
         "--lenient",
         action="store_true",
         help="compare specs also where today's language finds problems; what is at fault is left out of them",
@@ -73,7 +79,7 @@ def _explain(chosen: argparse.Namespace) -> int:
 class _Side:
     """What was read of one side, and the families that could not be."""
 
-    devices: tuple[Device, ...]
+    families: tuple[Family, ...]
     left_out: frozenset[str]
     notices: tuple[str, ...]
 
@@ -84,7 +90,12 @@ def run(chosen: argparse.Namespace, generate: Generate) -> int:
     Raises:
         Stop: Something cannot be read.
     """
-    found = look(chosen.old, chosen.new, generate, chosen.lenient)
+    if chosen.record and not Path(chosen.new).is_dir():
+        raise Stop("--record is for a folder of specs: the version is that of all families of a maker", 2)
+    before, after = _side(chosen.old, True, chosen.lenient), _side(chosen.new, False, chosen.lenient)
+    found = _look(before, after, generate)
+    if chosen.record:
+        found = _record(found, after)
     if chosen.json:
         from ..changes.data import as_data
 
@@ -101,22 +112,41 @@ def run(chosen: argparse.Namespace, generate: Generate) -> int:
     return 1 if found.impact >= least else 0
 
 
-def look(old: str, new: str, generate: Generate, lenient: bool = False) -> Found:
-    """What has changed from ``old`` to ``new``, as the command line names them.
-
-    Raises:
-        Stop: Something cannot be read.
-    """
+def _look(before: _Side, after: _Side, generate: Generate) -> Found:
+    """What has changed."""
     from ..changes.told import Found
     from ..changes.version import packages
     from ..changes.walk import compare
 
-    before, after = _side(old, True, lenient), _side(new, False, lenient)
     left_out = before.left_out | after.left_out
-    olds, news = (tuple(item for item in side.devices if item.name not in left_out) for side in (before, after))
+    olds, news = (
+        tuple(item.device for item in side.families if item.device.name not in left_out) for side in (before, after)
+    )
     changes = compare(olds, news)
     files = generate(olds, news) if changes else None
     return Found(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
+
+
+def _record(found: Found, after: _Side) -> Found:
+    """Write what is to be kept, and say so; what was found then states the version that was written.
+
+    Raises:
+        Stop: Something of a family could not be compared, or a file cannot be written.
+    """
+    from ..changes.record import NotRecorded, records
+
+    if found.notices:
+        raise Stop(f"nothing is recorded: {found.notices[0]}", 1)
+    try:
+        # All texts are made before the first file is touched.
+        kept = list(records(found, after.families))
+        for item in kept:
+            item.place.write_text(item.text, encoding="utf-8")
+    except NotRecorded as error:
+        raise Stop(str(error), 1) from None
+    notices = tuple(f"recorded in {item.place.as_posix()}" for item in kept)
+    packages = [replace(item, stated=item.new) for item in found.packages]
+    return replace(found, packages=packages, notices=notices)
 
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
@@ -140,20 +170,19 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
         families, report = load_families([path])
     problems = [_renamed(problem, prefix, place.revision if place else "") for problem in report.problems]
     if not problems:
-        return _Side(tuple(family.device for family in families), frozenset(), ())
-    devices = tuple(family.device for family in families)
-    if lenient and devices:
+        return _Side(tuple(families), frozenset(), ())
+    if lenient and families:
         _show(problems)
         count = counted(len(problems), "problem")
         said = f"{text} has {count} by today's spec language; what is at fault is left out, and may be told as new"
-        return _Side(devices, frozenset(), (said,))
+        return _Side(tuple(families), frozenset(), (said,))
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
     said = f"not compared, for {counted(len(problems), 'problem')} by today's spec language: {', '.join(left_out)}"
     _show(problems)
-    return _Side(tuple(family.device for family in sound), frozenset(left_out), (f"{said} of {text}",))
+    return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
 
 
 def _renamed(problem: Problem, prefix: str, revision: str) -> Problem:

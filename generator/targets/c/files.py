@@ -11,7 +11,7 @@ standard headers.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, TypedDict
 
 from ...model import Manufacturer
@@ -21,6 +21,7 @@ from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem,
 from .device import DeviceView
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
+from .generation import UNKNOWN, generation
 from .lines import laid_out
 from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
@@ -30,6 +31,7 @@ class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
     PREFIX: Annotated[str, "the same in capitals, for macros"]
+    generation: Annotated[str, "the number of the generation, which headers that belong together share"]
 
 
 class Family(Shared):
@@ -45,17 +47,17 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
-        for name in ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",):
-            files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", _names_of(maker))
+        headers = ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",)
+        values = _names_of(library, maker, headers, options)
+        for name in headers:
+            files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", values)
         for device in devices:
             if device.name in ("biss", "encoder"):
                 raise TargetError(
                     f"a family cannot be called '{device.name}': that is the name of a header that all share"
                 )
             views[device.name] = view = DeviceView(device)
-            files[f"c/include/{maker.name}/{device.name}.h"] = _render(
-                library, "device.h.jinja", {**_names_of(maker), "d": view}
-            )
+            files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**values, "d": view})
         for device, clash in clashes(
             ((item, views[item.name].names) for item in devices), shared_names(maker.name, has_biss(devices))
         ):
@@ -84,8 +86,11 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             yield TargetProblem(device, "c-name", clash.path, message, other)
 
 
-def _names_of(maker: Manufacturer) -> Shared:
-    return {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
+def _names_of(library: Library, maker: Manufacturer, headers: Iterable[str], options: Options) -> Shared:
+    """What all headers of a manufacturer are rendered with; ``headers`` are those that its families share."""
+    names: Shared = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "generation": UNKNOWN}
+    texts = [_render(library, f"{name}.jinja", names) for name in headers]
+    return {**names, "generation": generation(maker, options, texts)}
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:

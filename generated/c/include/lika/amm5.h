@@ -7,6 +7,7 @@
  * The encoders described here are products of Lika Electronic s.r.l.; this project is not
  * affiliated with either company and claims no certification.
  *
+ * Version 0.1.0 of these headers.
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en; read beside it: it 1.9)
  * In brackets: its sections and pages.
  * Other documents, by the word before a colon in brackets:
@@ -37,6 +38,10 @@
 #define LIKA_AMM5_H
 
 #include "encoder.h"
+
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x73061FDEU)
+#error "lika/amm5.h is of version 0.1.0, and the encoder.h beside it is not of the same generation: take all headers from one folder that codewheel has generated"
+#endif
 
 #ifdef __cplusplus
 extern "C" {

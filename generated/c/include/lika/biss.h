@@ -48,6 +48,10 @@
 
 #include "encoder.h"
 
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x73061FDEU)
+#error "lika/biss.h is of version 0.1.0, and the encoder.h beside it is not of the same generation: take all headers from one folder that codewheel has generated"
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif

@@ -7,6 +7,7 @@
  * The encoders described here are products of Lika Electronic s.r.l.; this project is not
  * affiliated with either company and claims no certification.
  *
+ * Version 0.1.0 of these headers.
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * In brackets: its sections and pages.
  * Other documents, by the word before a colon in brackets:
@@ -40,6 +41,10 @@
 #define LIKA_SMA21_H
 
 #include "encoder.h"
+
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x73061FDEU)
+#error "lika/sma21.h is of version 0.1.0, and the encoder.h beside it is not of the same generation: take all headers from one folder that codewheel has generated"
+#endif
 
 #ifdef __cplusplus
 extern "C" {
