@@ -19,8 +19,8 @@ from .arguments import Parser
 from .terminal import Stop
 
 if TYPE_CHECKING:
-    from ..changes.told import Files, Found
     from ..build.load import Family
+    from ..changes.told import Files, Found
     from ..model import Device
     from ..spec.problems import Problem
 

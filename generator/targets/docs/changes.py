@@ -28,7 +28,9 @@ class ChangesPage(TypedDict):
     version: Annotated[str, "the version of the package"]
     manual: Annotated[str, "revision and date of the manual"]
     rule: Annotated[str, "how versions follow from changes"]
-    releases: Annotated[list[dict[str, Any]], "the versions, the newest first: version, about, parts with title, items"]
+    releases: Annotated[
+        list[dict[str, Any]], "the versions, the newest first: version, about, parts with title and lines"
+    ]
 
 
 def page(device: Device) -> str:
@@ -55,7 +57,7 @@ def _release(release: Release) -> dict[str, Any]:
         if impact == "documentation" and len(items) > _MOST_WORDS:
             items = [f"{counted(len(items), 'change')} of words, sources, errata and examples"]
         if items:
-            parts.append({"title": title, "items": items})
+            parts.append({"title": title, "lines": items})
     about = f"From {release.since}, by the manual's revision {release.manual}."
     return {"version": text(release.version), "about": about, "parts": parts}
 

@@ -40,8 +40,8 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x73061FDEU)
-#error "lika/asc85.h is of version 0.1.0, and the encoder.h beside it is not of the same generation: take all headers from one folder that codewheel has generated"
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x163B65D6U)
+#error "lika/asc85.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
 #ifdef __cplusplus
