@@ -14,7 +14,8 @@ from ..say.words import counted, hertz, microseconds, volts
 _LONGEST = 60
 _SAID = ("meaning", "note")
 _FORMS: Mapping[str, Callable[[int], str]] = {
-    "hex": lambda value: f"{value:02X}h",
+    # In whole bytes.
+    "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
     "bytes": lambda value: counted(value, "byte"),
     "mv": volts,
     "us": microseconds,

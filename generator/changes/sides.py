@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 from ..model import Device, Layout, Parameter
@@ -117,7 +118,6 @@ class Sides:
         """A change of a thing; without ``codes`` it reaches all that the thing concerns."""
         side = "old" if rule.endswith("-gone") else "new" if rule.endswith("-new") else "shared"
         found = tuple(codes) if codes is not None else self.codes(thing.interface, side)
-        device = self.old if side == "old" else self.new
         if rule in _MOVES:
             found = (*found, *(code for code in self.codes(old) if code not in found))
         names = {"c": thing.c, "python": thing.python}
@@ -129,9 +129,18 @@ class Sides:
             plain(old),
             plain(new),
             found,
-            "" if rule.startswith("order-code-") else reach(device, found),
+            "" if rule.startswith("order-code-") else self._reach(side, found),
             {name: text for name, text in names.items() if text},
         )
+
+    def _reach(self, side: str, codes: Collection[str]) -> str:
+        """Which order codes these are, of the old family, of the new one, or of those that both have."""
+        if side == "old":
+            return reach(self.old, codes)
+        kept = tuple(item for item in self.new.variants if item.code in self.shared.values())
+        if side == "new" or not kept or len(kept) == len(self.new.variants) or not codes:
+            return reach(self.new, codes)
+        return f"{reach(replace(self.new, variants=kept), codes)} of those that both have"
 
     def presence(self, kind: str, thing: Thing, old: Any, new: Any) -> Iterator[Change]:
         """Whether a thing is gone, new, or has another name; ``thing.label`` ends with the name that it has now."""

@@ -152,7 +152,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert diff(capsys, "v1.0:specs", "specs", "--markdown")[:2] == (
         1,
         """\
-## maker\\_encoders 1.4.2 → 2.0.0
+## maker_encoders 1.4.2 → 2.0.0
 
 ### demo
 
