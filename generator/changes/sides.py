@@ -138,9 +138,11 @@ class Sides:
         if side == "old":
             return reach(self.old, codes)
         kept = tuple(item for item in self.new.variants if item.code in self.shared.values())
-        if side == "new" or not kept or len(kept) == len(self.new.variants) or not codes:
-            return reach(self.new, codes)
-        return f"{reach(replace(self.new, variants=kept), codes)} of those that both have"
+        said = reach(self.new, codes)
+        if side == "new" or not kept or len(kept) == len(self.new.variants) or said.startswith("all "):
+            return said
+        among = reach(replace(self.new, variants=kept), codes)
+        return f"{among} that stay" if among.startswith("all ") else said
 
     def presence(self, kind: str, thing: Thing, old: Any, new: Any) -> Iterator[Change]:
         """Whether a thing is gone, new, or has another name; ``thing.label`` ends with the name that it has now."""
