@@ -28,7 +28,7 @@ EXAMPLES = {
     "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC --specs ."),
     "diff": (
         "codewheel diff old/my_encoder.yaml my_encoder.yaml",
-        "codewheel diff v1.0:my_encoder.yaml my_encoder.yaml --fail-on behaviour",
+        "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",
     ),
     "explain": ("codewheel explain", "codewheel explain register-gone"),
     "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),

@@ -15,6 +15,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -373,9 +374,7 @@ def _show(chosen: argparse.Namespace) -> int:
 
 
 def _diff(chosen: argparse.Namespace) -> int:
-    from .changed_files import changed_files
-
-    return run_diff(chosen, changed_files)
+    return run_diff(chosen, lambda old, new: import_module(f"{__package__}.changed_files").changed_files(old, new))
 
 
 def _new(chosen: argparse.Namespace) -> int:

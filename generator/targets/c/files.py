@@ -31,7 +31,14 @@ class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
     PREFIX: Annotated[str, "the same in capitals, for macros"]
+
+
+class Header(Shared):
     generation: Annotated[str, "the number of the generation, which headers that belong together share"]
+
+
+class FamilyHeader(Header):
+    d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
 
 
 class Family(Shared):
@@ -86,9 +93,9 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             yield TargetProblem(device, "c-name", clash.path, message, other)
 
 
-def _names_of(library: Library, maker: Manufacturer, headers: Iterable[str], options: Options) -> Shared:
+def _names_of(library: Library, maker: Manufacturer, headers: Iterable[str], options: Options) -> Header:
     """What all headers of a manufacturer are rendered with; ``headers`` are those that its families share."""
-    names: Shared = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "generation": UNKNOWN}
+    names: Header = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "generation": UNKNOWN}
     texts = [_render(library, f"{name}.jinja", names) for name in headers]
     return {**names, "generation": generation(maker, options, texts)}
 
@@ -106,9 +113,9 @@ def _json(value: object) -> str:
 TEMPLATES = Templates(
     our_templates("c"),
     values={
-        "encoder.h.jinja": Shared,
-        "biss.h.jinja": Shared,
-        "device.h.jinja": Family,
+        "encoder.h.jinja": Header,
+        "biss.h.jinja": Header,
+        "device.h.jinja": FamilyHeader,
         "example.c.jinja": Program,
         **dict.fromkeys(FILES.values(), Package),
     },
