@@ -14,7 +14,7 @@ RULE = "changes-file"
 
 
 def history_beside(spec: Path) -> Path:
-    """Where the history of a family is kept: ``amm5.changes.json`` beside ``amm5.yaml``."""
+    """Where the history of a family is kept: ``FAMILY.changes.json``."""
     return spec.with_name(f"{spec.stem}.changes.json")
 
 

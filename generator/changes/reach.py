@@ -14,7 +14,7 @@ _MOST_LISTED = 3
 
 
 def reach(device: Device, codes: Collection[str]) -> str:
-    """The order codes of a family among its own: ``all 12 BiSS order codes``, ``AMM5B…``, or some of them by name."""
+    """The order codes of a family among its own: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
     every = device.variants
     if not codes:
         return ""
@@ -28,7 +28,7 @@ def reach(device: Device, codes: Collection[str]) -> str:
 
 
 def pattern(device: Device, codes: Collection[str]) -> str:
-    """The order codes as the grammar's pattern with some parts left open, ``AMM5…/65KSC1``; empty where it is none."""
+    """The order codes as the grammar's pattern with some parts left open, ``TV62-…20-B1``; empty where it is none."""
     chosen = [item for item in device.variants if item.code in codes]
     used = {part.name: _used(chosen, part.name) for part in device.order_code.parts}
     if len(chosen) < 2 or [item for item in device.variants if _fits(item, used)] != chosen:

@@ -77,7 +77,7 @@ def lay_out(place: Named, folder: Path) -> Path:
 def _commit(revision: str) -> str:
     shown = visible(revision)
     if not revision or revision.startswith("-") or "\0" in revision:
-        raise RevisionError(f"'{shown}' is no revision; write it as in v1.0:specs/lika/amm5.yaml")
+        raise RevisionError(f"'{shown}' is no revision; write it as in v1.0:specs/my_encoder.yaml")
     try:
         found = _git(["rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}"])
     except _Refused:

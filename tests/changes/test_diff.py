@@ -182,7 +182,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
     ("old", "message"),
     [
         ("v9:specs", "there is no revision 'v9' in this repository; known: master, v1.0"),
-        ("-x:specs", "'-x' is no revision; write it as in v1.0:specs/lika/amm5.yaml"),
+        ("-x:specs", "'-x' is no revision; write it as in v1.0:specs/my_encoder.yaml"),
         ("--upload-pack=touch x:specs", None),
         ("v1.0:spec", "there is no spec in v1.0"),
         ("v1.0:../specs", "v1.0:../specs is outside of the repository; paths begin at its top"),
