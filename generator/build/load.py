@@ -21,6 +21,7 @@ from .counts import read_counts
 from .device import build_device
 from .editions import check_editions, edition_of, notes
 from .facts import build_manufacturer
+from .history import read_history
 from .overlays import Family as Family
 from .overlays import is_overlay, lay_over, overlays_beside
 
@@ -116,8 +117,9 @@ def families_of(documents: Sequence[Document], report: Report) -> list[Family]:
         if device is None:
             continue
         check_editions(data, device, report.for_document(document))
-        counts, told = read_counts(Path(document.file), report), tuple(notes(data))
-        device = replace(device, times_read=counts, errata=(*device.errata, *told))
+        place, told = Path(document.file), tuple(notes(data))
+        counts, releases = read_counts(place, report), read_history(place, report)
+        device = replace(device, times_read=counts, releases=releases, errata=(*device.errata, *told))
         _compare_with_others(device, [family.device for family in families], document, report)
         makers_files = (item for item in documents if "device" not in item.data)
         of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}

@@ -28,8 +28,9 @@ EXAMPLES = {
     "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC --specs ."),
     "diff": (
         "codewheel diff old/my_encoder.yaml my_encoder.yaml",
-        "codewheel diff old/my_encoder.yaml my_encoder.yaml --json",
+        "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",
     ),
+    "explain": ("codewheel explain", "codewheel explain register-gone"),
     "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),
 }
 
@@ -94,7 +95,7 @@ def add_examples(commands: argparse._SubParsersAction[Parser]) -> None:
     """Put the examples under the help of each command, and let each know its own parser."""
     for name, parser in commands.choices.items():
         parser.set_defaults(parser=parser)
-        of_what = "" if name == "new" else ", where my_encoder is what codewheel new my_encoder writes"
+        of_what = "" if name in ("new", "explain") else ", where my_encoder is what codewheel new my_encoder writes"
         lines = [f"examples{of_what}:", *(f"  {line}" for line in EXAMPLES[name])]
         text = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
         parser.epilog = "\n".join([*text, *lines])

@@ -15,11 +15,14 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from . import look_up
 from .arguments import Parser, ShowVersion, a_path, add_examples, parse
+from .diff import add_diff, add_explain
+from .diff import run as run_diff
 from .terminal import Stop, prepare, release
 
 _DESCRIPTION = (
@@ -253,15 +256,8 @@ def _add_master(commands: _Commands) -> None:
 
 
 def _add_diff(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "diff",
-        help="what another version of a spec changes",
-        description="Name each changed fact, breaking or compatible; exit 1 if there is one.",
-    )
-    parser.add_argument("old", type=a_path, metavar="OLD", help="the spec as it was: a file or a folder")
-    parser.add_argument("new", type=a_path, metavar="NEW", help="the spec as it is to be")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.set_defaults(run=_diff)
+    add_diff(commands).set_defaults(run=_diff)
+    add_explain(commands)
 
 
 def _add_new(commands: _Commands) -> None:
@@ -397,14 +393,7 @@ def _show(chosen: argparse.Namespace) -> int:
 
 
 def _diff(chosen: argparse.Namespace) -> int:
-    from .diff import as_data, as_text, compare
-
-    changes = compare(look_up.load([chosen.old]), look_up.load([chosen.new]))
-    if chosen.json:
-        _print_json(as_data(changes))
-    else:
-        print(as_text(changes))
-    return 1 if changes else 0
+    return run_diff(chosen, lambda old, new: import_module(f"{__package__}.changed_files").changed_files(old, new))
 
 
 def _new(chosen: argparse.Namespace) -> int:

@@ -1,270 +1,234 @@
-"""``codewheel diff``: what another version of a spec changes for those who use what is generated from it.
-
-Compared are the resolved families, as ``show --json`` prints them. Each change is ``breaking`` or ``compatible``, by
-these rules:
-
-* texts, sources, errata, examples, tables, characteristics, lights, documents and lost figures, and how a spec names
-  its manual, are compatible;
-* what is new is compatible, unless it restricts: a limit, a register that opens another one, a reservation, or a
-  decision that a frame now needs;
-* a limit or a time is breaking when it allows less or asks for more than before, else compatible;
-* everything else that is removed or changed is breaking: an address, a position, a width, a CRC, an order code, a
-  value, a default, a pin.
-"""
+"""``codewheel diff`` and ``codewheel explain``: what another version of the specs changes for users, and why."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
-from ..dump.plain import device_dump
-from ..model import Device
-from ..say.lines import wrapped
+from ..changes.impact import IMPACTS, OUTPUTS, TITLES, Impact
 from ..say.words import counted
+from . import look_up
+from .arguments import Parser
+from .terminal import Stop
 
-VERSION = 1
-_WIDTH = 100
-_LONGEST_VALUE = 60
+if TYPE_CHECKING:
+    from ..build.load import Family
+    from ..changes.told import Files, Found
+    from ..model import Device
+    from ..spec.problems import Problem
 
-#: Sections of a family in which nothing decides what is sent or computed.
-_TOLD_ONLY = {"manual", "documents", "characteristics", "tables", "leds", "errata", "lost_figures", "examples", "title"}
-#: Members that are words for people, wherever they stand.
-_WORDS = {
-    "meaning",
-    "note",
-    "printed_name",
-    "names",
-    "title",
-    "source",
-    "sources",
-    "alignment_source",
-    "output_code_source",
-    "content",
-    "mating",
-    "remedy",
-    "detected",
-    "precondition",
-    "result",
-    "special",
-    "when_active",
-    "when_inactive",
-    "why",
-    "control_data_note",
-    "profile",
-    "description_file",
-    "signals",
-    "symbol",
-    "trademarks",
-    "typical_us",
-    "typical_ns",
-    "polynomial",
-    "explained_by",
-    "url",
-    "purpose",
-    "version",
-}
-#: What follows from other members, which are compared themselves.
-_DERIVED = {"default_bytes", "last_address", "poly_with_top_bit", "largest", "printed"}
-#: Numbers that allow less when they are raised: lower limits, and times that have to be waited for.
-_LESS_WHEN_RAISED = {
-    "min",
-    "min_hz",
-    "at_least_us",
-    "at_most_us",
-    "at_most_ns",
-    "wait_at_least_ms",
-    "pulse_at_least_us",
-    "half_clock_periods",
-    "microseconds",
-}
-#: Numbers that allow less when they are lowered: upper limits.
-_LESS_WHEN_LOWERED = {"max", "max_hz", "below_hz", "shorter_than_m"}
-#: What restricts when it comes anew.
-_RESTRICTS = {"opened_by", "reserved", "needs", "inverts", "open_only_with", "only_with"}
-#: What generated functions ask their callers for, so that its coming breaks these as its going does.
-_ARGUMENTS = {"alternatives"}
-#: Numbers that manuals print in hexadecimal.
-_HEXADECIMAL = {
-    "poly",
-    "init",
-    "xorout",
-    "check",
-    "constant",
-    "unused",
-    "control",
-    "value",
-    "equals",
-    "default",
-    "biss_id",
-}
-#: Members by which an item of a list is known, the first that it has.
-_KEYS = (
-    "name",
-    "code",
-    "text",
-    "kind",
-    "key",
-    "contact",
-    "data_id",
-    "id",
-    "revision",
-    "language",
-    "shorter_than_m",
-    "clock_hz",
-    "state",
-)
+_MOST_SHOWN = 3
+#: Which generated files are others, of the old devices and the new ones; None where nothing can be generated.
+Generate = Callable[["Sequence[Device]", "Sequence[Device]"], "Files | None"]
+
+
+def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
+    """Add the command to those of the command line."""
+    parser = commands.add_parser(
+        "diff",
+        help="what another version of a spec changes",
+        description="Name each change with the outputs and order codes that it reaches; exit 1 if there is one.",
+    )
+    where = "a file, a folder, or one of a git revision: v1.0:specs/lika"
+    parser.add_argument("old", metavar="OLD", help=f"the specs as they were: {where}")
+    parser.add_argument("new", metavar="NEW", help="the specs as they are to be, given alike")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print JSON")
+    form.add_argument("--markdown", action="store_true", help="print a section of a changelog")
+    parser.add_argument(
+        "--fail-on",
+        metavar="IMPACT",
+        choices=IMPACTS,
+        help=f"exit 1 only if a change asks that much of users: {', '.join(IMPACTS)} (default: any change)",
+    )
+    parser.add_argument(
+        "--record",
+        action="store_true",
+        help="keep the changes beside the specs of NEW, and the version that follows in the manufacturer's file",
+    )
+    parser.add_argument(
+        "--lenient",
+        action="store_true",
+        help="compare specs also where today's language finds problems; what is at fault is left out of them",
+    )
+    return parser
+
+
+def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
+    """Add the command that explains the rules."""
+    parser = commands.add_parser(
+        "explain", help="why diff calls a change what it does", description="Explain a rule of diff."
+    )
+    parser.add_argument("rule", nargs="?", metavar="RULE", help="the name in brackets; without one, all are listed")
+    parser.set_defaults(run=_explain)
+
+
+def _explain(chosen: argparse.Namespace) -> int:
+    print(explain(chosen.rule))
+    return 0
 
 
 @dataclass(frozen=True)
-class Change:
-    """One changed fact: ``how`` is ``changed``, ``added`` or ``removed``.
+class _Side:
+    """What was read of one side, and the families that could not be."""
 
-    ``hexadecimal`` where manuals print its number so.
+    families: tuple[Family, ...]
+    left_out: frozenset[str]
+    notices: tuple[str, ...]
+
+
+def run(chosen: argparse.Namespace, generate: Generate) -> int:
+    """Compare, and print; the exit code.
+
+    Raises:
+        Stop: Something cannot be read.
     """
+    if chosen.record and not Path(chosen.new).is_dir():
+        raise Stop("--record is for a folder of specs: the version is that of all families of a maker", 2)
+    before, after = _side(chosen.old, True, chosen.lenient), _side(chosen.new, False, chosen.lenient)
+    found = _look(before, after, generate)
+    if chosen.record:
+        found = _record(found, after)
+    if chosen.json:
+        from ..changes.data import as_data
 
-    family: str
-    path: str
-    how: str
-    old: Any
-    new: Any
-    breaking: bool
-    hexadecimal: bool = False
+        print(json.dumps(as_data(found), indent=2, ensure_ascii=False))
+    elif chosen.markdown:
+        from ..changes.markdown import as_markdown
 
-    @property
-    def effect(self) -> str:
-        return "breaking" if self.breaking else "compatible"
-
-
-def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
-    """Every changed fact, family by family; one family on each side is compared whatever its name."""
-    if len(old) == len(new) == 1:
-        return list(_family(old[0], new[0]))
-    before, after = ({item.name: item for item in devices} for devices in (old, new))
-    found: list[Change] = []
-    for name in sorted(before.keys() | after.keys()):
-        if name not in after:
-            found.append(Change(name, "", "removed", name, None, True))
-        elif name not in before:
-            found.append(Change(name, "", "added", None, name, False))
-        else:
-            found += _family(before[name], after[name])
-    return found
-
-
-def _family(old: Device, new: Device) -> Iterator[Change]:
-    # A parameter that counts something has a unit; the others are codes, such as a profile ID.
-    codes = {item.name for device in (old, new) for item in device.parameters if not item.unit}
-    yield from _walk(new.name, (), device_dump(old), device_dump(new), codes)
-
-
-def _walk(family: str, path: tuple[str, ...], old: Any, new: Any, codes: Container[str]) -> Iterator[Change]:
-    if old == new or (path and path[-1] in _DERIVED):
-        return
-    if isinstance(old, Mapping) and isinstance(new, Mapping):
-        for name in dict.fromkeys((*old, *new)):
-            yield from _walk(family, (*path, name), old.get(name), new.get(name), codes)
-    elif _is_listing(old) and _is_listing(new) and (old or new):
-        yield from _walk(family, path, _by_key(old), _by_key(new), codes)
+        print(as_markdown(found))
     else:
-        how = "added" if _is_nothing(old) else "removed" if _is_nothing(new) else "changed"
-        yield Change(
-            family, ".".join(path), how, old, new, _is_breaking(path, how, old, new), _is_hexadecimal(path, codes)
+        from ..changes.text import as_text
+
+        print(as_text(found))
+    least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
+    return 1 if found.impact >= least else 0
+
+
+def _look(before: _Side, after: _Side, generate: Generate) -> Found:
+    """What has changed."""
+    from ..changes.told import Found
+    from ..changes.version import packages
+    from ..changes.walk import compare
+
+    left_out = before.left_out | after.left_out
+    olds, news = (
+        tuple(item.device for item in side.families if item.device.name not in left_out) for side in (before, after)
+    )
+    changes = compare(olds, news)
+    files = generate(olds, news) if changes else None
+    return Found(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
+
+
+def _record(found: Found, after: _Side) -> Found:
+    """Write what is to be kept, and say so; what was found then states the version that was written.
+
+    Raises:
+        Stop: Something of a family could not be compared, or a file cannot be written.
+    """
+    from ..changes.record import NotRecorded, records
+
+    if found.notices:
+        raise Stop(f"nothing is recorded: {found.notices[0]}", 1)
+    try:
+        # All texts are made before the first file is touched.
+        kept = list(records(found, after.families))
+        for item in kept:
+            item.place.write_text(item.text, encoding="utf-8")
+    except NotRecorded as error:
+        raise Stop(str(error), 1) from None
+    notices = tuple(f"recorded in {item.place.as_posix()}" for item in kept)
+    packages = [replace(item, stated=item.new) for item in found.packages]
+    return replace(found, packages=packages, notices=notices)
+
+
+def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
+    """The families of one side; of the old one those that today's language still reads."""
+    from ..build.load import load_families, sound_families
+    from ..changes.revisions import RevisionError, lay_out, named
+
+    place = named(text)
+    with ExitStack() as stack:
+        prefix = ""
+        if place is None:
+            path = Path(text)
+            look_up.refuse_missing([path])
+        else:
+            folder = stack.enter_context(TemporaryDirectory(prefix="codewheel-"))
+            try:
+                path = lay_out(place, Path(folder))
+            except RevisionError as error:
+                raise Stop(str(error), 2) from None
+            prefix = folder
+        families, report = load_families([path])
+    problems = [_renamed(problem, prefix, place.revision if place else "") for problem in report.problems]
+    if not problems:
+        return _Side(tuple(families), frozenset(), ())
+    if lenient and families:
+        _show(problems)
+        count = counted(len(problems), "problem")
+        said = f"{text} has {count} by today's spec language; what is at fault is left out, and may be told as new"
+        return _Side(tuple(families), frozenset(), (said,))
+    sound = sound_families(families, report)
+    if not is_old or not sound:
+        raise _unread(text, problems, is_old)
+    left_out = [family.device.name for family in families if family not in sound]
+    said = f"not compared, for {counted(len(problems), 'problem')} by today's spec language: {', '.join(left_out)}"
+    _show(problems)
+    return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
+
+
+def _renamed(problem: Problem, prefix: str, revision: str) -> Problem:
+    """The problem with the name of its file in history."""
+    if not prefix or not problem.file.startswith(prefix):
+        return problem
+    return replace(problem, file=f"{revision}:{Path(problem.file).relative_to(prefix).as_posix()}")
+
+
+def _show(problems: Sequence[Problem]) -> None:
+    for problem in problems[:_MOST_SHOWN]:
+        print(problem.format(), file=sys.stderr)
+    if len(problems) > _MOST_SHOWN:
+        print(f"and {len(problems) - _MOST_SHOWN} more", file=sys.stderr)
+
+
+def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
+    _show(problems)
+    count = counted(len(problems), "problem")
+    if not is_old:
+        return Stop(f"{text} has {count}, so it is not compared", 1)
+    return Stop(
+        f"{text} has {count} by today's spec language, of which it may be an earlier form, so it is not compared; add "
+        "--lenient, take a later revision, or run the codewheel of that time",
+        1,
+    )
+
+
+def explain(name: str | None) -> str:
+    """A rule of ``diff``: when it applies, its impact on each output, and why; without a name, all rules in short.
+
+    Raises:
+        Stop: There is no such rule; exit code 2.
+    """
+    from ..changes.rules import RULES
+    from ..say.lines import WIDTH, wrapped
+    from ..spec.problems import suggestion
+
+    if name is None:
+        return "\n".join(
+            wrapped(rule.when, WIDTH, " " * 38, f"{rule.name:<22} {rule.impact.word:<14} ") for rule in RULES.values()
         )
-
-
-def _is_hexadecimal(path: tuple[str, ...], codes: Container[str]) -> bool:
-    return path[-1] in _HEXADECIMAL or (path[-2:-1] in (("sets",), ("parameters",)) and path[-1] in codes)
-
-
-def _is_listing(value: Any) -> bool:
-    return isinstance(value, list) and all(isinstance(item, Mapping) for item in value)
-
-
-def _is_nothing(value: Any) -> bool:
-    return value is None or value in ("", [], {})
-
-
-def _by_key(items: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
-    """The items of a list by what they are called, or else by their place; a name that stands again gets a number."""
-    found: dict[str, Mapping[str, Any]] = {}
-    for index, item in enumerate(items):
-        name = (
-            str(next((item[key] for key in _KEYS if item.get(key) not in (None, "")), index + 1))
-            if "do" not in item
-            else f"{index + 1}"
-        )
-        unique, count = name, 1
-        while unique in found:
-            count += 1
-            unique = f"{name}#{count}"
-        found[unique] = item
-    return found
-
-
-def _is_breaking(path: tuple[str, ...], how: str, old: Any, new: Any) -> bool:
-    name = path[-1]
-    if path[0] in _TOLD_ONLY or not _WORDS.isdisjoint(path):
-        return False
-    if how == "added":
-        return name in _RESTRICTS | _ARGUMENTS or (
-            name in _LESS_WHEN_RAISED | _LESS_WHEN_LOWERED and not isinstance(new, Mapping)
-        )
-    if how == "removed":
-        return name not in _RESTRICTS | _LESS_WHEN_RAISED | _LESS_WHEN_LOWERED
-    if isinstance(old, int) and isinstance(new, int) and not isinstance(old, bool):
-        if name in _LESS_WHEN_RAISED:
-            return new > old
-        if name in _LESS_WHEN_LOWERED:
-            return new < old
-    return True
-
-
-def as_data(changes: Sequence[Change]) -> dict[str, Any]:
-    """The changes as ``--json`` prints them."""
-    rows = [
-        {
-            "family": item.family,
-            "path": item.path,
-            "change": item.how,
-            "old": item.old,
-            "new": item.new,
-            "effect": item.effect,
-        }
-        for item in changes
-    ]
-    return {"version": VERSION, "breaking": sum(item.breaking for item in changes), "changes": rows}
-
-
-def as_text(changes: Sequence[Change]) -> str:
-    """The changes for a person, the breaking ones of each family first."""
-    if not changes:
-        return "no difference"
-    lines = []
-    for family in dict.fromkeys(item.family for item in changes):
-        lines.append(family)
-        here = sorted((item for item in changes if item.family == family), key=lambda item: not item.breaking)
-        lines += [wrapped(_sentence(item), _WIDTH, " " * 14, f"  {item.effect:<10}  ") for item in here]
-    breaking = sum(item.breaking for item in changes)
-    return "\n".join([*lines, f"{counted(len(changes), 'change')}, {breaking} breaking"])
-
-
-def _sentence(change: Change) -> str:
-    what = change.path or "the family"
-    if change.how == "changed":
-        return f"{what}: {_shown(change, change.old)} -> {_shown(change, change.new)}"
-    value = change.new if change.how == "added" else change.old
-    detail = "" if isinstance(value, (Mapping, list)) or not change.path else f", {_shown(change, value)}"
-    return f"{what}: {change.how}{detail}"
-
-
-def _shown(change: Change, value: Any) -> str:
-    """A value, short; an address or a code as manuals write it."""
-    if isinstance(value, bool) or value is None:
-        return {True: "yes", False: "no", None: "nothing"}[value]
-    if isinstance(value, int):
-        if change.path.endswith("address"):
-            return f"{value:02X}h"
-        return f"{value:X}h ({value})" if change.hexadecimal and value > 9 else f"{value}"
-    text = value if isinstance(value, str) else ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-    return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."
+    rule = RULES.get(name)
+    if rule is None:
+        near = suggestion(name, RULES) or "; codewheel explain lists them"
+        raise Stop(f"diff has no rule '{name}'{near}", 2)
+    effects = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
+    head = wrapped(f"{rule.when}.", WIDTH, "  ", f"{rule.name}: ")
+    return "\n".join([head, *effects, wrapped(rule.why, WIDTH, "  ")])

@@ -247,6 +247,27 @@ class TimesRead:
     derived: int
 
 
+@dataclass(frozen=True, slots=True)
+class ReleasedChange:
+    """A change as it was recorded: the rule, its impact, what has changed, and whom it reaches."""
+
+    rule: str
+    impact: str
+    text: str
+    reach: str
+    outputs: str
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """A version and what it changed ``since`` an earlier one; ``manual`` is the revision that it was made from."""
+
+    version: str
+    since: str
+    manual: str
+    changes: tuple[ReleasedChange, ...]
+
+
 @dataclass(frozen=True)
 class Device:
     """An encoder family: everything that its manual says, resolved."""
@@ -285,6 +306,7 @@ class Device:
     #: The editions of the manual, oldest first, and the one that this is, if not that of the spec.
     editions: tuple[ManualEdition, ...] = ()
     edition: str = ""
+    releases: tuple[Release, ...] = ()
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:

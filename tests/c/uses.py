@@ -77,7 +77,7 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
     opened: list[str] = []
     for line in code.splitlines():
         word = (line.split() or [""])[0]
-        if word in ("#ifdef", "#ifndef"):
+        if word in ("#if", "#ifdef", "#ifndef"):
             opened.append(line)
         elif word == "#else":
             opened[-1] = f"{'#ifndef' if opened[-1].startswith('#ifdef') else '#ifdef'} {opened[-1].split()[1]}"

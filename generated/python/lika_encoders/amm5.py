@@ -2,9 +2,9 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """AMM5A and AMM5B absolute kit encoders, by Lika Electronic.
 
-Made from the manual “AMM5A AMM5B”, revision 1.9 of 2021-12-09 (en). Sections and pages in this module are those of that
-manual; a source that begins with a language code is another edition, one that begins with another key stands in
-DOCUMENTS.
+Version 0.1.0, made from the manual “AMM5A AMM5B”, revision 1.9 of 2021-12-09 (en). Sections and pages in this module
+are those of that manual; a source that begins with a language code is another edition, one that begins with another key
+stands in DOCUMENTS.
 
 Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
 amm5=1.0`` makes files for such encoders.

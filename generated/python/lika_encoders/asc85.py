@@ -2,9 +2,9 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """ASC85 absolute encoders with a large thru-bore shaft, by Lika Electronic.
 
-Made from the manual “ASC85”, revision 1.0 of 2017-05-19 (en). Sections and pages in this module are those of that
-manual; a source that begins with a language code is another edition, one that begins with another key stands in
-DOCUMENTS.
+Version 0.1.0, made from the manual “ASC85”, revision 1.0 of 2017-05-19 (en). Sections and pages in this module are
+those of that manual; a source that begins with a language code is another edition, one that begins with another key
+stands in DOCUMENTS.
 
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.

@@ -2,9 +2,9 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """SMA21 absolute linear encoder, by Lika Electronic.
 
-Made from the manual “SMA21 + MTA-A154”, revision 1.2 of 2024-05-10 (it). Sections and pages in this module are those of
-that manual; a source that begins with a language code is another edition, one that begins with another key stands in
-DOCUMENTS.
+Version 0.1.0, made from the manual “SMA21 + MTA-A154”, revision 1.2 of 2024-05-10 (it). Sections and pages in this
+module are those of that manual; a source that begins with a language code is another edition, one that begins with
+another key stands in DOCUMENTS.
 
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.

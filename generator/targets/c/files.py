@@ -11,10 +11,10 @@ standard headers.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Manufacturer
+from ...model import Device, Manufacturer
 from ...plan.received import longest_reply
 from ...render import Templates, our_templates
 from ...say.lines import plain
@@ -22,6 +22,7 @@ from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem,
 from .device import DeviceView
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
+from .generation import UNKNOWN, generation
 from .lines import documented, laid_out
 from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
@@ -34,8 +35,13 @@ class Shared(TypedDict):
     PREFIX: Annotated[str, "the same in capitals, for macros"]
 
 
-class Receive(Shared):
+class Header(Shared):
+    generation: Annotated[str, "the number of the generation, which headers that belong together share"]
     longest: Annotated[int, "the bytes of the longest reply over RS-485; 0 where no family has one"]
+
+
+class FamilyHeader(Header):
+    d: Annotated[DeviceView, "the family and the parts of its header, their names and expressions"]
 
 
 class Family(Shared):
@@ -55,19 +61,17 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
-        for name in ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",):
-            files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", _names_of(maker))
-        receive: Receive = {**_names_of(maker), "longest": longest_reply(devices)}
-        files[f"c/include/{maker.name}/receive.h"] = _render(library, "receive.h.jinja", receive)
+        headers = ("encoder.h", "receive.h", *(("biss.h",) if has_biss(devices) else ()))
+        values = _names_of(library, maker, devices, headers, options)
+        for name in headers:
+            files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", values)
         for device in devices:
             if device.name in ("biss", "encoder", "receive"):
                 raise TargetError(
                     f"a family cannot be called '{device.name}': that is the name of a header that all share"
                 )
             views[device.name] = view = DeviceView(device)
-            files[f"c/include/{maker.name}/{device.name}.h"] = _render(
-                library, "device.h.jinja", {**_names_of(maker), "d": view}
-            )
+            files[f"c/include/{maker.name}/{device.name}.h"] = _render(library, "device.h.jinja", {**values, "d": view})
         for device, clash in clashes(
             ((item, views[item.name].names) for item in devices), shared_names(maker.name, has_biss(devices))
         ):
@@ -96,8 +100,19 @@ def problems(library: Library) -> Iterator[TargetProblem]:
             yield TargetProblem(device, "c-name", clash.path, message, other)
 
 
-def _names_of(maker: Manufacturer) -> Shared:
-    return {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper()}
+def _names_of(
+    library: Library, maker: Manufacturer, devices: Sequence[Device], headers: Iterable[str], options: Options
+) -> Header:
+    """What all headers of a manufacturer are rendered with; ``headers`` are those that its families share."""
+    names: Header = {
+        "maker": maker,
+        "prefix": maker.name,
+        "PREFIX": maker.name.upper(),
+        "generation": UNKNOWN,
+        "longest": longest_reply(devices),
+    }
+    texts = [_render(library, f"{name}.jinja", names) for name in headers]
+    return {**names, "generation": generation(maker, options, texts)}
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
@@ -115,10 +130,10 @@ def _json(value: object) -> str:
 TEMPLATES = Templates(
     our_templates("c"),
     values={
-        "encoder.h.jinja": Shared,
-        "biss.h.jinja": Shared,
-        "receive.h.jinja": Receive,
-        "device.h.jinja": Family,
+        "encoder.h.jinja": Header,
+        "biss.h.jinja": Header,
+        "receive.h.jinja": Header,
+        "device.h.jinja": FamilyHeader,
         "example.c.jinja": Program,
         "receiver.c.jinja": Receiver,
         **dict.fromkeys(FILES.values(), Package),

@@ -22,7 +22,7 @@ from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import codes, editions, facts, layouts, usable
+from . import changes, codes, editions, facts, layouts, usable
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -84,7 +84,7 @@ class DevicePage(Codes, Wiring, Evidence):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """``docs/README.md`` and ``docs/usable-or-not.md``.
 
-    For each device ``docs/<device>.md``, its pictures and ``docs/<device>-masters.md``.
+    For each device ``docs/<device>.md``, its pictures, ``docs/<device>-masters.md`` and ``docs/<device>-changes.md``.
     """
     try:
         masters = shipped_masters()
@@ -97,6 +97,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         if masters_page.has_masters(device):
             values = masters_page.page_values(device, masters)
             files[f"docs/{device.name}-masters.md"] = _tidy(TEMPLATES.render("masters.md.jinja", values, own))
+        told = changes.page_values(device)
+        files[f"docs/{changes.page(device)}"] = _tidy(TEMPLATES.render("changes.md.jinja", told, own))
         files |= {f"docs/{device.name}/{name}.svg": picture for name, picture in _pictures(device).items()}
     return files
 
@@ -227,6 +229,7 @@ def _identity(device: Device) -> Codes:
     for item in manual.editions:
         about = [text(language(item.language)), text(item.title), f"revision {text(item.revision)}", item.date]
         rows.append(("Other edition", joined(about, ", ")))
+    rows.append(("Version", f"{text(device.manufacturer.version)}, {link('what each changed', changes.page(device))}"))
     return {
         "manual_rows": [row for row in rows if row[1]],
         "part_rows": list(codes.part_rows(device)),
@@ -444,6 +447,7 @@ TEMPLATES = Templates(
         "index.md.jinja": Index,
         "device.md.jinja": DevicePage,
         "masters.md.jinja": masters_page.MastersPage,
+        "changes.md.jinja": changes.ChangesPage,
         "usable.md.jinja": usable.UsablePage,
     },
     filters={

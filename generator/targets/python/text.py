@@ -39,7 +39,8 @@ def of_module(device: Device, example: Iterable[Block]) -> str:
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
         sentence(f"{device.title}, by {device.manufacturer.title}"),
-        f"Made from the manual “{plain(manual.title)}”, {plain(revision)}. Sections and pages in this module are those"
+        f"Version {device.manufacturer.version}, made from the manual “{plain(manual.title)}”, {plain(revision)}."
+        " Sections and pages in this module are those"
         " of that manual; a source that begins with a language code is another edition, one that begins with another"
         " key stands in DOCUMENTS.",
         " ".join(paragraphs([*origin(device), *other_editions(device)])),

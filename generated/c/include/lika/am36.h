@@ -16,6 +16,7 @@
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
  *
+ * Version 0.1.0 of these headers.
  * Manual: "AM36 AMC36", revision 1.0 (en)
  * In brackets: its sections and pages.
  *
@@ -55,6 +56,10 @@
 #define LIKA_AM36_H
 
 #include "encoder.h"
+
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
+#endif
 
 #ifdef __cplusplus
 extern "C" {

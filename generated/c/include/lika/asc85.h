@@ -16,6 +16,7 @@
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
  *
+ * Version 0.1.0 of these headers.
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
  * In brackets: its sections and pages.
  * Other documents, by the word before a colon in brackets:
@@ -48,6 +49,10 @@
 #define LIKA_ASC85_H
 
 #include "encoder.h"
+
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#error "lika/asc85.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
+#endif
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,6 +16,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/** The version of these headers, which follows from what changed for their users. */
+#define LIKA_VERSION "0.1.0"
+
+/** Headers of another generation do not compile beside this one: take all from one folder. */
+#define LIKA_GENERATION 0xA1EE1EC1U
+
 #ifdef __cplusplus
 extern "C" {
 #endif

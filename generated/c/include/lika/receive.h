@@ -27,6 +27,10 @@
 
 #include "encoder.h"
 
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif

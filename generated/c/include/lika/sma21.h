@@ -16,6 +16,7 @@
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
  *
+ * Version 0.1.0 of these headers.
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * In brackets: its sections and pages.
  * Other documents, by the word before a colon in brackets:
@@ -50,6 +51,10 @@
 #define LIKA_SMA21_H
 
 #include "encoder.h"
+
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#error "lika/sma21.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
+#endif
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,0 +1,60 @@
+"""Which order codes a change reaches, said in as few words as tell it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+
+from ..model import Device, Variant
+from ..say.words import counted
+
+_BRACES = re.compile(r"\{(\w+)\}")
+_ALL = "…"
+_MOST_LISTED = 3
+
+
+def reach(device: Device, codes: Collection[str]) -> str:
+    """The order codes of a family among its own: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
+    every = device.variants
+    if not codes:
+        return ""
+    if len(codes) == len(every):
+        return f"all {counted(len(every), 'order code')}" if len(every) > 1 else every[0].code
+    for interface in device.interfaces:
+        own = [item.code for item in every if item.interface == interface.name]
+        if len(own) > 1 and set(own) == set(codes):
+            return f"all {len(own)} {interface.short} order codes"
+    return pattern(device, codes) or _listed([item.code for item in every if item.code in codes])
+
+
+def pattern(device: Device, codes: Collection[str]) -> str:
+    """The order codes as the grammar's pattern with some parts left open, ``TV62-…20-B1``; empty where it is none."""
+    chosen = [item for item in device.variants if item.code in codes]
+    used = {part.name: _used(chosen, part.name) for part in device.order_code.parts}
+    if len(chosen) < 2 or [item for item in device.variants if _fits(item, used)] != chosen:
+        return ""
+    every = {part.name: _used(device.variants, part.name) for part in device.order_code.parts}
+    pieces = _BRACES.split(device.order_code.pattern)
+    texts = [_part(used[item], every[item]) if index % 2 else item for index, item in enumerate(pieces)]
+    # Where all is open to the end, one mark stands for the rest.
+    last = max((index for index in range(1, len(texts), 2) if texts[index] != _ALL), default=0)
+    return "".join([*texts[: last + 1], texts[last + 1] if last + 2 >= len(texts) else _ALL])
+
+
+def _used(variants: Sequence[Variant], part: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(item.parts[part] for item in variants))
+
+
+def _fits(variant: Variant, used: Mapping[str, Collection[str]]) -> bool:
+    return all(variant.parts[name] in texts for name, texts in used.items())
+
+
+def _part(used: tuple[str, ...], every: tuple[str, ...]) -> str:
+    if len(used) == 1:
+        return used[0]
+    return _ALL if len(used) == len(every) else f"{{{','.join(used)}}}"
+
+
+def _listed(codes: Sequence[str]) -> str:
+    more = len(codes) - _MOST_LISTED
+    return ", ".join(codes[:_MOST_LISTED]) + (f" and {more} more" if more > 0 else "")

@@ -1,0 +1,71 @@
+"""What ``diff --record`` keeps: the version in the manufacturer's file, the changes beside the spec of each family."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..build.history import history_beside, history_text, with_release
+from ..build.load import Family
+from ..model import Manual, Release, ReleasedChange
+from .change import Change
+from .told import Found, outputs
+from .version import Package
+
+_VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
+
+
+class NotRecorded(ValueError):
+    """A file cannot take what is to be recorded; the message says which."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A file, and the text that it is to have."""
+
+    place: Path
+    text: str
+
+
+def records(found: Found, families: Sequence[Family]) -> Iterator[Recorded]:
+    """The files that have to be written for what was found; nothing for a maker of whom nothing has changed.
+
+    Raises:
+        NotRecorded: A manufacturer's file has no version to be replaced.
+    """
+    for package in found.packages:
+        own = [item for item in families if item.device.manufacturer.name == package.maker]
+        changed = [(item, _of(found.changes, item.device.name)) for item in own]
+        if not any(changes for _, changes in changed):
+            continue
+        yield from _version(package, {name for item in own for name in item.files - {item.document.file}})
+        for item, changes in changed:
+            if changes:
+                release = _release(package, item.device.manual, changes)
+                text = history_text(with_release(item.device.releases, release))
+                yield Recorded(history_beside(Path(item.document.file)), text)
+
+
+def _of(changes: Sequence[Change], family: str) -> list[Change]:
+    return [change for change in changes if change.family == family]
+
+
+def _version(package: Package, files: set[str]) -> Iterator[Recorded]:
+    if package.new == package.stated:
+        return
+    for place in map(Path, sorted(files)):
+        text, count = _VERSION.subn(rf'\g<1>"{package.new}"', place.read_text(encoding="utf-8"))
+        if count != 1:
+            raise NotRecorded(f'{place} has no line such as version: "{package.stated}"; write {package.new} into it')
+        yield Recorded(place, text)
+
+
+def _release(package: Package, manual: Manual, changes: Sequence[Change]) -> Release:
+    about = f"{manual.revision}{f' of {manual.date}' if manual.date else ''}"
+    kept = tuple(
+        ReleasedChange(change.rule.name, change.impact.word, change.text, change.reach, outputs(change))
+        for change in changes
+    )
+    return Release(package.new, package.old, about, kept)

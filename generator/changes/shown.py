@@ -1,0 +1,98 @@
+"""Values of the model as plain data, and as a sentence shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any
+
+from ..model import Supply
+from ..model.expressions import Expression
+from ..say.words import counted, hertz, microseconds, volts
+
+_LONGEST = 60
+_SAID = ("meaning", "note")
+_FORMS: Mapping[str, Callable[[int], str]] = {
+    # In whole bytes.
+    "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
+    "bytes": lambda value: counted(value, "byte"),
+    "mv": volts,
+    "us": microseconds,
+    "ms": lambda value: microseconds(1000 * value),
+    "hz": hertz,
+}
+
+
+def plain(value: Any) -> Any:
+    """Any part of the model as data of JSON; sources are left out."""
+    if isinstance(value, Expression):
+        return value.constant if value.is_constant else value.render()
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, bytes):
+        return value.hex(" ").upper()
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [plain(item) for item in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return {item.name: plain(getattr(value, item.name)) for item in fields(value) if item.name != "source"}
+    return value
+
+
+def shown(value: Any, form: str = "") -> str:
+    """A value, short; with a form as manuals write it."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if value is None or value in ("", (), [], {}):
+        return "none"
+    if isinstance(value, int):
+        return _FORMS[form](value) if form in _FORMS else f"{value}"
+    if isinstance(value, Expression):
+        return value.render()
+    if isinstance(value, Enum):
+        return str(value.value).replace("_", " ")
+    if isinstance(value, (tuple, list)):
+        return _cut(", ".join(shown(item, form) for item in value))
+    if isinstance(value, Supply):
+        return f"{volts(value.min_mv)} to {volts(value.max_mv)}"
+    if is_dataclass(value):
+        value = {key: item for key, item in without_words(value).items() if item not in (None, "", [], {})}
+        if len(value) == 1:
+            return shown(next(iter(value.values())), form)
+    if isinstance(value, Mapping):
+        return _cut(", ".join(f"{key} = {shown(item)}" for key, item in value.items()))
+    return _cut(str(value).replace("_", " ") if form == "word" else str(value))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+
+
+def without_words(value: Any) -> Any:
+    """A part of the model as data, without what is only said of it."""
+    if isinstance(value, tuple):
+        return [without_words(item) for item in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        data = plain(value)
+        return {key: item for key, item in data.items() if key not in _SAID}
+    return value
+
+
+def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
+    """Two values; of two rows of parts only those that the other has not."""
+    if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
+        bare = [[without_words(item) for item in each] for each in (old, new)]
+        pairs = ((old, bare[0], bare[1]), (new, bare[1], bare[0]))
+        left, right = (
+            tuple(item for item, data in zip(each, own, strict=True) if data not in others)
+            for each, own, others in pairs
+        )
+        return (left, right) if left or right else (old, new)
+    return old, new
+
+
+def arrow(old: Any, new: Any, form: str = "") -> str:
+    """``old → new``."""
+    return f"{shown(old, form)} → {shown(new, form)}"

@@ -1,0 +1,62 @@
+"""Changes for a person at a terminal, in 80 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ..say.lines import WIDTH, wrapped
+from ..say.words import counted
+from .change import Change
+from .impact import Impact
+from .told import Found, about, totals, versions
+
+_COLUMN = 17
+_MOST_LISTED = 3
+
+
+def as_text(found: Found) -> str:
+    """What ``codewheel diff`` prints."""
+    lines = list(found.notices)
+    for family in dict.fromkeys(change.family for change in found.changes):
+        here = [change for change in found.changes if change.family == family]
+        lines.append(family)
+        for change in sorted(here, key=lambda item: (-item.impact, item.rule.is_renaming)):
+            if change.impact > Impact.DOCUMENTATION:
+                lines += _change(change)
+        lines += _words([change for change in here if change.impact is Impact.DOCUMENTATION])
+    lines.append(totals(found.changes) if found.changes else "no difference")
+    if found.changes:
+        lines += _result(found)
+    return "\n".join(lines)
+
+
+def _change(change: Change) -> Iterator[str]:
+    indent = " " * _COLUMN
+    yield wrapped(change.text, WIDTH, indent, f"  {change.rule.word:<13}  ")
+    yield wrapped(f"{about(change)} [{change.rule.name}]", WIDTH, indent)
+
+
+def _words(changes: Sequence[Change]) -> Iterator[str]:
+    """What is only said otherwise: a few by their places, many as a count."""
+    for rule in dict.fromkeys(change.rule for change in changes):
+        here = [change for change in changes if change.rule is rule]
+        texts = [_place(change) for change in here[:_MOST_LISTED]]
+        more = len(here) - len(texts)
+        listed = "; ".join(texts) + (f" and {more} more" if more > 0 else "")
+        yield wrapped(f"{listed} [{rule.name}]", WIDTH, " " * _COLUMN, f"  {rule.word:<13}  ")
+
+
+def _place(change: Change) -> str:
+    path = change.path.removeprefix("interfaces.").replace(".layouts.", ".")
+    return path if change.rule.name in ("words", "source") else change.text
+
+
+def _result(found: Found) -> Iterator[str]:
+    """The line on what is generated, and the step of each version."""
+    parts = []
+    if found.files is not None:
+        count = len(found.files.changed)
+        parts.append(f"{count} of {counted(found.files.count, 'file')} change{'s' * (count == 1)}")
+    parts += map(versions, found.packages)
+    if parts:
+        yield wrapped(f"generated: {'; '.join(parts)}", WIDTH, "  ", "")

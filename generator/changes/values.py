@@ -1,0 +1,117 @@
+"""Expressions by what they come to: over all order codes, and over what registers and answers make of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ..model import Device, Variant
+from ..model.expressions import Expression, ExpressionError
+from ..reference.run_time import resolve_parameters
+
+Parameters = Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """An order code that both sides have, and its parameters under one setting of registers and answers."""
+
+    code: str
+    interface: str
+    old: Parameters
+    new: Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Differing:
+    """Where two expressions come to something else: the order codes, and each pair of numbers that occurs, once.
+
+    ``everywhere`` says that they do under each setting of registers and answers.
+    """
+
+    codes: tuple[str, ...]
+    values: tuple[tuple[int | None, int | None], ...]
+    everywhere: bool = True
+
+
+def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapping[str, str]) -> tuple[Point, ...]:
+    """Every point at which expressions of the two families are compared.
+
+    Args:
+        old: The family as it was.
+        new: The family as it is.
+        shared: The order codes that both have, the new by the old.
+        renamed: The parameters with another name, the new by the old.
+    """
+    variants = {item.code: item for item in new.variants}
+    settings: list[dict[str, int]] = [{}, *_settings(new)]
+    back = {name: before for before, name in renamed.items()}
+    found = []
+    for variant in old.variants:
+        if variant.code not in shared:
+            continue
+        other = variants[shared[variant.code]]
+        for setting in settings:
+            before = {back.get(name, name): value for name, value in setting.items()}
+            found.append(Point(other.code, other.interface, _at(old, variant, before), _at(new, other, setting)))
+    return tuple(found)
+
+
+def _settings(device: Device) -> Iterator[dict[str, int]]:
+    """What registers and answers can make of the parameters: each at its ends, one after the other."""
+    for item in device.run_time_parameters:
+        highest = item.max if item.max is not None else item.largest
+        yield from ({item.name: value} for value in (item.min or 0, highest))
+    for alternative in device.alternatives:
+        yield from (dict(answer.sets) for answer in alternative.answers)
+
+
+def _at(device: Device, variant: Variant, setting: Parameters) -> Parameters:
+    base = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    known = {name: value for name, value in setting.items() if name in base}
+    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+    return resolve_parameters(base | known, definitions) if known else variant.parameters
+
+
+def differing(
+    old: Expression | None,
+    new: Expression | None,
+    points: tuple[Point, ...],
+    renamed: Mapping[str, str],
+) -> Differing | None:
+    """Where two expressions differ; None where they come to the same everywhere.
+
+    Both are taken at the new parameters as far as the old one knows them: what follows from another parameter is told
+    of that parameter alone. Without an order code that both sides have, texts are compared.
+    """
+    if old is not None and new is not None and old.is_constant and new.is_constant and old == new:
+        return None
+    if not points:
+        same = (old is None) == (new is None) and (old is None or new is None or old.render() == new.render())
+        return None if same else Differing((), _constants(old, new))
+    found: dict[str, list[tuple[int | None, int | None]]] = {}
+    for point in points:
+        before = dict(point.old) | {was: point.new[name] for was, name in renamed.items() if name in point.new}
+        before |= {name: value for name, value in point.new.items() if name in point.old and name not in renamed}
+        values = _number(old, before), _number(new, point.new)
+        if values[0] != values[1]:
+            found.setdefault(point.code, []).append(values)
+    pairs = dict.fromkeys(pair for each in found.values() for pair in each)
+    here = sum(point.code in found for point in points)
+    return Differing(tuple(found), tuple(pairs), here == sum(map(len, found.values()))) if found else None
+
+
+def _constants(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
+    """The pair of numbers, where the expressions are numbers or nothing."""
+    if all(item is None or item.is_constant for item in (old, new)):
+        return ((_number(old, {}), _number(new, {})),)
+    return ()
+
+
+def _number(expression: Expression | None, parameters: Parameters) -> int | None:
+    if expression is None:
+        return None
+    try:
+        return expression.value(parameters)
+    except ExpressionError:
+        return None

@@ -1,0 +1,67 @@
+"""The page of what each version of a family changed for its users."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypedDict
+
+from ...model import Device, Release, ReleasedChange
+from ...say.markdown import code, text
+from ...say.words import counted
+
+_RULE = (
+    "The first number of a version rises with what breaks code or makes it do something else, the second with what is "
+    "new, the third with words. Before 1.0.0 each is one place lower. A version is that of the whole package, so one "
+    "that changed nothing of this family is left out here."
+)
+_TITLES = {
+    "breaking": "Breaking",
+    "behaviour": "Behaviour",
+    "compatible": "Compatible",
+    "documentation": "Documentation",
+}
+#: Changes of words that are listed; of more there is a count.
+_MOST_WORDS = 10
+
+
+class ChangesPage(TypedDict):
+    device: Annotated[Device, "the family"]
+    version: Annotated[str, "the version of the package"]
+    manual: Annotated[str, "revision and date of the manual"]
+    rule: Annotated[str, "how versions follow from changes"]
+    releases: Annotated[
+        list[dict[str, Any]], "the versions, the newest first: version, about, parts with title and lines"
+    ]
+
+
+def page(device: Device) -> str:
+    """The file of the page."""
+    return f"{device.name}-changes.md"
+
+
+def page_values(device: Device) -> ChangesPage:
+    manual = device.manual
+    return {
+        "device": device,
+        "version": device.manufacturer.version,
+        "manual": text(manual.revision) + (f" of {manual.date}" if manual.date else ""),
+        "rule": _RULE,
+        "releases": [_release(item) for item in device.releases],
+    }
+
+
+def _release(release: Release) -> dict[str, Any]:
+    parts = []
+    for impact, title in _TITLES.items():
+        here = [change for change in release.changes if change.impact == impact]
+        items = [_item(change) for change in here]
+        if impact == "documentation" and len(items) > _MOST_WORDS:
+            items = [f"{counted(len(items), 'change')} of words, sources, errata and examples"]
+        if items:
+            parts.append({"title": title, "lines": items})
+    about = f"From {release.since}, by the manual's revision {release.manual}."
+    return {"version": text(release.version), "about": about, "parts": parts}
+
+
+def _item(change: ReleasedChange) -> str:
+    about = "; ".join(filter(None, (change.reach, change.outputs)))
+    return f"{text(change.text)} ({code(change.rule)}): {text(about)}"

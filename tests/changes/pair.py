@@ -1,0 +1,59 @@
+"""A spec before and after a change: the base of this folder with texts replaced in one of the two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypedDict
+
+from codewheel.build.load import load_library
+from codewheel.changes.text import as_text
+from codewheel.changes.told import Found
+from codewheel.changes.walk import compare
+from codewheel.model import Device
+
+BASE = Path(__file__).parent / "base"
+Edits = Sequence[Sequence[str]]
+
+
+class Case(TypedDict):
+    """A pair: ``before`` holds for both sides, ``edits`` make the new one, or the old one where it is ``backwards``."""
+
+    rule: str
+    before: Edits
+    edits: Edits
+    backwards: bool
+    shown: str
+
+
+def devices(folder: Path, edits: Edits) -> tuple[Device, ...]:
+    """The families of the base with these texts replaced; each stands in one of its files, once."""
+    folder.mkdir()
+    texts = {path.name: path.read_text(encoding="utf-8") for path in BASE.glob("*.yaml")}
+    for old, new in edits:
+        found = [name for name, text in texts.items() if text.count(old) == 1]
+        assert len(found) == 1, (old, [text.count(old) for text in texts.values()])
+        texts[found[0]] = texts[found[0]].replace(old, new)
+    device = next(line for line in texts["demo.yaml"].splitlines() if line.startswith("device: "))
+    texts[f"{device.removeprefix('device: ')}.yaml"] = texts.pop("demo.yaml")
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    made, report = load_library([folder])
+    assert not report.problems, "\n".join(problem.format() for problem in report.problems)
+    return made
+
+
+def sides(folder: Path, case: Case) -> tuple[tuple[Device, ...], tuple[Device, ...]]:
+    """The families before and after."""
+    plain = devices(folder / "plain", case["before"])
+    edited = devices(folder / "edited", [*case["before"], *case["edits"]])
+    return (edited, plain) if case["backwards"] else (plain, edited)
+
+
+def found(old: Sequence[Device], new: Sequence[Device]) -> Found:
+    return Found(compare(old, new), ())
+
+
+def shown(old: Sequence[Device], new: Sequence[Device]) -> str:
+    """What diff prints of the two, but for what is generated."""
+    return as_text(found(old, new))

@@ -1,0 +1,329 @@
+"""``codewheel diff``: what it reads, what it prints in each form, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from shutil import copytree
+
+import pytest
+from codewheel.changes.revisions import RevisionError, lay_out, named
+from codewheel.changes.walk import compare
+from codewheel.commands.cli import main
+from codewheel.model import Device
+from jsonschema import Draft202012Validator
+from pair import BASE
+
+ROOT = Path(__file__).resolve().parents[2]
+SCHEMA = json.loads((ROOT / "generator" / "spec" / "diff.schema.json").read_text(encoding="utf-8"))
+Git = Callable[..., str]
+
+
+def edit(file: Path, old: str, new: str) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert text.count(old) == 1, old
+    file.write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.fixture
+def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
+    """A repository with the base in the folder ``specs``, which is the tag v1.0."""
+    copytree(BASE, tmp_path / "specs")
+    monkeypatch.chdir(tmp_path)
+    # In a hook of git's own, these lead to another repository.
+    for name in ("GIT_DIR", "GIT_INDEX_FILE", "GIT_WORK_TREE"):
+        monkeypatch.delenv(name, raising=False)
+
+    def run(*words: str) -> str:
+        settings = ("-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
+        return subprocess.run(["git", *settings, *words], check=True, capture_output=True, text=True).stdout.strip()
+
+    run("init", "-q")
+    run("add", ".")
+    run("commit", "-q", "-m", "first")
+    run("tag", "v1.0")
+    return run
+
+
+def diff(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
+    code = main(["diff", *words])
+    done = capsys.readouterr()
+    return code, done.out, done.err
+
+
+TOLD = """\
+demo
+  breaking       register 3Bh configuration: read write → read only
+                 all 4 BiSS order codes; C MAKER_DEMO_REG_CONFIGURATION_…,
+                 Python demo.REGISTERS["configuration"], XML [access-lost]
+  behaviour      BiSS: highest clock 10 MHz → 5 MHz
+                 all 4 BiSS order codes; C, Python, XML [clock-narrower]
+  compatible     command.function: value reset is new
+                 all 4 BiSS order codes; C, Python, XML [value-new]
+  documentation  registers.command.function.save.meaning [words]
+4 changes: 1 breaking, 1 behaviour, 1 compatible, 1 documentation
+generated: 6 of 46 files change; maker_encoders 1.4.2 → 2.0.0, where the spec
+  still says 1.4.2
+"""
+
+
+def revise(folder: Path) -> None:
+    file = folder / "demo.yaml"
+    edit(
+        file,
+        "    address: 0x3B\n    length: 1\n    access: read_write\n",
+        "    address: 0x3B\n    length: 1\n    access: read_only\n",
+    )
+    edit(file, "max_hz: 10000000", "max_hz: 5000000")
+    edit(
+        file,
+        "          save: {value: 1, meaning: Saves the parameters}\n",
+        "          save: {value: 1, meaning: Saves all}\n          reset: {value: 2, meaning: Resets}\n",
+    )
+
+
+def test_as_text(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert diff(capsys, "v1.0:specs", "specs") == (0, "no difference\n", "")
+    revise(tmp_path / "specs")
+    for old, new in (("v1.0:specs", "specs"), ("v1.0:specs/demo.yaml", "specs/demo.yaml"), ("HEAD:./specs", "specs")):
+        assert diff(capsys, old, new) == (1, TOLD, "")
+    git("commit", "-q", "-a", "-m", "second")
+    assert diff(capsys, "HEAD~1:", "HEAD:") == (1, TOLD, "")
+
+
+@pytest.mark.parametrize(
+    ("impact", "code"), [("breaking", 1), ("behaviour", 1), ("compatible", 1), ("documentation", 1), (None, 1)]
+)
+def test_fail_on_a_breaking_change(
+    git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str], impact: str | None, code: int
+) -> None:
+    revise(tmp_path / "specs")
+    words = ("--fail-on", impact) if impact else ()
+    assert diff(capsys, "v1.0:specs", "specs", *words)[0] == code
+
+
+@pytest.mark.parametrize(
+    ("impact", "code"), [("breaking", 0), ("behaviour", 0), ("compatible", 0), ("documentation", 1)]
+)
+def test_fail_on_words(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str], impact: str, code: int) -> None:
+    edit(tmp_path / "specs" / "demo.yaml", "title: DEMO encoder", "title: Demo encoder")
+    assert diff(capsys, "v1.0:specs", "specs", "--fail-on", impact)[0] == code
+
+
+def test_an_impact_that_is_none(git: Git, capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = diff(capsys, "v1.0:specs", "specs", "--fail-on", "braking")
+    assert (code, "there is no choice 'braking'; did you mean 'breaking'?" in err) == (2, True)
+
+
+def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Draft202012Validator.check_schema(SCHEMA)
+    validator = Draft202012Validator(SCHEMA)
+    validator.validate(json.loads(diff(capsys, "v1.0:specs", "specs", "--json")[1]))
+    revise(tmp_path / "specs")
+    code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
+    data = json.loads(out)
+    validator.validate(data)
+    assert (code, data["impact"], data["generated"]["files"]) == (1, "breaking", 46)
+    assert data["counts"] == {"documentation": 1, "compatible": 1, "behaviour": 1, "breaking": 1}
+    assert data["changes"][1] == {
+        "family": "demo",
+        "rule": "clock-narrower",
+        "impact": "behaviour",
+        "outputs": {"c": "behaviour", "python": "behaviour", "xml": "behaviour", "pages": "documentation"},
+        "path": "interfaces.biss.clock.max_hz",
+        "text": "BiSS: highest clock 10 MHz → 5 MHz",
+        "old": 10000000,
+        "new": 5000000,
+        "order_codes": ["DEMO13-SSC", "DEMO13-MSC", "DEMO17-SSC", "DEMO17-MSC"],
+        "reach": "all 4 BiSS order codes",
+        "names": {},
+    }
+    assert data["packages"] == [
+        {"name": "maker_encoders", "old": "1.4.2", "stated": "1.4.2", "due": "2.0.0", "new": "2.0.0"}
+    ]
+
+
+def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    revise(tmp_path / "specs")
+    edit(tmp_path / "specs" / "manufacturer.yaml", '"1.4.2"', '"2.0.0"')
+    assert diff(capsys, "v1.0:specs", "specs", "--markdown")[:2] == (
+        1,
+        """\
+## maker_encoders 1.4.2 → 2.0.0
+
+### demo
+
+#### Breaking
+
+- register 3Bh configuration: read write → read only (`access-lost`): all 4 BiSS order codes; C \
+`MAKER_DEMO_REG_CONFIGURATION_…`, Python `demo.REGISTERS["configuration"]`, XML
+
+#### Behaviour
+
+- BiSS: highest clock 10 MHz → 5 MHz (`clock-narrower`): all 4 BiSS order codes; C, Python, XML
+
+#### Compatible
+
+- command.function: value reset is new (`value-new`): all 4 BiSS order codes; C, Python, XML
+
+#### Documentation
+
+- command.function: value save: meaning (`words`): all 4 BiSS order codes; C, Python, XML, pages
+
+15 of 46 generated files change.
+""",
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "message"),
+    [
+        ("v9:specs", "there is no revision 'v9' in this repository; known: master, v1.0"),
+        ("-x:specs", "'-x' is no revision; write it as in v1.0:specs/my_encoder.yaml"),
+        ("--upload-pack=touch x:specs", None),
+        ("v1.0:spec", "there is no spec in v1.0"),
+        ("v1.0:../specs", "v1.0:../specs is outside of the repository; paths begin at its top"),
+        ("v1.0:/etc/passwd", "v1.0:/etc/passwd is outside of the repository; paths begin at its top"),
+        ("$(touch x):specs", "there is no revision '$(touch x)' in this repository; known: master, v1.0"),
+        ("v1.0\x1b[2J:specs", "there is no revision 'v1.0\\x1b[2J' in this repository; did you mean 'v1.0'?"),
+        ("specs/nowhere.yaml", "there is no file or folder specs/nowhere.yaml"),
+    ],
+)
+def test_what_is_not_there(
+    git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, message: str | None
+) -> None:
+    git("branch", "-M", "master")
+    code, out, err = diff(capsys, *(("--", old) if old.startswith("-") else (old,)), "specs")
+    assert (code, out) == (2, "")
+    assert "Traceback" not in err
+    if message is not None:
+        assert err.splitlines()[-1].startswith(f"codewheel: {message.partition('; did')[0]}")
+    assert not (tmp_path / "x").exists()
+
+
+def test_without_a_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    monkeypatch.delenv("GIT_DIR", raising=False)
+    place = named("v1.0:specs")
+    assert place is not None
+    with pytest.raises(RevisionError, match="the current folder is in no git repository"):
+        lay_out(place, tmp_path / "out")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(RevisionError, match="git is not installed"):
+        lay_out(place, tmp_path / "out")
+
+
+def test_a_file_with_a_colon_is_a_file(git: Git, tmp_path: Path) -> None:
+    (tmp_path / "v1.0:specs").mkdir()
+    assert named("v1.0:specs") is None
+    assert named("specs") is None
+
+
+def test_links_in_history_lead_nowhere(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "link.yaml").symlink_to("/etc/passwd")
+    git("add", ".")
+    git("commit", "-q", "-m", "link")
+    code, _, err = diff(capsys, "HEAD:link.yaml", "specs")
+    assert (code, err) == (2, "codewheel: there is no link.yaml in HEAD\n")
+
+
+def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "specs" / "demo.yaml"
+    edit(file, "movement: rotary", "motion: rotary")
+    git("commit", "-q", "-a", "-m", "old form")
+    edit(file, "motion: rotary", "movement: rotary")
+    code, out, err = diff(capsys, "HEAD:specs", "specs")
+    assert (code, out) == (1, "")
+    assert err.startswith("HEAD:specs/demo.yaml:2:1: missing-key: ")
+    assert err.endswith(
+        "codewheel: HEAD:specs has 2 problems by today's spec language, of which it may be an earlier form, so it is "
+        "not compared; add --lenient, take a later revision, or run the codewheel of that time\n"
+    )
+    code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    assert out.splitlines()[0] == (
+        "HEAD:specs has 2 problems by today's spec language; what is at fault is left out, and may be told as new"
+    )
+
+
+def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = (tmp_path / "specs" / "demo.yaml").read_text(encoding="utf-8")
+    other = text.replace("device: demo", "device: other").replace('"DEMO{', '"OTHER{').replace("DEMO17-", "OTHER17-")
+    other = other.replace('"DM{', '"OT{')
+    (tmp_path / "specs" / "other.yaml").write_text(other, encoding="utf-8")
+    edit(tmp_path / "specs" / "demo.yaml", "movement: rotary", "motion: rotary")
+    git("add", ".")
+    git("commit", "-q", "-m", "two")
+    edit(tmp_path / "specs" / "demo.yaml", "motion: rotary", "movement: rotary")
+    code, out, _ = diff(capsys, "HEAD:specs", "specs")
+    assert (code, out) == (
+        0,
+        "not compared, for 2 problems by today's spec language: demo of HEAD:specs\nno difference\n",
+    )
+
+
+def test_the_new_specs_have_to_be_sound(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit(tmp_path / "specs" / "demo.yaml", "movement: rotary", "movement: round")
+    code, out, err = diff(capsys, "v1.0:specs", "specs")
+    assert (code, out) == (1, "")
+    assert err.endswith("codewheel: specs has 1 problem, so it is not compared\n")
+
+
+def _rules(old: Device, new: Device) -> set[tuple[str, str]]:
+    return {(change.rule.name, change.reach) for change in compare([old], [new])}
+
+
+def test_amm5_needs_a_decision(amm5: Device) -> None:
+    """A decision that a frame comes to need breaks its callers, as its going does."""
+    before = replace(amm5, alternatives=())
+    there, back = _rules(before, amm5), _rules(amm5, before)
+    assert {("decision-new", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= there
+    assert {("decision-gone", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= back
+
+
+def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
+    """As the manual's edition 1.8 had it, which introduced AMM5B."""
+    before = replace(amm5, variants=tuple(item for item in amm5.variants if item.parts["mount"] == "A"))
+    texts = [(change.text, change.reach) for change in compare([before], [amm5])]
+    assert ("order codes AMM5B…: 18 new", "") in texts
+    register = replace(amm5.register("preset"), default=1)
+    registers = tuple(register if item.name == "preset" else item for item in amm5.registers)
+    changed = compare([amm5], [replace(amm5, registers=registers)])
+    assert [(change.text, change.reach) for change in changed] == [
+        ("registers 11h to 17h preset: default 00h → 01h", "all 12 BiSS order codes")
+    ]
+
+
+def _reach(device: Device, parts: Sequence[str]) -> str:
+    from codewheel.changes.reach import reach
+
+    codes = [item.code for item in device.variants if all(part in item.parts.values() for part in parts)]
+    return reach(device, codes)
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        ((), "all 36 order codes"),
+        (("SC1",), "all 12 BiSS order codes"),
+        (("B",), "AMM5B…"),
+        (("17", "SC1"), "AMM5…17/…SC1"),
+        (("A", "17", "1", "SC1"), "AMM5A17/1SC1"),
+        (("A", "17", "1"), "AMM5A17/1…"),
+    ],
+)
+def test_reach(amm5: Device, parts: Sequence[str], said: str) -> None:
+    assert _reach(amm5, parts) == said
+
+
+def test_reach_of_a_few(amm5: Device) -> None:
+    from codewheel.changes.reach import reach
+
+    codes = [item.code for item in amm5.variants]
+    assert reach(amm5, [codes[0], codes[4], codes[8], codes[15]]) == (
+        "AMM5A17/1BG1, AMM5A17/65KSC1, AMM5A21/1JP1 and 1 more"
+    )
+    assert reach(amm5, [codes[0], codes[6]]) == "AMM5A{17,21}/1BG1"

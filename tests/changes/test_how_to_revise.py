@@ -1,0 +1,76 @@
+"""The page for who has a new edition of a manual: every command is run, and prints exactly what it shows."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from shutil import copytree
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "how-to-revise.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+
+
+def steps() -> list[tuple[str, str]]:
+    """Each command with what it prints; for the change of the spec, the name of the change and its text."""
+    found: list[tuple[str, str]] = []
+    for language, block in BLOCKS:
+        if language == "diff":
+            found.append(("", block))
+        else:
+            for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+                command, _, shown = part.partition("\n")
+                found.append((command, shown))
+    return found
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """The command codewheel, and a git that knows nothing of the one who runs the tests."""
+    tool = folder / "bin" / "codewheel"
+    tool.parent.mkdir()
+    tool.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m codewheel "$@"\n', encoding="utf-8")
+    tool.chmod(0o755)
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    who = {"GIT_AUTHOR_NAME": "a", "GIT_AUTHOR_EMAIL": "a@example.org", "GIT_CONFIG_GLOBAL": os.devnull}
+    who |= {"GIT_COMMITTER_NAME": "a", "GIT_COMMITTER_EMAIL": "a@example.org", "GIT_CONFIG_NOSYSTEM": "1"}
+    return kept | who | {"PATH": f"{tool.parent}:{os.environ['PATH']}", "PYTHONIOENCODING": "utf-8"}
+
+
+def prepared(folder: Path) -> tuple[Path, dict[str, str]]:
+    """The repository in which the page begins."""
+    variables, work = environment(folder), folder / "work"
+    copytree(ROOT / "docs" / "example" / "tolvarn", work / "specs" / "tolvarn")
+    begin = "git init -q && codewheel generate specs/tolvarn && git add . && git commit -q -m first && git tag v0.1.0"
+    subprocess.run(begin, shell=True, check=True, capture_output=True, cwd=work, env=variables)
+    return work, variables
+
+
+def printed(command: str, work: Path, variables: dict[str, str]) -> str:
+    done = subprocess.run(
+        ["bash", "-c", command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=work, env=variables
+    )
+    return done.stdout
+
+
+@pytest.mark.slow
+def test_its_session(tmp_path: Path) -> None:
+    work, variables = prepared(tmp_path)
+    for command, shown in steps():
+        if command:
+            assert printed(command, work, variables) == shown, command
+        else:
+            subprocess.run(["git", "apply", "-"], input=shown, text=True, check=True, cwd=work, env=variables)
+
+
+def test_it_has_commands() -> None:
+    assert sum(command.startswith("codewheel ") for command, _ in steps()) >= 10
+
+
+def test_its_links() -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", PAGE):
+        assert (ROOT / "docs" / target).exists(), target

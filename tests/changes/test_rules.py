@@ -1,0 +1,197 @@
+"""Every rule of diff: a pair of specs for each, exactly what is printed of it, and whether its impact is true."""
+
+from __future__ import annotations
+
+import ast
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from codewheel import model
+from codewheel.changes.impact import OUTPUTS, Impact
+from codewheel.changes.members import MEMBERS
+from codewheel.changes.rules import RULES
+from codewheel.changes.walk import compare
+from codewheel.commands.diff import explain
+from codewheel.commands.terminal import Stop
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.registry import files_of, load_target
+from pair import Case, devices, shown, sides
+
+_WITHOUT = {"before": [], "edits": [], "backwards": False}
+CASES: list[Case] = [
+    {**_WITHOUT, **case}  # type: ignore[typeddict-item]
+    for case in yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"))
+]
+#: Rules that need two families, or a member of the model that no rule knows; they have tests of their own.
+_ELSEWHERE = {"family-gone", "family-new", "unforeseen"}
+_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+_NAME = re.compile(r"\b[A-Za-z_]\w*")
+
+
+def case_of(rule: str) -> Case:
+    return next(case for case in CASES if case["rule"] == rule)
+
+
+def test_every_rule_has_its_pair() -> None:
+    assert {case["rule"] for case in CASES} | _ELSEWHERE == set(RULES)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
+def test_what_is_printed(case: Case, tmp_path: Path) -> None:
+    text = shown(*sides(tmp_path, case))
+    assert text == case["shown"].rstrip("\n")
+    assert f"[{case['rule']}]" in text
+    assert max(map(len, text.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
+def test_the_way_back(case: Case, tmp_path: Path) -> None:
+    """What is new one way is gone the other, and nothing goes unnoticed."""
+    old, new = sides(tmp_path, case)
+    there, back = ({change.rule.name for change in compare(*pair)} for pair in ((old, new), (new, old)))
+    assert back
+    assert {name.replace("-gone", "-new") for name in there if name.endswith(("-gone", "-new"))} == {
+        name.replace("-gone", "-new") for name in back if name.endswith(("-gone", "-new"))
+    }
+    assert compare(old, old) == compare(new, new) == []
+
+
+def test_families_that_come_and_go(tmp_path: Path) -> None:
+    one = devices(tmp_path / "one", [])
+    other = devices(
+        tmp_path / "two", [("device: demo", "device: other"), ('"DEMO{size}', '"OTHER{size}'), ("DEMO17-", "OTHER17-")]
+    )
+    assert shown(one, (*one, *other)) == (
+        "other\n"
+        "  compatible     family other is new\n"
+        "                 all 12 order codes; C, Python, XML [family-new]\n"
+        "1 change: 1 compatible"
+    )
+    assert shown((*one, *other), one) == (
+        "other\n"
+        "  breaking       family other is gone\n"
+        "                 all 12 order codes; C, Python, XML [family-gone]\n"
+        "1 change: 1 breaking"
+    )
+
+
+def test_what_no_rule_knows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old, new = sides(tmp_path, case_of("register-moved"))
+    table = {name: item for name, item in MEMBERS["Register"].items() if name != "address"}
+    monkeypatch.setattr("codewheel.changes.compare.MEMBERS", {**MEMBERS, "Register": table})
+    assert shown(old, new) == (
+        "demo\n"
+        "  behaviour      registers 50h to 53h preset: address 80 → 84\n"
+        "                 all 4 BiSS order codes; C, Python, XML [unforeseen]\n"
+        "1 change: 1 behaviour"
+    )
+
+
+@pytest.mark.parametrize("kind", sorted(MEMBERS))
+def test_every_member_of_the_model_has_a_side(kind: str) -> None:
+    """A member that comes anew has to be compared, or left out for a reason."""
+    assert {item.name for item in fields(getattr(model, kind))} <= set(MEMBERS[kind])
+
+
+def test_every_member_of_a_family_is_compared() -> None:
+    """A section of a family that comes anew needs a walk of its own in ``walk``."""
+    assert {item.name for item in fields(Device)} == set(
+        """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
+        registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables
+        field_groups supply alternatives times_read releases""".split()
+    )
+
+
+def _generated(devices: Any, target: str) -> dict[str, str]:
+    return dict(files_of(load_target(target), Library(tuple(devices)), {}))
+
+
+def _c_code(text: str) -> list[str]:
+    """The words and numbers of a header, without comments and texts."""
+    return re.findall(r"\w+", re.sub(r'"[^"\n]*"', '""', _COMMENT.sub(" ", text)))
+
+
+def _python_code(text: str) -> str:
+    """A module without its texts and numbers that only tell."""
+
+    class Texts(ast.NodeTransformer):
+        def visit_Constant(self, node: ast.Constant) -> ast.Constant:
+            return ast.Constant("") if isinstance(node.value, str) else node
+
+    return ast.dump(Texts().visit(ast.parse(text)))
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
+def test_its_impact_is_true(case: Case, tmp_path: Path) -> None:
+    """Words change no statement, what is compatible keeps every name, and names that are told are those of the code."""
+    old, new = sides(tmp_path, case)
+    changes = compare(old, new)
+    before, after = ((_generated(each, "c"), _generated(each, "python")) for each in (old, new))
+    impacts = {name: max(change.rule.impacts[index] for change in changes) for index, name in enumerate(OUTPUTS)}
+    _c_is_true(impacts["c"], before[0], after[0])
+    module = next((name for name in before[1] if name.endswith("/demo.py") and name in after[1]), None)
+    if module is None:
+        assert impacts["python"] is Impact.BREAKING
+        return
+    _python_is_true(impacts["python"], before[1][module], after[1][module])
+    for change in changes:
+        if change.rule.name.endswith(("-gone", "-renamed")) and change.names:
+            assert change.names["c"].removesuffix("…") in before[0]["c/include/maker/demo.h"]
+            name = re.split(r"[.\[]", change.names["python"])[-1].strip('"]')
+            assert re.search(rf"\b{name}\b", before[1][module])
+            assert name == "DataId" or not re.search(rf"(class|def) {name}\b", after[1][module])
+
+
+def _c_is_true(impact: Impact, before: dict[str, str], after: dict[str, str]) -> None:
+    headers = sorted(name for name in before if name.endswith(".h"))
+    if not after.keys() >= set(headers):
+        assert impact is Impact.BREAKING
+        return
+    codes = [[_c_code(files[name]) for name in headers] for files in (before, after)]
+    names = [{name for code in each for text in code for name in _NAME.findall(text)} for each in codes]
+    if impact <= Impact.DOCUMENTATION:
+        assert [sorted(code) for code in codes[0]] == [sorted(code) for code in codes[1]]
+    elif impact is Impact.COMPATIBLE:
+        assert names[0] <= names[1]
+
+
+def _python_is_true(impact: Impact, before: str, after: str) -> None:
+    if impact <= Impact.DOCUMENTATION:
+        assert sorted(_python_code(before).split()) == sorted(_python_code(after).split())
+    elif impact is Impact.COMPATIBLE:
+        assert _public(before) <= _public(after)
+
+
+def _public(module: str) -> set[str]:
+    """The names at the top of a module, and those of the members of its classes."""
+    found = set()
+    for node in ast.parse(module).body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            found.add(node.name)
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            found.add(node.target.id)
+        if isinstance(node, ast.ClassDef):
+            members = (item.target for item in node.body if isinstance(item, ast.AnnAssign))
+            found |= {f"{node.name}.{item.id}" for item in members if isinstance(item, ast.Name)}
+    return {name for name in found if not name.startswith("_")}
+
+
+def test_explain() -> None:
+    assert explain("register-gone") == (
+        "register-gone: a register is gone.\n"
+        "  C       breaking\n"
+        "  Python  breaking\n"
+        "  XML     breaking\n"
+        "  pages   documentation\n"
+        "  Its names are gone from C and Python, and its element from the XML: what uses\n"
+        "  them no longer builds."
+    )
+    assert all(rule.name in explain(None) for rule in RULES.values())
+    assert max(map(len, explain(None).splitlines())) <= 80
+    with pytest.raises(Stop, match="diff has no rule 'register-goen'; did you mean 'register-gone'"):
+        explain("register-goen")

@@ -1,0 +1,211 @@
+"""Versions: what follows from changes, what is recorded, and headers of two generations, which do not compile."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from shutil import copytree
+
+import pytest
+from codewheel.build.load import load_library
+from codewheel.changes.impact import Impact
+from codewheel.changes.version import due
+from codewheel.commands.cli import main
+from codewheel.targets import Library
+from codewheel.targets.c.files import TARGET
+from codewheel.targets.c.generation import generation
+from codewheel.targets.docs.files import generate as generate_docs
+from pair import BASE
+
+NONE, WORDS, NEW, OTHER, BROKEN = Impact
+
+
+@pytest.mark.parametrize(
+    ("version", "impact", "expected"),
+    [
+        ("1.4.2", NONE, "1.4.2"),
+        ("1.4.2", WORDS, "1.4.3"),
+        ("1.4.2", NEW, "1.5.0"),
+        ("1.4.2", OTHER, "2.0.0"),
+        ("1.4.2", BROKEN, "2.0.0"),
+        ("0.4.2", NONE, "0.4.2"),
+        ("0.4.2", WORDS, "0.4.3"),
+        ("0.4.2", NEW, "0.4.3"),
+        ("0.4.2", OTHER, "0.5.0"),
+        ("0.4.2", BROKEN, "0.5.0"),
+    ],
+)
+def test_the_version_that_is_due(version: str, impact: Impact, expected: str) -> None:
+    assert due(version, impact) == expected
+
+
+def specs(folder: Path, *edits: tuple[str, str]) -> Path:
+    copytree(BASE, folder)
+    for old, new in edits:
+        for place in folder.glob("*.yaml"):
+            text = place.read_text(encoding="utf-8")
+            place.write_text(text.replace(old, new), encoding="utf-8")
+    return folder
+
+
+def headers(folder: Path, *edits: tuple[str, str]) -> dict[str, str]:
+    devices, report = load_library([specs(folder, *edits)])
+    assert not report.problems
+    files = TARGET.files(Library(devices), {})
+    return {name.removeprefix("c/include/"): text for name, text in files.items() if name.endswith(".h")}
+
+
+def compiled(folder: Path, texts: dict[str, str], source: str, compiler: str = "gcc") -> tuple[int, str]:
+    for name, text in texts.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    language = ["-std=c99", "-xc"] if compiler == "gcc" else ["-std=c++11", "-xc++"]
+    command = [compiler, *language, "-Wall", "-Wextra", "-Wundef", "-Werror", "-fsyntax-only", f"-I{folder}", "-"]
+    done = subprocess.run(command, input=source, capture_output=True, text=True)
+    return done.returncode, done.stderr
+
+
+NEXT = ('version: "1.4.2"', 'version: "2.0.0"')
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", ["gcc", "g++"])
+@pytest.mark.parametrize("mixed", ["demo.h", "biss.h"])
+def test_headers_of_two_generations(tmp_path: Path, compiler: str, mixed: str) -> None:
+    old, new = headers(tmp_path / "old"), headers(tmp_path / "new", NEXT)
+    source = f'#include "maker/{mixed}"\n'
+    assert compiled(tmp_path / "c", old, source, compiler) == (0, "")
+    assert compiled(tmp_path / "c", new, source, compiler) == (0, "")
+    for one, other, version in ((old, new, "2.0.0"), (new, old, "1.4.2")):
+        code, said = compiled(tmp_path / "c", {**one, f"maker/{mixed}": other[f"maker/{mixed}"]}, source, compiler)
+        assert code != 0
+        first = next(line for line in said.splitlines() if "error" in line)
+        assert first.endswith(
+            f'#error "maker/{mixed} {version} and maker/encoder.h are of two generations; take both from one folder"'
+        )
+
+
+@pytest.mark.slow
+def test_the_generation_costs_nothing(tmp_path: Path) -> None:
+    """It is in no object file."""
+    old, new = headers(tmp_path / "old"), headers(tmp_path / "new", NEXT)
+    made = []
+    for name, texts in (("one", old), ("two", new)):
+        assert compiled(tmp_path / name, texts, '#include "maker/demo.h"\n') == (0, "")
+        function = "uint32_t f(const maker_demo_variant *v) { return maker_demo_ssi_word_bits(v); }"
+        source = f'#include "maker/demo.h"\n{function}\n'
+        command = ["gcc", "-std=c99", "-O2", "-S", f"-I{tmp_path / name}", "-xc", "-", "-o", "-"]
+        made.append(subprocess.run(command, input=source, capture_output=True, text=True, check=True).stdout)
+    assert made[0] == made[1]
+
+
+def test_what_makes_a_generation(tmp_path: Path) -> None:
+    """The version, the options and the shared headers; not the words of a family."""
+    devices, _ = load_library([specs(tmp_path / "specs")])
+    maker = devices[0].manufacturer
+    one = generation(maker, {"a": "b"}, ["text"])
+    assert one == generation(maker, {"a": "b"}, ["text"])
+    assert len({one, generation(maker, {"a": "c"}, ["text"]), generation(maker, {"a": "b"}, ["texts"])}) == 3
+    plain = headers(tmp_path / "one")["maker/encoder.h"]
+    assert plain == headers(tmp_path / "two", ("meaning: Saves", "meaning: Keeps"))["maker/encoder.h"]
+    assert plain != headers(tmp_path / "three", NEXT)["maker/encoder.h"]
+
+
+def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    specs(Path("old"))
+    specs(Path("new"), ("max_hz: 10000000", "max_hz: 5000000"))
+    expected = (
+        "recorded in new/manufacturer.yaml\n"
+        "recorded in new/demo.changes.json\n"
+        "demo\n"
+        "  behaviour      BiSS: highest clock 10 MHz → 5 MHz\n"
+        "                 all 4 BiSS order codes; C, Python, XML [clock-narrower]\n"
+        "1 change: 1 behaviour\n"
+    )
+    assert main(["diff", "old", "new", "--record"]) == 1
+    said = capsys.readouterr().out
+    assert said.startswith(expected)
+    assert said.endswith("maker_encoders 1.4.2 → 2.0.0\n")
+    assert 'version: "2.0.0"' in Path("new/manufacturer.yaml").read_text(encoding="utf-8")
+    kept = Path("new/demo.changes.json").read_text(encoding="utf-8")
+    assert json.loads(kept) == {
+        "releases": [
+            {
+                "version": "2.0.0",
+                "since": "1.4.2",
+                "manual": "1.0",
+                "changes": [
+                    {
+                        "rule": "clock-narrower",
+                        "impact": "behaviour",
+                        "text": "BiSS: highest clock 10 MHz → 5 MHz",
+                        "reach": "all 4 BiSS order codes",
+                        "outputs": "C, Python, XML",
+                    }
+                ],
+            }
+        ]
+    }
+    # Recorded again, nothing is doubled; and the next version stands before the last.
+    assert main(["diff", "old", "new", "--record"]) == 1
+    assert Path("new/demo.changes.json").read_text(encoding="utf-8") == kept
+    specs(Path("next"), NEXT, ("max_hz: 10000000", "max_hz: 5000000"), ("meaning: Saves", "meaning: Keeps"))
+    Path("next/demo.changes.json").write_text(kept, encoding="utf-8")
+    assert main(["diff", "new", "next", "--record"]) == 1
+    releases = json.loads(Path("next/demo.changes.json").read_text(encoding="utf-8"))["releases"]
+    assert [(item["version"], item["since"]) for item in releases] == [("2.0.1", "2.0.0"), ("2.0.0", "1.4.2")]
+
+
+def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old, new = specs(tmp_path / "old"), specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))
+    main(["diff", str(old), str(new), "--record"])
+    devices, _ = load_library([new])
+    page = generate_docs(Library(devices))["docs/demo-changes.md"]
+    assert page.endswith(
+        "\n## 2.0.0\n\nFrom 1.4.2, by the manual's revision 1.0.\n\n**Behaviour**\n\n"
+        "- BiSS: highest clock 10 MHz → 5 MHz (`clock-narrower`): all 4 BiSS order codes; C, Python, XML\n"
+    )
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", '{"releases": [{"version": 2}]}', '{"releases": [1]}'])
+def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
+    folder = specs(tmp_path / "specs")
+    (folder / "demo.changes.json").write_text(text, encoding="utf-8")
+    _, report = load_library([folder])
+    wrong = (
+        "this is not what was written; take back your edit, or remove the file and write it: codewheel diff --record"
+    )
+    place = f"{folder}/demo.changes.json:1:1: changes-file"
+    assert [problem.format() for problem in report.problems] == [f"{place}: {wrong}"]
+
+
+@pytest.mark.parametrize(
+    ("edits", "message"),
+    [
+        ((), ""),
+        ((("\nversion: ", "\n? version\n: "),), "nothing"),
+    ],
+)
+def test_a_version_that_cannot_be_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], edits: tuple[tuple[str, str], ...], message: str
+) -> None:
+    old = specs(tmp_path / "old")
+    new = specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"), *edits)
+    code = main(["diff", str(old), str(new), "--record"])
+    err = capsys.readouterr().err
+    assert code == 1
+    if message:
+        assert err == (
+            f'codewheel: {new}/manufacturer.yaml has no line such as version: "1.4.2"; write 2.0.0 into it\n'
+        )
+        assert not (new / "demo.changes.json").exists()
+
+
+def test_a_folder_is_needed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = specs(tmp_path / "old")
+    assert main(["diff", str(old), str(old / "demo.yaml"), "--record"]) == 2
+    assert capsys.readouterr().err == (
+        "codewheel: --record is for a folder of specs: the version is that of all families of a maker\n"
+    )
