@@ -17,13 +17,13 @@ from codewheel.model.expressions import Expression
 from codewheel.reference.order_codes import find
 from codewheel.reference.run_time import with_registers
 
-#: What says how code computes something and follows from the rest, and what was counted of the second reading,
-#: which no output sees: the XML does not carry it.
+#: What says how code computes something and follows from the rest, what was counted of the second reading, and which
+#: versions there were: the XML does not carry it.
 COMPUTED = {
     "Field": {"pieces", "widest"},
     "Layout": {"fold", "widest"},
     "Crc": {"form"},
-    "Device": {"times_read"},
+    "Device": {"times_read", "releases"},
 }
 #: The kinds of fields by their words.
 KINDS = {
@@ -105,7 +105,9 @@ def build_class(kind: Any, item: Item) -> Any:
     for field in dataclasses.fields(kind):
         outside = RENAMED.get(name, {}).get(field.name, field.name)
         if field.name in COMPUTED.get(name, set()):
-            made[field.name] = {"pieces": (), "fold": (), "widest": 0, "form": "", "times_read": None}[field.name]
+            made[field.name] = {"pieces": (), "fold": (), "widest": 0, "form": "", "times_read": None, "releases": ()}[
+                field.name
+            ]
         elif field.name.endswith("source"):
             made[field.name] = ()
         else:

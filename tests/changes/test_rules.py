@@ -99,11 +99,12 @@ def test_every_member_of_the_model_has_a_side(kind: str) -> None:
 
 
 def test_every_member_of_a_family_is_compared() -> None:
-    """A section of a family that comes anew needs a walk of its own in ``walk``."""
+    """A section of a family that comes anew needs a walk of its own in ``walk``; overlays and editions show in the facts
+    that they change."""
     assert {item.name for item in fields(Device)} == set(
         """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
         registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables
-        field_groups supply alternatives times_read releases""".split()
+        field_groups supply alternatives times_read releases overlays base editions edition""".split()
     )
 
 
