@@ -26,6 +26,10 @@ from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
 
 
+#: The headers that all families of a manufacturer share, by the stems of their names.
+SHARED_HEADERS = ("encoder", "biss", "tracker", "angle")
+
+
 class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
@@ -45,10 +49,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
-        for name in ("encoder.h", "biss.h") if has_biss(devices) else ("encoder.h",):
-            files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", _names_of(maker))
+        for name in SHARED_HEADERS:
+            if name != "biss" or has_biss(devices):
+                files[f"c/include/{maker.name}/{name}.h"] = _render(library, f"{name}.h.jinja", _names_of(maker))
         for device in devices:
-            if device.name in ("biss", "encoder"):
+            if device.name in SHARED_HEADERS:
                 raise TargetError(
                     f"a family cannot be called '{device.name}': that is the name of a header that all share"
                 )
@@ -101,8 +106,7 @@ def _json(value: object) -> str:
 TEMPLATES = Templates(
     our_templates("c"),
     values={
-        "encoder.h.jinja": Shared,
-        "biss.h.jinja": Shared,
+        **{f"{name}.h.jinja": Shared for name in SHARED_HEADERS},
         "device.h.jinja": Family,
         "example.c.jinja": Program,
         **dict.fromkeys(FILES.values(), Package),

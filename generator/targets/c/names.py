@@ -76,6 +76,12 @@ _ENCODER_H = """
     result run run_poll run_reads run_send run_step run_together run_write send signed step step_kind step_poll
     step_read step_send step_wait step_write to_gray transport verdict wait write write_byte
 """
+#: The same of tracker.h and angle.h.
+_MOTION_H = """
+    ANGLE_H TRACKER_H TRACKER_SILENCE_US angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees
+    angle_q15 angle_q31 angle_radians counts_per_second tracker tracker_add tracker_believed tracker_shorter
+    tracker_speed tracker_start
+"""
 #: The same of biss.h, after that and ``biss_``.
 _BISS_H = """
     ABORTED BAD_CRC BAD_ECHO BUSY DONE H IDLE IDS NO_ANSWER NO_ID PHASE_BYTE PHASE_HEADER PHASE_START PHASE_WAIT
@@ -89,7 +95,7 @@ _BISS_H = """
 
 def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
     """The names in the headers that the families of a manufacturer share; those of macros are in capitals."""
-    names = [*_ENCODER_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
+    names = [*_ENCODER_H.split(), *_MOTION_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
     for name in names:
         yield f"{prefix}_{name}".upper() if name.removeprefix("biss_").isupper() else f"{prefix}_{name}"
 
