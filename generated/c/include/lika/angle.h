@@ -67,8 +67,9 @@ static inline uint32_t lika_angle(uint64_t position, uint64_t steps)
     }
     if ((steps & (steps - 1U)) == 0U) {
         const uint32_t bits = lika_angle_highest_bit(steps);
-        return (uint32_t)(((bits > 32U) ? (position >> (bits - 32U)) : (position << (32U -
-            bits))) & 0xFFFFFFFFU);
+        const uint64_t shifted = (bits > 32U) ?
+            (position >> (bits - 32U)) : (position << (32U - bits));
+        return (uint32_t)(shifted & 0xFFFFFFFFU);
     }
     /* The bits of the position, then 32 zeros: what they bring is the angle. */
     for (bit = 96U; bit > 0U; bit--) {
