@@ -43,9 +43,14 @@ def without_comments(text: str) -> str:
     return re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL).replace("\\\n", " ")
 
 
+def without_nodiscard(code: str) -> str:
+    """The code without the word for results that have to be looked at, whose spelling depends on the compiler."""
+    return re.sub(r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^\w+_NODISCARD\n", "", code, flags=re.M | re.S)
+
+
 def declared(texts: Iterable[str]) -> Declared:
     """Everything that the headers with these texts declare."""
-    code = "\n".join(map(without_comments, texts))
+    code = "\n".join(map(without_nodiscard, map(without_comments, texts)))
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
     # What the expressions above do not find would not be used, and nobody would see it.
     assert len(functions) == len(re.findall(r"^static ", code, re.MULTILINE)), "a static that is no inline function"

@@ -115,6 +115,6 @@ void forms_of_an_angle(void)
     __CPROVER_assert((uint32_t)@maker@_angle_q31(angle) == angle, "the same bits");
     __CPROVER_assert((uint16_t)@maker@_angle_q15(angle) == (uint16_t)(angle >> 16), "the same bits");
     const uint32_t found = @maker@_angle_millidegrees(angle);
-    const wide nearest = ((wide)angle * 360000 + (1LL << 31)) >> 32;
-    __CPROVER_assert(found == (nearest == 360000 ? 0 : nearest), "the nearest");
+    const uint64_t nearest = ((uint64_t)angle * 360000U + (1ULL << 31)) >> 32;
+    __CPROVER_assert(found == (nearest == 360000U ? 0U : (uint32_t)nearest), "the nearest");
 }

@@ -542,6 +542,7 @@ static inline uint32_t lika_am36_ssi_word_bits(const lika_am36_variant *variant)
 }
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_ssi_word_set_position(
     const lika_am36_variant *variant, uint32_t position, lika_am36_ssi_word *out)
 {
@@ -556,6 +557,7 @@ static inline lika_result lika_am36_ssi_word_set_position(
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_ssi_word_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_ssi_word *out)
 {
@@ -573,6 +575,7 @@ static inline lika_result lika_am36_ssi_word_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_ssi_word_encode(
     const lika_am36_variant *variant, const lika_am36_ssi_word *in, uint64_t *out)
 {
@@ -596,6 +599,7 @@ static inline lika_result lika_am36_ssi_word_encode(
 }
 
 /* What the position is worth: nothing in this frame tells. */
+LIKA_NODISCARD
 static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *frame)
 {
     (void)frame;
@@ -727,6 +731,7 @@ static inline uint32_t lika_am36_single_cycle_data_crc(uint64_t word)
 }
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_single_cycle_data_set_position(
     const lika_am36_variant *variant, uint64_t position, lika_am36_single_cycle_data *out)
 {
@@ -742,6 +747,7 @@ static inline lika_result lika_am36_single_cycle_data_set_position(
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_single_cycle_data_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_single_cycle_data *out)
 {
@@ -763,6 +769,7 @@ static inline lika_result lika_am36_single_cycle_data_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_single_cycle_data_encode(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *in, uint64_t *out)
 {
@@ -800,6 +807,7 @@ static inline bool lika_am36_single_cycle_data_is_expected(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_am36_single_cycle_data_verdict(
     const lika_am36_single_cycle_data *frame)
 {
@@ -931,6 +939,7 @@ typedef struct lika_am36_reg_profile_id {
 } lika_am36_reg_profile_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_profile_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_profile_id *out)
@@ -945,6 +954,7 @@ static inline lika_result lika_am36_reg_profile_id_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_profile_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -969,6 +979,7 @@ static inline bool lika_am36_reg_profile_id_is_expected(
 }
 
 /* Reads Profile ID, 42h to 43h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_profile_id(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_profile_id *out, lika_failure *failure)
@@ -1012,6 +1023,7 @@ typedef struct lika_am36_reg_serial_number {
 } lika_am36_reg_serial_number;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_serial_number_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_serial_number *out)
@@ -1030,6 +1042,7 @@ static inline lika_result lika_am36_reg_serial_number_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_serial_number_encode(
     const lika_am36_variant *variant, const lika_am36_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -1046,6 +1059,7 @@ static inline lika_result lika_am36_reg_serial_number_encode(
 }
 
 /* Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_serial_number(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_serial_number *out, lika_failure *failure)
@@ -1102,6 +1116,7 @@ typedef enum lika_am36_command {
 } lika_am36_command;
 
 /* Writes Command, 48h, then waits 30 ms. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_command(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_command value, lika_failure *failure)
@@ -1195,6 +1210,7 @@ typedef struct lika_am36_reg_configuration {
 } lika_am36_reg_configuration;
 
 /* Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_configuration_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_configuration *out)
@@ -1217,6 +1233,7 @@ static inline lika_result lika_am36_reg_configuration_decode(
 }
 
 /* Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_configuration_encode(
     const lika_am36_variant *variant, const lika_am36_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -1240,6 +1257,7 @@ static inline lika_result lika_am36_reg_configuration_encode(
 }
 
 /* Reads Configuration, 49h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_configuration(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_configuration *out, lika_failure *failure)
@@ -1258,6 +1276,7 @@ static inline lika_result lika_am36_read_configuration(
  * Writes Configuration, 49h.
  * The frames depend on it: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_configuration(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_configuration *in, lika_failure *failure)
@@ -1313,6 +1332,7 @@ typedef struct lika_am36_reg_information_per_revolution {
 } lika_am36_reg_information_per_revolution;
 
 /* Decodes 3 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_information_per_revolution_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_information_per_revolution *out)
@@ -1328,6 +1348,7 @@ static inline lika_result lika_am36_reg_information_per_revolution_decode(
 }
 
 /* Encodes 3 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_information_per_revolution_encode(
     const lika_am36_variant *variant, const lika_am36_reg_information_per_revolution *in,
     uint8_t *bytes, size_t length)
@@ -1352,6 +1373,7 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
 }
 
 /* Reads Information per revolution, 4Bh to 4Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_information_per_revolution(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_information_per_revolution *out, lika_failure *failure)
@@ -1370,6 +1392,7 @@ static inline lika_result lika_am36_read_information_per_revolution(
  * Writes Information per revolution, 4Bh to 4Dh.
  * The frames depend on it: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_information_per_revolution(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_information_per_revolution *in, lika_failure *failure)
@@ -1426,6 +1449,7 @@ typedef struct lika_am36_reg_number_of_revolutions {
 } lika_am36_reg_number_of_revolutions;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_number_of_revolutions_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_number_of_revolutions *out)
@@ -1440,6 +1464,7 @@ static inline lika_result lika_am36_reg_number_of_revolutions_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_number_of_revolutions_encode(
     const lika_am36_variant *variant, const lika_am36_reg_number_of_revolutions *in, uint8_t *bytes,
     size_t length)
@@ -1457,6 +1482,7 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
 }
 
 /* Reads Number of revolutions, 4Eh to 4Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_number_of_revolutions(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_number_of_revolutions *out, lika_failure *failure)
@@ -1475,6 +1501,7 @@ static inline lika_result lika_am36_read_number_of_revolutions(
  * Writes Number of revolutions, 4Eh to 4Fh.
  * The frames depend on it: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_number_of_revolutions(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_number_of_revolutions *in, lika_failure *failure)
@@ -1539,6 +1566,7 @@ typedef struct lika_am36_reg_preset {
 } lika_am36_reg_preset;
 
 /* Decodes 5 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_preset_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_preset *out)
@@ -1558,6 +1586,7 @@ static inline lika_result lika_am36_reg_preset_decode(
 }
 
 /* Encodes 5 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_preset_encode(
     const lika_am36_variant *variant, const lika_am36_reg_preset *in, uint8_t *bytes, size_t length)
 {
@@ -1579,6 +1608,7 @@ static inline lika_result lika_am36_reg_preset_encode(
 }
 
 /* Reads Preset, 50h to 54h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_preset *out, lika_failure *failure)
@@ -1593,6 +1623,7 @@ static inline lika_result lika_am36_read_preset(
 }
 
 /* Writes Preset, 50h to 54h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_preset *in, lika_failure *failure)
@@ -1619,6 +1650,7 @@ static inline lika_result lika_am36_write_preset(
 #define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /* what the manual states for it */
 
 /* Reads Device type, 55h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_device_type(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -1655,6 +1687,7 @@ static inline lika_result lika_am36_read_device_type(
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_DEFAULT 0x14U /* value as delivered */
 
 /* Reads No. of bits used for singleturn resolution, 56h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_singleturn_bits_used(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -1692,6 +1725,7 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_DEFAULT 0x10U /* value as delivered */
 
 /* Reads No. of bits used for multiturn resolution, 57h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_multiturn_bits_used(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -1745,6 +1779,7 @@ typedef struct lika_am36_reg_device_id {
 } lika_am36_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_device_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_device_id *out)
@@ -1763,6 +1798,7 @@ static inline lika_result lika_am36_reg_device_id_decode(
 }
 
 /* Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_device_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -1798,6 +1834,7 @@ static inline bool lika_am36_reg_device_id_is_expected(
 }
 
 /* Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_device_id(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_device_id *out, lika_failure *failure)
@@ -1830,6 +1867,7 @@ typedef struct lika_am36_reg_manufacturer_id {
 } lika_am36_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_manufacturer_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_manufacturer_id *out)
@@ -1844,6 +1882,7 @@ static inline lika_result lika_am36_reg_manufacturer_id_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_manufacturer_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -1869,6 +1908,7 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
 }
 
 /* Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_manufacturer_id(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_manufacturer_id *out, lika_failure *failure)
@@ -1895,6 +1935,7 @@ static inline lika_result lika_am36_read_manufacturer_id(
  * Takes over into the variant what the register No. of bits used for singleturn resolution holds:
  * used_singleturn_bits.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_singleturn_bits_used(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1913,6 +1954,7 @@ static inline lika_result lika_am36_take_singleturn_bits_used(
  * Takes over into the variant what the register No. of bits used for multiturn resolution holds:
  * used_multiturn_bits.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_multiturn_bits_used(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1928,6 +1970,7 @@ static inline lika_result lika_am36_take_multiturn_bits_used(
 }
 
 /* Takes over into the variant what the register Number of revolutions holds: used_revolutions. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_number_of_revolutions(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1945,6 +1988,7 @@ static inline lika_result lika_am36_take_number_of_revolutions(
 /*
  * Takes over into the variant what the register Information per revolution holds: used_information.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_information_per_revolution(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1961,6 +2005,7 @@ static inline lika_result lika_am36_take_information_per_revolution(
 }
 
 /* Takes over into the variant what the register Configuration holds: output_code. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_configuration(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1977,6 +2022,7 @@ static inline lika_result lika_am36_take_configuration(
  * procedure that changes them or what they follow from, and after the defaults were restored. In a
  * failure the steps are the registers, in the order of the functions above.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_state(
     const lika_transport *transport, lika_am36_variant *variant,
     lika_failure *failure)
@@ -2052,6 +2098,7 @@ typedef struct lika_am36_identity {
 } lika_am36_identity;
 
 /* Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_identity(
     const lika_transport *transport, lika_am36_identity *out, lika_failure *failure)
 {
@@ -2138,6 +2185,7 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
 #define LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT 3U
 
 /* Writes the steps into an array of at least 3 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_configuration_steps(
     const lika_am36_variant *variant,
     uint8_t configuration,
@@ -2164,6 +2212,7 @@ static inline lika_result lika_am36_set_configuration_steps(
  * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
  * The frames depend on what it writes: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_configuration(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t configuration,
@@ -2194,6 +2243,7 @@ static inline lika_result lika_am36_set_configuration(
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 8U
 
 /* Writes the steps into an array of at least 8 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_preset_steps(
     const lika_am36_variant *variant,
     uint64_t position,
@@ -2227,6 +2277,7 @@ static inline lika_result lika_am36_set_preset_steps(
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint64_t position,
@@ -2256,6 +2307,7 @@ static inline lika_result lika_am36_set_preset(
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 8U
 
 /* Writes the steps into an array of at least 8 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_store_preset_steps(
     const lika_am36_variant *variant,
     uint64_t position,
@@ -2289,6 +2341,7 @@ static inline lika_result lika_am36_store_preset_steps(
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_store_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint64_t position,
@@ -2322,6 +2375,7 @@ static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_save_parameters(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_failure *failure)
@@ -2350,6 +2404,7 @@ static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_activate_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_failure *failure)
@@ -2382,6 +2437,7 @@ static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_restore_defaults(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_failure *failure)
@@ -2421,6 +2477,7 @@ static inline lika_result lika_am36_restore_defaults(
 #define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 17U
 
 /* Writes the steps into an array of at least 17 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_resolution_steps(
     const lika_am36_variant *variant,
     uint32_t information_per_revolution,
@@ -2511,6 +2568,7 @@ typedef struct lika_am36_set_resolution_read {
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_resolution(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint32_t information_per_revolution,
@@ -2586,6 +2644,7 @@ typedef struct lika_am36_identify_read {
 } lika_am36_identify_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_identify(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_identify_read *out, lika_failure *failure)

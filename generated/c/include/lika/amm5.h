@@ -602,6 +602,7 @@ static inline uint32_t lika_amm5_ssi_word_bits(const lika_amm5_variant *variant)
 }
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_ssi_word_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_ssi_word *out)
 {
@@ -616,6 +617,7 @@ static inline lika_result lika_amm5_ssi_word_set_position(
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_ssi_word_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_ssi_word *out)
 {
@@ -631,6 +633,7 @@ static inline lika_result lika_amm5_ssi_word_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_ssi_word_encode(
     const lika_amm5_variant *variant, const lika_amm5_ssi_word *in, uint64_t *out)
 {
@@ -652,6 +655,7 @@ static inline lika_result lika_amm5_ssi_word_encode(
 }
 
 /* What the position is worth: nothing in this frame tells. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *frame)
 {
     (void)frame;
@@ -796,6 +800,7 @@ static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
 }
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_single_cycle_data_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_single_cycle_data *out)
 {
@@ -810,6 +815,7 @@ static inline lika_result lika_amm5_single_cycle_data_set_position(
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_single_cycle_data_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_single_cycle_data *out)
 {
@@ -830,6 +836,7 @@ static inline lika_result lika_amm5_single_cycle_data_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_single_cycle_data_encode(
     const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *in, uint64_t *out)
 {
@@ -854,6 +861,7 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_single_cycle_data_verdict(
     const lika_amm5_single_cycle_data *frame)
 {
@@ -1013,6 +1021,7 @@ typedef struct lika_amm5_data_request {
 } lika_amm5_data_request;
 
 /* Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_data_request_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_data_request *out)
@@ -1043,6 +1052,7 @@ static inline lika_result lika_amm5_data_request_decode(
 }
 
 /* Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_data_request_encode(
     const lika_amm5_variant *variant, const lika_amm5_data_request *in, uint8_t *bytes,
     size_t length)
@@ -1098,6 +1108,7 @@ typedef struct lika_amm5_eeprom_write_request {
 } lika_amm5_eeprom_write_request;
 
 /* Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_write_request *out)
@@ -1135,6 +1146,7 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_write_request *in, uint8_t *bytes, size_t length)
@@ -1191,6 +1203,7 @@ typedef struct lika_amm5_eeprom_read_request {
 } lika_amm5_eeprom_read_request;
 
 /* Decodes 3 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_read_request *out)
@@ -1225,6 +1238,7 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
 }
 
 /* Encodes 3 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_read_request *in, uint8_t *bytes, size_t length)
@@ -1308,6 +1322,7 @@ typedef struct lika_amm5_singleturn_reply {
 } lika_amm5_singleturn_reply;
 
 /* Decodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_singleturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_singleturn_reply *out)
@@ -1347,6 +1362,7 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
 }
 
 /* Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_singleturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -1386,6 +1402,7 @@ static inline bool lika_amm5_singleturn_reply_is_expected(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_singleturn_reply_verdict(
     const lika_amm5_singleturn_reply *frame)
 {
@@ -1458,6 +1475,7 @@ typedef struct lika_amm5_multiturn_reply {
 } lika_amm5_multiturn_reply;
 
 /* Decodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_multiturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_multiturn_reply *out)
@@ -1492,6 +1510,7 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
 }
 
 /* Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_multiturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -1524,6 +1543,7 @@ static inline bool lika_amm5_multiturn_reply_is_expected(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_multiturn_reply_verdict(const lika_amm5_multiturn_reply *frame)
 {
     if (frame->status_st_error || frame->status_other_error) {
@@ -1598,6 +1618,7 @@ typedef struct lika_amm5_encoder_id_reply {
 } lika_amm5_encoder_id_reply;
 
 /* Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_encoder_id_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_encoder_id_reply *out)
@@ -1627,6 +1648,7 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_encoder_id_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in, uint8_t *bytes,
     size_t length)
@@ -1768,6 +1790,7 @@ typedef struct lika_amm5_complete_reply {
 } lika_amm5_complete_reply;
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_complete_reply_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_complete_reply *out)
 {
@@ -1782,6 +1805,7 @@ static inline lika_result lika_amm5_complete_reply_set_position(
 }
 
 /* Decodes 11 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_complete_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_complete_reply *out)
@@ -1833,6 +1857,7 @@ static inline lika_result lika_amm5_complete_reply_decode(
 }
 
 /* Encodes 11 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_complete_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in, uint8_t *bytes,
     size_t length)
@@ -1882,6 +1907,7 @@ static inline bool lika_amm5_complete_reply_is_expected(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_complete_reply_verdict(const lika_amm5_complete_reply *frame)
 {
     if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm) ||
@@ -1945,6 +1971,7 @@ typedef struct lika_amm5_eeprom_write_reply {
 } lika_amm5_eeprom_write_reply;
 
 /* Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_write_reply *out)
@@ -1980,6 +2007,7 @@ static inline lika_result lika_amm5_eeprom_write_reply_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_write_reply *in, uint8_t *bytes, size_t length)
@@ -2048,6 +2076,7 @@ typedef struct lika_amm5_eeprom_read_reply {
 } lika_amm5_eeprom_read_reply;
 
 /* Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_read_reply *out)
@@ -2083,6 +2112,7 @@ static inline lika_result lika_amm5_eeprom_read_reply_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_read_reply *in, uint8_t *bytes, size_t length)
@@ -2156,6 +2186,7 @@ static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
 }
 
 /* The frame that the master sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_request_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -2184,6 +2215,7 @@ static inline lika_result lika_amm5_rs485_request_for(
  * The frame of the master that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
@@ -2194,6 +2226,7 @@ static inline lika_result lika_amm5_rs485_request_frame(
 }
 
 /* The frame that the encoder sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_reply_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -2228,6 +2261,7 @@ static inline lika_result lika_amm5_rs485_reply_for(
  * The frame of the encoder that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
@@ -2357,6 +2391,7 @@ typedef struct lika_amm5_reg_preset {
 } lika_amm5_reg_preset;
 
 /* Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_preset_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_reg_preset *out)
 {
@@ -2371,6 +2406,7 @@ static inline lika_result lika_amm5_reg_preset_set_position(
 }
 
 /* Decodes 7 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_preset_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_preset *out)
@@ -2406,6 +2442,7 @@ static inline lika_result lika_amm5_reg_preset_decode(
 }
 
 /* Encodes 7 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_preset_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_preset *in, uint8_t *bytes, size_t length)
 {
@@ -2436,6 +2473,7 @@ static inline lika_result lika_amm5_reg_preset_encode(
 }
 
 /* Reads Preset, 11h to 17h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_preset *out, lika_failure *failure)
@@ -2450,6 +2488,7 @@ static inline lika_result lika_amm5_read_preset(
 }
 
 /* Writes Preset, 11h to 17h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_write_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     const lika_amm5_reg_preset *in, lika_failure *failure)
@@ -2484,6 +2523,7 @@ typedef enum lika_amm5_preset_setting_enable {
 } lika_amm5_preset_setting_enable;
 
 /* Writes Preset setting enable, 40h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_write_preset_setting_enable(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_preset_setting_enable value, lika_failure *failure)
@@ -2525,6 +2565,7 @@ typedef struct lika_amm5_reg_serial_number {
 } lika_amm5_reg_serial_number;
 
 /* Sets serial and with it year, week, number. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_serial_number_set_serial(
     const lika_amm5_variant *variant, uint32_t serial, lika_amm5_reg_serial_number *out)
 {
@@ -2540,6 +2581,7 @@ static inline lika_result lika_amm5_reg_serial_number_set_serial(
 }
 
 /* Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_serial_number_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_serial_number *out)
@@ -2561,6 +2603,7 @@ static inline lika_result lika_amm5_reg_serial_number_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_serial_number_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -2591,6 +2634,7 @@ static inline lika_result lika_amm5_reg_serial_number_encode(
 }
 
 /* Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_serial_number(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_serial_number *out, lika_failure *failure)
@@ -2627,6 +2671,7 @@ typedef enum lika_amm5_command {
 } lika_amm5_command;
 
 /* Writes Command, 77h, then waits 30 ms. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_write_command(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_command value, lika_failure *failure)
@@ -2669,6 +2714,7 @@ typedef struct lika_amm5_reg_device_id {
 } lika_amm5_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_device_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_device_id *out)
@@ -2687,6 +2733,7 @@ static inline lika_result lika_amm5_reg_device_id_decode(
 }
 
 /* Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_device_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -2718,6 +2765,7 @@ static inline bool lika_amm5_reg_device_id_is_expected(
 }
 
 /* Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_device_id(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_device_id *out, lika_failure *failure)
@@ -2751,6 +2799,7 @@ typedef struct lika_amm5_reg_manufacturer_id {
 } lika_amm5_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_manufacturer_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_manufacturer_id *out)
@@ -2765,6 +2814,7 @@ static inline lika_result lika_amm5_reg_manufacturer_id_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_manufacturer_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -2790,6 +2840,7 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
 }
 
 /* Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_manufacturer_id(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_manufacturer_id *out, lika_failure *failure)
@@ -2813,6 +2864,7 @@ typedef struct lika_amm5_identity {
 } lika_amm5_identity;
 
 /* Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_identity(
     const lika_transport *transport, lika_amm5_identity *out, lika_failure *failure)
 {
@@ -2881,6 +2933,7 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
 /* Writes the steps into an array of at least 13 places. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_set_preset_steps(
     const lika_amm5_variant *variant,
     uint64_t position,
@@ -2917,6 +2970,7 @@ static inline lika_result lika_amm5_set_preset_steps(
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_set_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     uint64_t position,
@@ -2941,6 +2995,7 @@ static inline lika_result lika_amm5_set_preset(
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
 
 /* Writes the steps into an array of at least 11 places. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_store_preset_steps(
     const lika_amm5_variant *variant,
     uint64_t position,
@@ -2975,6 +3030,7 @@ static inline lika_result lika_amm5_store_preset_steps(
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_store_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     uint64_t position,
@@ -3008,6 +3064,7 @@ static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_save_parameters(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3036,6 +3093,7 @@ static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_activate_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3080,6 +3138,7 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
 }
 
 /* Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3120,6 +3179,7 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
 }
 
 /* Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reset_multiturn_and_errors(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3160,6 +3220,7 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 }
 
 /* Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reset_errors(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)

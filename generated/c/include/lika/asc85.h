@@ -454,6 +454,7 @@ static inline uint32_t lika_asc85_ssi_word_bits(const lika_asc85_variant *varian
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_ssi_word_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_ssi_word *out)
 {
@@ -468,6 +469,7 @@ static inline lika_result lika_asc85_ssi_word_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_ssi_word_encode(
     const lika_asc85_variant *variant, const lika_asc85_ssi_word *in, uint64_t *out)
 {
@@ -481,6 +483,7 @@ static inline lika_result lika_asc85_ssi_word_encode(
 }
 
 /* What the position is worth: nothing in this frame tells. */
+LIKA_NODISCARD
 static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word *frame)
 {
     (void)frame;
@@ -605,6 +608,7 @@ static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_single_cycle_data *out)
 {
@@ -625,6 +629,7 @@ static inline lika_result lika_asc85_single_cycle_data_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_encode(
     const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *in, uint64_t *out)
 {
@@ -641,6 +646,7 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_asc85_single_cycle_data_verdict(
     const lika_asc85_single_cycle_data *frame)
 {
@@ -751,6 +757,7 @@ typedef struct lika_asc85_reg_profile_id {
 } lika_asc85_reg_profile_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_profile_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_profile_id *out)
@@ -767,6 +774,7 @@ static inline lika_result lika_asc85_reg_profile_id_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_profile_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -791,6 +799,7 @@ static inline bool lika_asc85_reg_profile_id_is_expected(
 }
 
 /* Reads Profile ID, 42h to 43h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_profile_id(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_profile_id *out, lika_failure *failure)
@@ -821,6 +830,7 @@ typedef struct lika_asc85_reg_serial_number {
 } lika_asc85_reg_serial_number;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_serial_number_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_serial_number *out)
@@ -836,6 +846,7 @@ static inline lika_result lika_asc85_reg_serial_number_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_serial_number_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -852,6 +863,7 @@ static inline lika_result lika_asc85_reg_serial_number_encode(
 }
 
 /* Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_serial_number(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_serial_number *out, lika_failure *failure)
@@ -934,6 +946,7 @@ typedef struct lika_asc85_reg_diagnostic_data {
 } lika_asc85_reg_diagnostic_data;
 
 /* Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_diagnostic_data_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_diagnostic_data *out)
@@ -955,6 +968,7 @@ static inline lika_result lika_asc85_reg_diagnostic_data_decode(
 }
 
 /* Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_diagnostic_data_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_diagnostic_data *in, uint8_t *bytes,
     size_t length)
@@ -973,6 +987,7 @@ static inline lika_result lika_asc85_reg_diagnostic_data_encode(
 }
 
 /* Reads Diagnostic data, 5Ah. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_diagnostic_data(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_diagnostic_data *out, lika_failure *failure)
@@ -1046,6 +1061,7 @@ typedef enum lika_asc85_command {
 } lika_asc85_command;
 
 /* Writes Command & status, Command mode, 60h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_write_command(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_command value, lika_failure *failure)
@@ -1141,6 +1157,7 @@ typedef struct lika_asc85_reg_status {
 } lika_asc85_reg_status;
 
 /* Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_status_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_status *out)
@@ -1162,6 +1179,7 @@ static inline lika_result lika_asc85_reg_status_decode(
 }
 
 /* Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_status_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_status *in, uint8_t *bytes,
     size_t length)
@@ -1179,6 +1197,7 @@ static inline lika_result lika_asc85_reg_status_encode(
 }
 
 /* Reads Command & status, Status mode, 60h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_status(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_status *out, lika_failure *failure)
@@ -1229,6 +1248,7 @@ typedef struct lika_asc85_reg_position {
 } lika_asc85_reg_position;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_position_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_position *out)
@@ -1248,6 +1268,7 @@ static inline lika_result lika_asc85_reg_position_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_position_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_position *in, uint8_t *bytes,
     size_t length)
@@ -1267,6 +1288,7 @@ static inline lika_result lika_asc85_reg_position_encode(
 }
 
 /* Reads Position, 61h to 64h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_position(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_position *out, lika_failure *failure)
@@ -1345,6 +1367,7 @@ typedef struct lika_asc85_reg_error_register {
 } lika_asc85_reg_error_register;
 
 /* Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_error_register_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_error_register *out)
@@ -1364,6 +1387,7 @@ static inline lika_result lika_asc85_reg_error_register_decode(
 }
 
 /* Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_error_register_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_error_register *in, uint8_t *bytes,
     size_t length)
@@ -1380,6 +1404,7 @@ static inline lika_result lika_asc85_reg_error_register_encode(
 }
 
 /* Reads Error register, 69h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_error_register(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_error_register *out, lika_failure *failure)
@@ -1419,6 +1444,7 @@ typedef struct lika_asc85_reg_device_id {
 } lika_asc85_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_device_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_device_id *out)
@@ -1437,6 +1463,7 @@ static inline lika_result lika_asc85_reg_device_id_decode(
 }
 
 /* Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_device_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -1468,6 +1495,7 @@ static inline bool lika_asc85_reg_device_id_is_expected(
 }
 
 /* Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_device_id(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_device_id *out, lika_failure *failure)
@@ -1500,6 +1528,7 @@ typedef struct lika_asc85_reg_manufacturer_id {
 } lika_asc85_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_manufacturer_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_manufacturer_id *out)
@@ -1514,6 +1543,7 @@ static inline lika_result lika_asc85_reg_manufacturer_id_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_manufacturer_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -1539,6 +1569,7 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
 }
 
 /* Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_manufacturer_id(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_manufacturer_id *out, lika_failure *failure)
@@ -1563,6 +1594,7 @@ typedef struct lika_asc85_identity {
 } lika_asc85_identity;
 
 /* Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_identity(
     const lika_transport *transport, lika_asc85_identity *out, lika_failure *failure)
 {
@@ -1664,6 +1696,7 @@ typedef struct lika_asc85_request_position_read {
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_request_position(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_request_position_read *out, lika_failure *failure)
@@ -1720,6 +1753,7 @@ typedef struct lika_asc85_save_configuration_read {
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_save_configuration(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_save_configuration_read *out, lika_failure *failure)
@@ -1776,6 +1810,7 @@ typedef struct lika_asc85_read_absolute_data_read {
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_absolute_data(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_read_absolute_data_read *out, lika_failure *failure)
@@ -1831,6 +1866,7 @@ typedef struct lika_asc85_software_reset_read {
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_software_reset(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_software_reset_read *out, lika_failure *failure)
@@ -1882,6 +1918,7 @@ typedef struct lika_asc85_verify_configuration_read {
 /*
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_verify_configuration(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_verify_configuration_read *out, lika_failure *failure)
@@ -1924,6 +1961,7 @@ typedef struct lika_asc85_simulate_error_read {
 } lika_asc85_simulate_error_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_simulate_error(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_simulate_error_read *out, lika_failure *failure)
@@ -1964,6 +2002,7 @@ typedef struct lika_asc85_clear_simulated_error_read {
 } lika_asc85_clear_simulated_error_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_clear_simulated_error(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_clear_simulated_error_read *out, lika_failure *failure)
@@ -2017,6 +2056,7 @@ typedef struct lika_asc85_reset_errors_read {
 } lika_asc85_reset_errors_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reset_errors(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reset_errors_read *out, lika_failure *failure)
@@ -2082,6 +2122,7 @@ typedef struct lika_asc85_identify_read {
 } lika_asc85_identify_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_identify(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_identify_read *out, lika_failure *failure)

@@ -21,6 +21,22 @@ extern "C" {
 #endif
 
 /*
+ * Stands before functions whose result has to be looked at: compilers that can, tell where it is
+ * not. Defined as nothing before the first header is included, it has them say nothing.
+ */
+#ifndef LIKA_NODISCARD
+#if defined(__cplusplus) && (__cplusplus >= 201703L)
+#define LIKA_NODISCARD [[nodiscard]]
+#elif defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 202311L)
+#define LIKA_NODISCARD [[nodiscard]]
+#elif defined(__GNUC__)
+#define LIKA_NODISCARD __attribute__((warn_unused_result))
+#else
+#define LIKA_NODISCARD
+#endif
+#endif
+
+/*
  * What a decoder or encoder says. Several faults in one frame give the first of this order.
  * A function that does not return LIKA_OK has left its results as they were.
  * LIKA_OK means well formed; the function _verdict() of a frame says what its position is worth.
@@ -201,6 +217,7 @@ static inline lika_result lika_failed_at(
 }
 
 /* Reads so many bytes, the first at the address. */
+LIKA_NODISCARD
 static inline lika_result lika_read(
     const lika_transport *transport, uint16_t address, uint8_t *bytes, size_t length,
     lika_failure *failure)
@@ -217,6 +234,7 @@ static inline lika_result lika_read(
 }
 
 /* Writes so many bytes, the first at the address. */
+LIKA_NODISCARD
 static inline lika_result lika_write(
     const lika_transport *transport, uint16_t address, const uint8_t *bytes, size_t length,
     lika_failure *failure)
@@ -233,6 +251,7 @@ static inline lika_result lika_write(
 }
 
 /* Writes one byte. */
+LIKA_NODISCARD
 static inline lika_result lika_write_byte(
     const lika_transport *transport, uint16_t address, uint8_t byte,
     lika_failure *failure)
@@ -241,6 +260,7 @@ static inline lika_result lika_write_byte(
 }
 
 /* Waits so many microseconds at least. */
+LIKA_NODISCARD
 static inline lika_result lika_wait(
     const lika_transport *transport, uint32_t microseconds, lika_failure *failure)
 {
@@ -256,6 +276,7 @@ static inline lika_result lika_wait(
 }
 
 /* Sends a request of one byte. */
+LIKA_NODISCARD
 static inline lika_result lika_send(
     const lika_transport *transport, uint8_t request, lika_failure *failure)
 {
@@ -271,6 +292,7 @@ static inline lika_result lika_send(
 }
 
 /* Carries out a step that writes. */
+LIKA_NODISCARD
 static inline lika_result lika_run_write(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
@@ -288,6 +310,7 @@ static inline lika_result lika_run_write(
 }
 
 /* Carries out a step that sends. */
+LIKA_NODISCARD
 static inline lika_result lika_run_send(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
@@ -305,6 +328,7 @@ static inline lika_result lika_run_send(
 }
 
 /* Carries out a step that polls. */
+LIKA_NODISCARD
 static inline lika_result lika_run_poll(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
@@ -356,6 +380,7 @@ static inline size_t lika_run_together(const lika_step *steps, size_t count)
 }
 
 /* Carries out one step that does not read. */
+LIKA_NODISCARD
 static inline lika_result lika_run_step(
     const lika_transport *transport, const lika_step *step,
     lika_failure *failure)
@@ -380,6 +405,7 @@ static inline lika_result lika_run_step(
  * put into bytes, of which there are exactly as many (else LENGTH, and nothing is done); those that
  * lie beside each other in the encoder are read by one call. After a fault bytes is of no use.
  */
+LIKA_NODISCARD
 static inline lika_result lika_run(
     const lika_transport *transport, const lika_step *steps, size_t count,
     uint8_t *bytes, size_t length, lika_failure *failure)

@@ -669,6 +669,7 @@ static inline uint32_t lika_sma21_ssi_word_bits(const lika_sma21_variant *varian
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_ssi_word_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_ssi_word *out)
 {
@@ -684,6 +685,7 @@ static inline lika_result lika_sma21_ssi_word_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_ssi_word_encode(
     const lika_sma21_variant *variant, const lika_sma21_ssi_word *in, uint64_t *out)
 {
@@ -699,6 +701,7 @@ static inline lika_result lika_sma21_ssi_word_encode(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_ssi_word_verdict(const lika_sma21_ssi_word *frame)
 {
     if (frame->error) {
@@ -858,6 +861,7 @@ static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
 }
 
 /* Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_single_cycle_data_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_single_cycle_data *out)
 {
@@ -880,6 +884,7 @@ static inline lika_result lika_sma21_single_cycle_data_decode(
 }
 
 /* Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_single_cycle_data_encode(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *in, uint64_t *out)
 {
@@ -898,6 +903,7 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_single_cycle_data_verdict(
     const lika_sma21_single_cycle_data *frame)
 {
@@ -1009,6 +1015,7 @@ typedef struct lika_sma21_data_request {
 } lika_sma21_data_request;
 
 /* Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_data_request_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_data_request *out)
@@ -1037,6 +1044,7 @@ static inline lika_result lika_sma21_data_request_decode(
 }
 
 /* Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_data_request_encode(
     const lika_sma21_variant *variant, const lika_sma21_data_request *in, uint8_t *bytes,
     size_t length)
@@ -1158,6 +1166,7 @@ typedef struct lika_sma21_position_reply {
 } lika_sma21_position_reply;
 
 /* Decodes 7 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_position_reply *out)
@@ -1205,6 +1214,7 @@ static inline lika_result lika_sma21_position_reply_decode(
 }
 
 /* Encodes 7 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -1248,6 +1258,7 @@ static inline bool lika_sma21_position_reply_is_expected(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_position_reply_verdict(const lika_sma21_position_reply *frame)
 {
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
@@ -1352,6 +1363,7 @@ typedef struct lika_sma21_wide_position_reply {
 } lika_sma21_wide_position_reply;
 
 /* Decodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_wide_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_wide_position_reply *out)
@@ -1383,6 +1395,7 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
 }
 
 /* Encodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_wide_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -1419,6 +1432,7 @@ static inline bool lika_sma21_wide_position_reply_is_expected(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_wide_position_reply_verdict(
     const lika_sma21_wide_position_reply *frame)
 {
@@ -1539,6 +1553,7 @@ typedef struct lika_sma21_identification_reply {
 } lika_sma21_identification_reply;
 
 /* Decodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_identification_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_identification_reply *out)
@@ -1586,6 +1601,7 @@ static inline lika_result lika_sma21_identification_reply_decode(
 }
 
 /* Encodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_identification_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *in, uint8_t *bytes,
     size_t length)
@@ -1625,6 +1641,7 @@ static inline bool lika_sma21_identification_reply_is_expected(
 }
 
 /* What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_identification_reply_verdict(
     const lika_sma21_identification_reply *frame)
 {
@@ -1685,6 +1702,7 @@ static inline size_t lika_sma21_rs485_frame_length(lika_sma21_rs485_frame frame)
 }
 
 /* The frame that the master sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_request_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -1705,6 +1723,7 @@ static inline lika_result lika_sma21_rs485_request_for(
  * The frame of the master that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {
@@ -1715,6 +1734,7 @@ static inline lika_result lika_sma21_rs485_request_frame(
 }
 
 /* The frame that the encoder sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_reply_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -1739,6 +1759,7 @@ static inline lika_result lika_sma21_rs485_reply_for(
  * The frame of the encoder that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {
@@ -1893,6 +1914,7 @@ typedef struct lika_sma21_reg_profile_id {
 } lika_sma21_reg_profile_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_profile_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_profile_id *out)
@@ -1907,6 +1929,7 @@ static inline lika_result lika_sma21_reg_profile_id_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_profile_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -1928,6 +1951,7 @@ static inline bool lika_sma21_reg_profile_id_is_expected(
 }
 
 /* Reads Profile ID, 42h to 43h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_profile_id(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_profile_id *out, lika_failure *failure)
@@ -1967,6 +1991,7 @@ typedef struct lika_sma21_reg_serial_number {
 } lika_sma21_reg_serial_number;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_serial_number_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_serial_number *out)
@@ -1985,6 +2010,7 @@ static inline lika_result lika_sma21_reg_serial_number_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_serial_number_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -2001,6 +2027,7 @@ static inline lika_result lika_sma21_reg_serial_number_encode(
 }
 
 /* Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_serial_number(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_serial_number *out, lika_failure *failure)
@@ -2046,6 +2073,7 @@ typedef enum lika_sma21_command {
 } lika_sma21_command;
 
 /* Writes Command, 48h, then waits 30 ms. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_write_command(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_command value, lika_failure *failure)
@@ -2136,6 +2164,7 @@ typedef struct lika_sma21_reg_configuration {
 } lika_sma21_reg_configuration;
 
 /* Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_configuration_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_configuration *out)
@@ -2159,6 +2188,7 @@ static inline lika_result lika_sma21_reg_configuration_decode(
 }
 
 /* Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_configuration_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -2186,6 +2216,7 @@ static inline lika_result lika_sma21_reg_configuration_encode(
 }
 
 /* Reads Configuration, 49h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_configuration(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_configuration *out, lika_failure *failure)
@@ -2204,6 +2235,7 @@ static inline lika_result lika_sma21_read_configuration(
  * Writes Configuration, 49h.
  * The frames depend on it: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_write_configuration(
     const lika_transport *transport, const lika_sma21_variant *variant,
     const lika_sma21_reg_configuration *in, lika_failure *failure)
@@ -2233,6 +2265,7 @@ static inline lika_result lika_sma21_write_configuration(
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
 
 /* Reads Absolute resolution, 4Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_absolute_resolution(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2313,6 +2346,7 @@ typedef struct lika_sma21_reg_preset_offset {
 } lika_sma21_reg_preset_offset;
 
 /* Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_preset_offset_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_preset_offset *out)
@@ -2328,6 +2362,7 @@ static inline lika_result lika_sma21_reg_preset_offset_decode(
 }
 
 /* Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_preset_offset_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_preset_offset *in, uint8_t *bytes,
     size_t length)
@@ -2344,6 +2379,7 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 }
 
 /* Reads Preset / Offset, 50h to 53h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_preset_offset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_preset_offset *out, lika_failure *failure)
@@ -2359,6 +2395,7 @@ static inline lika_result lika_sma21_read_preset_offset(
 }
 
 /* Writes Preset / Offset, 50h to 53h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_write_preset_offset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     const lika_sma21_reg_preset_offset *in, lika_failure *failure)
@@ -2386,6 +2423,7 @@ static inline lika_result lika_sma21_write_preset_offset(
 #define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /* what the manual states for it */
 
 /* Reads Device type, 55h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_device_type(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2415,6 +2453,7 @@ static inline lika_result lika_sma21_read_device_type(
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /* what the manual states for it */
 
 /* Reads Sine cosine resolution, 58h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_sine_cosine_resolution(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2446,6 +2485,7 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /* value as delivered */
 
 /* Reads Position check, 59h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_position_check(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2486,6 +2526,7 @@ typedef struct lika_sma21_reg_device_id {
 } lika_sma21_reg_device_id;
 
 /* Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_device_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_device_id *out)
@@ -2504,6 +2545,7 @@ static inline lika_result lika_sma21_reg_device_id_decode(
 }
 
 /* Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_device_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -2535,6 +2577,7 @@ static inline bool lika_sma21_reg_device_id_is_expected(
 }
 
 /* Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_device_id(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_device_id *out, lika_failure *failure)
@@ -2568,6 +2611,7 @@ typedef struct lika_sma21_reg_manufacturer_id {
 } lika_sma21_reg_manufacturer_id;
 
 /* Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_manufacturer_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_manufacturer_id *out)
@@ -2582,6 +2626,7 @@ static inline lika_result lika_sma21_reg_manufacturer_id_decode(
 }
 
 /* Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_manufacturer_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -2607,6 +2652,7 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
 }
 
 /* Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_manufacturer_id(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_manufacturer_id *out, lika_failure *failure)
@@ -2632,6 +2678,7 @@ static inline lika_result lika_sma21_read_manufacturer_id(
 /*
  * Takes over into the variant what the register Configuration holds: offset_selected, output_code.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_take_configuration(
     lika_sma21_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -2650,6 +2697,7 @@ static inline lika_result lika_sma21_take_configuration(
  * procedure that changes them or what they follow from, and after the defaults were restored. In a
  * failure the steps are the registers, in the order of the functions above.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_state(
     const lika_transport *transport, lika_sma21_variant *variant,
     lika_failure *failure)
@@ -2683,6 +2731,7 @@ typedef struct lika_sma21_identity {
 } lika_sma21_identity;
 
 /* Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_identity(
     const lika_transport *transport, lika_sma21_identity *out, lika_failure *failure)
 {
@@ -2784,6 +2833,7 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
 #define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 3U
 
 /* Writes the steps into an array of at least 3 places. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_configuration_steps(
     const lika_sma21_variant *variant,
     uint8_t configuration,
@@ -2810,6 +2860,7 @@ static inline lika_result lika_sma21_set_configuration_steps(
  * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
  * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_configuration(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t configuration,
@@ -2837,6 +2888,7 @@ static inline lika_result lika_sma21_set_configuration(
 #define LIKA_SMA21_SET_PRESET_STEPS_COUNT 6U
 
 /* Writes the steps into an array of at least 6 places. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_preset_steps(
     const lika_sma21_variant *variant,
     uint32_t position,
@@ -2870,6 +2922,7 @@ static inline lika_result lika_sma21_set_preset_steps(
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_preset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint32_t position,
@@ -2910,6 +2963,7 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_select_preset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -2944,6 +2998,7 @@ static inline lika_result lika_sma21_select_preset(
 #define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 10U
 
 /* Writes the steps into an array of at least 10 places. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_offset_steps(
     const lika_sma21_variant *variant,
     uint32_t offset,
@@ -2984,6 +3039,7 @@ static inline lika_result lika_sma21_set_offset_steps(
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_offset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint32_t offset,
@@ -3017,6 +3073,7 @@ static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_save_parameters(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -3045,6 +3102,7 @@ static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
 }
 
 /* Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_restore_defaults(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -3094,6 +3152,7 @@ typedef struct lika_sma21_identify_read {
 } lika_sma21_identify_read;
 
 /* Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_identify(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_identify_read *out, lika_failure *failure)
@@ -3151,6 +3210,7 @@ static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
 }
 
 /* Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reset_errors(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -3192,6 +3252,7 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 }
 
 /* Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reset_position(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
