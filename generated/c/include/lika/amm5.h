@@ -2960,7 +2960,8 @@ static inline lika_result lika_amm5_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U); /* close them before saving */
+    /* close them before saving; also where a step before it fails */
+    steps[8] = lika_step_close(0x40U, 0xFFU, 0x00U);
     steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
     steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
     steps[11] = lika_step_write(0x77U, 0xFFU, 0x02U); /* let the preset take effect */
@@ -3022,7 +3023,8 @@ static inline lika_result lika_amm5_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U); /* close them before saving */
+    /* close them before saving; also where a step before it fails */
+    steps[8] = lika_step_close(0x40U, 0xFFU, 0x00U);
     steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
     steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_STORE_PRESET_STEPS_COUNT;
@@ -3129,7 +3131,7 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
 {
     static const lika_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
         /* reset_singleturn_and_multiturn; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xC2U, 10U, 40U },
+        { LIKA_STEP_SEND, 6U, 0xFFU, 0xC2U, 10U, 40U },
         /* execution takes 18 ms at most, EEPROM writing included */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
     };
@@ -3171,7 +3173,7 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
 {
     static const lika_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
         /* reset_multiturn_and_errors; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0x62U, 10U, 40U },
+        { LIKA_STEP_SEND, 6U, 0xFFU, 0x62U, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
     *count = LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT;
@@ -3212,7 +3214,7 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
         /* reset_errors; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xBAU, 10U, 40U },
+        { LIKA_STEP_SEND, 6U, 0xFFU, 0xBAU, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
     *count = LIKA_AMM5_RESET_ERRORS_STEPS_COUNT;

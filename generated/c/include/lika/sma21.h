@@ -3203,7 +3203,7 @@ static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
         /* reset_errors; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xDAU, 10U, 40U }
+        { LIKA_STEP_SEND, 7U, 0xFFU, 0xDAU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_ERRORS_STEPS_COUNT;
     return steps;
@@ -3245,7 +3245,7 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
         /* reset_position; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0x7AU, 10U, 40U }
+        { LIKA_STEP_SEND, 7U, 0xFFU, 0x7AU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_POSITION_STEPS_COUNT;
     return steps;
