@@ -10,6 +10,8 @@ The record has a line for each call: ``r 44 4`` reads four bytes from 44h up, ``
 from __future__ import annotations
 
 import ctypes
+import functools
+import operator
 import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -23,7 +25,7 @@ from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.reserved import c_name
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
-WRITE, WAIT, SEND, READ, POLL = range(1, 6)
+WRITE, WAIT, SEND, READ, POLL, CLOSE = range(1, 7)
 
 _READ = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
@@ -32,7 +34,9 @@ _WRITE = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
 )
 _WAIT = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint32)
-_SEND = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint8)
+_SEND = ctypes.CFUNCTYPE(
+    ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint8, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
+)
 CALLBACKS = {"read_registers": _READ, "write_registers": _WRITE, "wait_us": _WAIT, "send_request": _SEND}
 
 
@@ -52,6 +56,7 @@ class Failure(ctypes.Structure):
         ("call", ctypes.c_int),
         ("address", ctypes.c_uint16),
         ("error", ctypes.c_int32),
+        ("left_open", ctypes.c_bool),
     ]
 
     def told(self) -> tuple[int, int, int, int, int]:
@@ -60,6 +65,10 @@ class Failure(ctypes.Structure):
 
 #: What a failure holds before a call, to see whether it was touched.
 UNTOUCHED = (99, 0, 0, 0xFFFF, -99)
+
+
+def xor_of(data: bytes) -> int:
+    return functools.reduce(operator.xor, data, 0)
 
 
 @dataclass
@@ -72,6 +81,11 @@ class Encoder:
     error: int = 0
     missing: frozenset[str] = frozenset()
     polls: tuple[int, int] = (0, 0)
+    #: What is wrong with a reply: its number and that of the byte, and the bits.
+    spoilt: dict[tuple[int, int], int] = field(default_factory=dict)
+    sent: int = 0
+    #: Whether every call fails from ``fail_at`` on, or that one alone.
+    fail_on: bool = False
     #: Called before each read, with the address; it may change the memory.
     before_read: Callable[[int], None] = lambda address: None
 
@@ -83,7 +97,8 @@ class Encoder:
     def _noted(self, context: int | None, text: str) -> int:
         assert context == 0x1234
         self.record.append(text)
-        return self.error if len(self.record) - 1 == self.fail_at else 0
+        at = len(self.record) - 1
+        return self.error if at == self.fail_at or (self.fail_on and 0 <= self.fail_at <= at) else 0
 
     def read_registers(self, context: int | None, address: int, data: Any, length: int) -> int:
         self.before_read(address)
@@ -99,7 +114,13 @@ class Encoder:
     def wait_us(self, context: int | None, microseconds: int) -> int:
         return self._noted(context, f"wait {microseconds}")
 
-    def send_request(self, context: int | None, request: int) -> int:
+    def send_request(self, context: int | None, request: int, reply: ctypes.Array[ctypes.c_uint8], length: int) -> int:
+        """The reply begins with the request and ends with the exclusive-or of the others, but for what is spoilt."""
+        given = bytes([request, *range(1, length - 1)]) if length else b""
+        given += bytes([xor_of(given)]) if length else b""
+        for index, byte in enumerate(given):
+            reply[index] = byte ^ self.spoilt.get((self.sent, index), 0)
+        self.sent += 1
         return self._noted(context, f"send {request:02X}")
 
 
@@ -111,6 +132,7 @@ class Answer:
     data: bytes
     failure: tuple[int, int, int, int, int]
     record: list[str]
+    left_open: bool = False
 
 
 @dataclass(frozen=True)
@@ -159,7 +181,8 @@ class Machine:
         data = (ctypes.c_uint8 * 65)(*[0xAA] * 65)
         result = getattr(self.library, name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
         # The first byte tells how many were filled.
-        return Answer(result, bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b"", failure.told(), encoder.record)
+        filled = bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b""
+        return Answer(result, filled, failure.told(), encoder.record, failure.left_open)
 
 
 def compile_machine(device: Device, folder: Path) -> None:
