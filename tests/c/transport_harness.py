@@ -141,6 +141,8 @@ class Machine:
 
     device: Device
     library: ctypes.CDLL
+    #: Whether procedures go through the runner, which leaves waiting to its caller: a wait cannot fail then.
+    stepped: bool = False
 
     def run(self, procedure: str, code: str, arguments: Sequence[int] = (), encoder: Encoder | None = None) -> Answer:
         given = (ctypes.c_uint64 * max(1, len(arguments)))(*arguments)
@@ -185,11 +187,13 @@ class Machine:
         return Answer(result, filled, failure.told(), encoder.record, failure.left_open)
 
 
-def compile_machine(device: Device, folder: Path) -> None:
-    """Compiles the functions of a family for :class:`Machine`, undefined behaviour watched."""
+def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None:
+    """Compiles the functions of a family for :class:`Machine`, undefined behaviour watched; ``stepped`` has a main
+    loop around the runner carry out the procedures."""
     include = write(folder, (device,))
     text, library = folder / "transport.c", folder / "transport.so"
-    text.write_text(source(device), encoding="utf-8")
+    loop = _LOOP.replace("@maker@", device.manufacturer.name).replace("@MAKER@", device.manufacturer.name.upper())
+    text.write_text((loop if stepped else "") + source(device), encoding="utf-8")
     command = [
         "gcc",
         "-std=c99",
@@ -307,6 +311,80 @@ int write_{name}(const @maker@_transport *transport, const char *code, const uin
 """
     return text
 
+
+#: A main loop in place of the function that waits. It comes early now and then, and starts nothing twice.
+_LOOP = r"""
+#include "@maker@/runner.h"
+#include <stdlib.h>
+
+enum { MISSING = -77777 };
+
+static int32_t started(const @maker@_transport *transport, @maker@_runner *runner, @maker@_todo todo)
+{
+    switch (todo) {
+    case @MAKER@_TODO_READ:
+        return transport->read_registers == NULL ? MISSING
+            : transport->read_registers(transport->context, runner->address, runner->data, runner->length);
+    case @MAKER@_TODO_WRITE:
+        return transport->write_registers == NULL ? MISSING
+            : transport->write_registers(transport->context, runner->address, &runner->byte, 1U);
+    case @MAKER@_TODO_SEND:
+        return transport->send_request == NULL ? MISSING
+            : transport->send_request(transport->context, runner->byte, runner->data, runner->length);
+    default:
+        abort();
+    }
+}
+
+static inline @maker@_result in_a_loop(
+    const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
+    @maker@_failure *failure)
+{
+    @maker@_runner runner;
+    /* The time starts again soon. */
+    uint32_t now = 0xFFFFF000U;
+    @maker@_todo todo;
+    @maker@_result result = @maker@_runner_start(&runner, steps, count, bytes, length, now);
+    if (result != @MAKER@_OK) {
+        return @maker@_runner_next(&runner, now) == @MAKER@_TODO_END ? result : @MAKER@_OK;
+    }
+    runner.poll_at_most = transport->poll_at_most;
+    runner.poll_pause_us = transport->poll_pause_us;
+    for (todo = @maker@_runner_next(&runner, now); todo != @MAKER@_TODO_END; todo = @maker@_runner_next(&runner, now)) {
+        if (todo != @MAKER@_TODO_WAIT) {
+            const int32_t error = started(transport, &runner, todo);
+            if (@maker@_runner_next(&runner, now + 3U) != @MAKER@_TODO_BUSY) {
+                abort();
+            }
+            @maker@_runner_done(&runner, error, now);
+            continue;
+        }
+        @maker@_runner_done(&runner, -5, now);
+        if (transport->wait_us != NULL) {
+            (void)transport->wait_us(transport->context, runner.wait_us);
+        }
+        now += runner.wait_us - 1U;
+        if (@maker@_runner_next(&runner, now) != @MAKER@_TODO_WAIT || runner.wait_us != 1U) {
+            abort();
+        }
+        now++;
+    }
+    if (@maker@_runner_next(&runner, now) != @MAKER@_TODO_END || runner.alone) {
+        abort();
+    }
+    if (runner.result != @MAKER@_OK && failure != NULL) {
+        *failure = runner.failure;
+    }
+    if (runner.result == @MAKER@_FAULT_TRANSPORT && runner.failure.error == MISSING) {
+        if (failure != NULL) {
+            failure->error = 0;
+        }
+        return @MAKER@_FAULT_UNSUPPORTED;
+    }
+    return runner.result;
+}
+#define @maker@_run in_a_loop
+"""
 
 _HEAD = r"""
 #include "@maker@/@device@.h"

@@ -27,7 +27,7 @@ from .package import FILES, Package, package_files
 
 
 #: The headers that all families of a manufacturer share, by the stems of their names.
-SHARED_HEADERS = ("encoder", "biss", "tracker", "angle")
+SHARED_HEADERS = ("encoder", "biss", "runner", "tracker", "angle")
 
 
 class Shared(TypedDict):

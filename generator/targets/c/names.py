@@ -77,11 +77,13 @@ _ENCODER_H = """
     run_reads run_send run_step run_together run_write send signed step step_address step_close step_closes
     step_kind step_poll step_read step_send step_wait step_write to_gray transport verdict wait write write_byte
 """
-#: The same of tracker.h and angle.h.
-_MOTION_H = """
-    ANGLE_H TRACKER_H TRACKER_SILENCE_US angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees
-    angle_q15 angle_q31 angle_radians counts_per_second tracker tracker_add tracker_believed tracker_shorter
-    tracker_speed tracker_start
+#: The same of runner.h, tracker.h and angle.h.
+_USE_H = """
+    ANGLE_H RUNNER_H TODO_BUSY TODO_END TODO_READ TODO_SEND TODO_WAIT TODO_WRITE TRACKER_H TRACKER_SILENCE_US
+    angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees angle_q15 angle_q31 angle_radians
+    counts_per_second runner runner_accessed runner_advance runner_ask runner_begin runner_done runner_fail
+    runner_next runner_polled runner_sent runner_start runner_write todo tracker tracker_add tracker_believed
+    tracker_shorter tracker_speed tracker_start
 """
 #: The same of biss.h, after that and ``biss_``.
 _BISS_H = """
@@ -96,7 +98,7 @@ _BISS_H = """
 
 def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
     """The names in the headers that the families of a manufacturer share; those of macros are in capitals."""
-    names = [*_ENCODER_H.split(), *_MOTION_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
+    names = [*_ENCODER_H.split(), *_USE_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
     for name in names:
         yield f"{prefix}_{name}".upper() if name.removeprefix("biss_").isupper() else f"{prefix}_{name}"
 
