@@ -424,8 +424,7 @@ def test_a_function_that_is_missing_is_told(case: Case, ways: Callable[[str], Ma
 def test_who_does_not_ask_is_not_told(case: Case, ways: Callable[[str], Machine]) -> None:
     if not case.arguments:
         assert (
-            ways(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1))
-            == TRANSPORT
+            ways(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1)) == TRANSPORT
         )
 
 

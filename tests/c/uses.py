@@ -45,7 +45,9 @@ def without_comments(text: str) -> str:
 
 def without_nodiscard(code: str) -> str:
     """The code without the word for results that have to be looked at, whose spelling depends on the compiler."""
-    return re.sub(r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^\w+_NODISCARD\n", "", code, flags=re.M | re.S)
+    return re.sub(
+        r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^\w+_NODISCARD\n", "", code, flags=re.MULTILINE | re.DOTALL
+    )
 
 
 def declared(texts: Iterable[str]) -> Declared:

@@ -28,9 +28,7 @@ def verdict(harness: Path, claim: str, include: Path, folder: Path, rounds: int)
     text = harness.read_text(encoding="utf-8").replace("@maker@", maker).replace("@MAKER@", maker.upper())
     (folder / "harness.c").write_text(text, encoding="utf-8")
     command = [tool("cbmc", (OURS,)), str(folder / "harness.c"), f"-I{include}", "--function", claim]
-    done = subprocess.run(
-        [*command, *UNDEFINED, "--unwind", str(rounds)], capture_output=True, text=True, timeout=400
-    )
+    done = subprocess.run([*command, *UNDEFINED, "--unwind", str(rounds)], capture_output=True, text=True, timeout=400)
     # A function without a body may give anything: that is what the harness is for.
     failed = [line for line in done.stdout.splitlines() if line.endswith(": FAILURE") and ".no-body." not in line]
     assert failed or "0 of " in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]

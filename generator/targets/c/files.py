@@ -24,7 +24,7 @@ from .filters import FILTERS, TESTS
 from .lines import laid_out
 from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
-
+from .selftest import AllTests, FamilyTest, selftest_files
 
 #: The headers that all families of a manufacturer share, by the stems of their names.
 SHARED_HEADERS = ("encoder", "biss", "runner", "tracker", "angle")
@@ -69,7 +69,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         package = package_files(
             library.by_manufacturer(), views, lambda template, values: _render(library, template, values)
         )
-        files |= {f"c/{path}": text for path, text in package.items()}
+        tests = selftest_files(
+            library.by_manufacturer(), views, lambda template, values: _render(library, template, values)
+        )
+        files |= {f"c/{path}": text for path, text in (package | tests).items()}
     return files
 
 
@@ -109,6 +112,9 @@ TEMPLATES = Templates(
         **{f"{name}.h.jinja": Shared for name in SHARED_HEADERS},
         "device.h.jinja": Family,
         "example.c.jinja": Program,
+        "selftest.c.jinja": FamilyTest,
+        "selftest_all.c.jinja": AllTests,
+        "selftest.h.jinja": AllTests,
         **dict.fromkeys(FILES.values(), Package),
     },
     filters=FILTERS,
