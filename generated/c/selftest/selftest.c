@@ -9,7 +9,7 @@
 #include "lika/angle.h"
 #include "lika/tracker.h"
 
-/* Reads of one register over BiSS [TexasInstruments/motor-control-sdk: bissc_hex_control_commands.png]. */
+/* Reads of one register [TexasInstruments/motor-control-sdk: bissc_hex_control_commands.png]. */
 static bool lika_words(void)
 {
     static const struct {

@@ -12,15 +12,15 @@
  *     switch (lika_runner_next(&runner, now_us)) {           in the main loop
  *     case READ:  start to read  runner.length bytes from runner.address into runner.data
  *     case WRITE: start to write the byte runner.byte to runner.address
- *     case SEND:  start to send the request runner.byte, and to receive runner.length bytes in reply
- *                 into runner.data (0: let the reply pass)
+ *     case SEND:  start to send the request runner.byte, and to get runner.length bytes of reply
+ *                 into runner.data (0: let it pass)
  *     case WAIT:  come back in runner.wait_us microseconds or later; until then the bus is free,
  *                 unless runner.alone says that nothing else may be sent
  *     case BUSY:  come back when what was started is over
  *     case END:   runner.result says how it went, runner.failure what failed and how far it came
  *     }
  *
- *     lika_runner_done(&runner, error, now_us);              when it is over, 0 or your error number
+ *     lika_runner_done(&runner, error, now_us);       when it is over: 0, or your error number
  *
  * It does the same as lika_run(), in the same order: after a failure it goes on to what closes what
  * was opened, and ends then. Never leave it before END: a register may be open. Nothing locks: call
@@ -144,7 +144,7 @@ static inline lika_todo lika_runner_write(
     return lika_runner_ask(runner, LIKA_TODO_WRITE, step->address, &runner->byte, 1U);
 }
 
-/* What the present step asks for; END where it is a wait, which is only noted, or cannot be done. */
+/* What the present step asks for; END where it is a wait, which is noted, or cannot be done. */
 static inline lika_todo lika_runner_begin(lika_runner *runner)
 {
     const lika_step *const step = &runner->steps[runner->at];
@@ -208,7 +208,7 @@ static inline lika_todo lika_runner_next(lika_runner *runner, uint32_t now_us)
     return todo;
 }
 
-/* After a reading of a poll: on with the next step, or again after a pause, as often as it may be. */
+/* After a reading of a poll: on with the next step, or again after a pause, up to its bound. */
 static inline void lika_runner_polled(lika_runner *runner, const lika_step *step)
 {
     const bool bounded = runner->poll_at_most != 0U;
