@@ -99,14 +99,19 @@ static inline uint32_t lika_angle_electrical(uint32_t angle, uint32_t pole_pairs
 static inline int32_t lika_angle_q31(uint32_t angle)
 {
     const uint32_t half = 0x80000000U;
-    return (angle < half) ? (int32_t)angle : ((int32_t)(angle - half) - 0x7FFFFFFF - 1);
+    const uint32_t above = angle - half;
+    return (angle < half) ? (int32_t)angle : ((int32_t)above - 0x7FFFFFFF - 1);
 }
 
 /* The same as Q15, for tables and processors of 16 bits. */
 static inline int16_t lika_angle_q15(uint32_t angle)
 {
-    const int32_t parts = (int32_t)(angle >> 16U);
-    return (int16_t)((parts < 0x8000) ? parts : (parts - 0x10000));
+    const uint32_t upper = angle >> 16U;
+    int32_t parts = (int32_t)upper;
+    if (parts >= 0x8000) {
+        parts -= 0x10000;
+    }
+    return (int16_t)parts;
 }
 
 /* Thousandths of a degree, the nearest, from 0 to 359,999. */
@@ -119,14 +124,19 @@ static inline uint32_t lika_angle_millidegrees(uint32_t angle)
 /* Degrees, from 0 to below 360, by the upper 24 bits: as many as a float holds. */
 static inline float lika_angle_degrees(uint32_t angle)
 {
-    return (float)(angle >> 8U) * (360.0F / 16777216.0F);
+    const uint32_t upper = angle >> 8U;
+    return (float)upper * (360.0F / 16777216.0F);
 }
 
 /* Radians, from -pi to below pi, by the upper 24 bits. */
 static inline float lika_angle_radians(uint32_t angle)
 {
-    const int32_t parts = (int32_t)(angle >> 8U);
-    return (float)((parts < 0x800000) ? parts : (parts - 0x1000000)) * (6.2831853F / 16777216.0F);
+    const uint32_t upper = angle >> 8U;
+    int32_t parts = (int32_t)upper;
+    if (parts >= 0x800000) {
+        parts -= 0x1000000;
+    }
+    return (float)parts * (6.2831853F / 16777216.0F);
 }
 
 #ifdef __cplusplus

@@ -316,7 +316,7 @@ LIKA_NODISCARD
 static inline lika_result lika_send(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
-    uint8_t reply[LIKA_REPLY_BYTES] = { 0U };
+    uint8_t reply[LIKA_REPLY_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
     const size_t length = step->address;
     lika_result result;
     int32_t error;

@@ -83,7 +83,8 @@ static inline lika_result lika_runner_start(
         fits ? LIKA_OK : LIKA_FAULT_LENGTH,
         { 0U, LIKA_STEP_WAIT, LIKA_STEP_WAIT, 0U, 0, false },
         0U, 0U, 0U, false, NULL, 0U, LIKA_POLL_AT_MOST, LIKA_POLL_PAUSE_US,
-        steps, fits ? count : 0U, 0U, 0U, bytes, LIKA_TODO_END, 0U, 0U, now_us, { 0U }
+        steps, fits ? count : 0U, 0U, 0U, bytes, LIKA_TODO_END, 0U, 0U, now_us,
+        { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U }
     };
     *runner = fresh;
     return runner->result;

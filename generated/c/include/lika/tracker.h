@@ -104,6 +104,7 @@ static inline lika_result lika_tracker_add(
 {
     const uint32_t elapsed_us = now_us - tracker->at_us;
     uint64_t moved;
+    uint64_t counted;
     tracker->refused++;
     if (tracker->known == 0U) {
         if ((position == 0U) && (elapsed_us < tracker->boot_us)) {
@@ -121,7 +122,8 @@ static inline lika_result lika_tracker_add(
         }
     }
     tracker->raw = position;
-    tracker->position = (int64_t)((uint64_t)tracker->position + moved);
+    counted = (uint64_t)tracker->position + moved;
+    tracker->position = (int64_t)counted;
     tracker->at_us = now_us;
     tracker->moved = (int64_t)moved;
     tracker->elapsed_us = elapsed_us;
@@ -151,7 +153,10 @@ static inline int64_t lika_counts_per_second(int64_t counts, uint32_t elapsed_us
             left |= 1U;
         }
     }
-    return (counts < 0) ? (int64_t)(0U - left) : (int64_t)left;
+    if (counts < 0) {
+        left = 0U - left;
+    }
+    return (int64_t)left;
 }
 
 /*
