@@ -286,7 +286,7 @@ FAULTS = {
     "no gate": ("tracker.h", "(position == 0U) &&", "(position == 1U) &&"),
     "silence": ("tracker.h", "524288U", "524287U"),
     "speed": ("tracker.h", "if (rest >= elapsed_us)", "if (rest > elapsed_us)"),
-    "shift of an angle": ("angle.h", "position << (32U - bits)", "position << (33U - bits)"),
+    "shift of an angle": ("angle.h", "up = 32U - bits", "up = 33U - bits"),
     "bits of a position": ("angle.h", "if (bit > 32U)", "if (bit > 33U)"),
     "nearest": ("angle.h", "+ 0x80000000U) >> 32U", ") >> 32U"),
     "half a turn": ("angle.h", "- 0x7FFFFFFF - 1", "- 0x7FFFFFFF"),

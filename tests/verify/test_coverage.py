@@ -20,7 +20,9 @@ ROOT = Path(__file__).resolve().parents[2]
 #: Those that run programs over the headers, in both forms of the CRCs; the others only compile them,
 #: or are about headers of made-up devices.
 TESTS = {
-    "functions": [f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "families", "motion", "transport")],
+    "functions": [
+        f"tests/c/test_c_{name}.py" for name in ("access", "biss_control", "families", "motion", "transport")
+    ],
     "codecs": ["tests/c/test_c_codec.py"],
 }
 

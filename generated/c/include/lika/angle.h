@@ -67,15 +67,22 @@ static inline uint32_t lika_angle(uint64_t position, uint64_t steps)
     }
     if ((steps & (steps - 1U)) == 0U) {
         const uint32_t bits = lika_angle_highest_bit(steps);
-        const uint64_t shifted = (bits > 32U) ?
-            (position >> (bits - 32U)) : (position << (32U - bits));
-        return (uint32_t)(shifted & 0xFFFFFFFFU);
+        uint64_t shifted = position;
+        if (bits > 32U) {
+            const uint32_t down = bits - 32U;
+            shifted >>= down;
+        } else {
+            const uint32_t up = 32U - bits;
+            shifted <<= up;
+        }
+        return (uint32_t)(shifted & UINT32_MAX);
     }
     /* The bits of the position, then 32 zeros: what they bring is the angle. */
     for (bit = 96U; bit > 0U; bit--) {
         rest <<= 1U;
         if (bit > 32U) {
-            rest |= (position >> (bit - 33U)) & 1U;
+            const uint32_t at = bit - 33U;
+            rest |= (position >> at) & 1U;
         }
         angle <<= 1U;
         if (rest >= steps) {

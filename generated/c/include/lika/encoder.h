@@ -100,9 +100,8 @@ typedef enum lika_step_kind {
 /*
  * One step. Members that its kind does not need have no meaning. Mask is 0xFF where a whole byte is
  * written; where it is not, the byte is read first, and its bits outside the mask are written back
- * as they are. For SEND address is how many bytes the reply has: they have to come, the first has to
- * be the request, and where mask is 0xFF the exclusive-or of all has to be 0. With 0 nothing of the
- * reply is looked at.
+ * as they are. For SEND address is how many bytes the reply has: they have to come, the first is
+ * the request, and where mask is 0xFF the exclusive-or of all is 0. With 0 none is looked at.
  */
 typedef struct lika_step {
     lika_step_kind kind;
@@ -167,8 +166,8 @@ static inline lika_step lika_step_close(uint16_t address, uint8_t mask, uint8_t 
  *   write_registers  writes so many bytes in the same way
  *   wait_us          comes back after so many microseconds, or later
  *   send_request     sends this byte, which is a whole request over RS-485 (its control field), and
- *                    receives so many bytes in reply; fewer, or none in time, are an error of yours.
- *                    With length 0 it lets the reply pass
+ *                    receives so many bytes in reply; fewer, or none in time, are an error of
+ *                    yours. With length 0 it lets the reply pass
  * A poll reads again and again until the encoder is done. No manual says how long that may take, so
  * the bound is yours too: so many readings at most, with a pause of so many microseconds between
  * two. With 0 readings the bound is LIKA_POLL_AT_MOST and the pause LIKA_POLL_PAUSE_US.
@@ -189,10 +188,10 @@ typedef struct lika_transport {
 #define LIKA_REPLY_BYTES 16U /* the longest reply that a step can look at */
 
 /*
- * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED, with CRC and CONSTANT of
- * a reply, and with RANGE where a list has a step of no kind. The steps before it were done, and
- * after it those that close what was opened. A fault that is found before the first step, or in what was read,
- * leaves it as it was. NULL will do in its place.
+ * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED, with CRC and CONSTANT
+ * of a reply, and with RANGE where a list has a step of no kind. The steps before it were done, and
+ * after it those that close what was opened. A fault that is found before the first step, or in
+ * what was read, leaves it as it was. NULL will do in its place.
  */
 typedef struct lika_failure {
     size_t step; /* which step, the first is 0 */
@@ -316,7 +315,9 @@ LIKA_NODISCARD
 static inline lika_result lika_send(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
-    uint8_t reply[LIKA_REPLY_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
+    uint8_t reply[LIKA_REPLY_BYTES] = {
+        0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U
+    };
     const size_t length = step->address;
     lika_result result;
     int32_t error;
@@ -452,8 +453,8 @@ static inline uint16_t lika_step_address(const lika_step *step)
 }
 
 /*
- * Whether a step closes what one of the first steps has opened. One that failed counts: nobody knows
- * whether it arrived.
+ * Whether a step closes what one of the first steps has opened. One that failed counts: nobody
+ * knows whether it arrived.
  */
 static inline bool lika_step_closes(
     const lika_step *steps, size_t begun, const lika_step *step)
@@ -488,8 +489,8 @@ static inline bool lika_run_closing(
 }
 
 /*
- * Carries out steps one after the other, up to the first that fails; what it or those before it have
- * opened is closed then, and the failure says how far it came. The bytes that they read are
+ * Carries out steps one after the other, up to the first that fails; what it or those before it
+ * have opened is closed then, and the failure says how far it came. The bytes that they read are
  * put into bytes, of which there are exactly as many (else LENGTH, and nothing is done); those that
  * lie beside each other in the encoder are read by one call. After a fault bytes is of no use.
  */
