@@ -25,9 +25,11 @@ from ..model import (
     WriteStep,
     assert_never,
 )
+from .closing import closing_steps
 from .codec import allowed_values, codec_of
 from .limits import Limits, limited_member, limits_of
 from .refusals import NotOneOf, TooWide
+from .replies import Reply, reply_to
 
 
 class Call(Enum):
@@ -84,7 +86,8 @@ class Writes:
 
     ``pieces`` are the bytes concerned: bits ``mask << right`` of the byte get ``(number >> left) & mask``. They are
     empty where the field moves with the order code. ``teaches`` are the parameters that the register holds at run time,
-    where limits of later steps depend on them: there they have the value that was written.
+    where limits of later steps depend on them: there they have the value that was written. ``closes`` says that it
+    undoes what a step before it has opened: it is also done where a step in between fails.
     """
 
     step: WriteStep | ModifyStep
@@ -93,6 +96,7 @@ class Writes:
     pieces: tuple[Piece, ...]
     value: Source
     teaches: tuple[Parameter, ...] = ()
+    closes: bool = False
 
     @property
     def calls(self) -> tuple[Call, ...]:
@@ -129,7 +133,10 @@ class Waits:
 
 @dataclass(frozen=True, slots=True)
 class Sends:
+    """Send a request so many times; ``reply`` is what has to come back each time, None where the spec does not tell."""
+
     step: SendStep
+    reply: Reply | None = None
 
     @property
     def calls(self) -> tuple[Call, ...]:
@@ -194,7 +201,17 @@ class Run:
 
 
 def run_of(device: Device, procedure: Procedure) -> Run:
-    operations = tuple(_taught(device, [_operation(device, procedure, step) for step in procedure.steps]))
+    closing = closing_steps(device, procedure.steps)
+    plain = (_operation(device, procedure, step) for step in procedure.steps)
+    operations = tuple(
+        _taught(
+            device,
+            [
+                replace(item, closes=True) if isinstance(item, Writes) and index in closing else item
+                for index, item in enumerate(plain)
+            ],
+        )
+    )
     writes = [item for item in operations if isinstance(item, Writes)]
     arguments = (
         _given(device, argument, tuple(item for item in writes if _argument(item.value) is argument))
@@ -227,7 +244,7 @@ def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:
         case WaitStep():
             return Waits(step)
         case SendStep():
-            return Sends(step)
+            return Sends(step, reply_to(device, procedure.interface, step.data_id))
         case PollStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)

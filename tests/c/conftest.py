@@ -55,18 +55,30 @@ def programs(every_device: Mapping[str, Device], made_once: MadeOnce) -> Mapping
     return Programs(every_device, made_once)
 
 
-@pytest.fixture(scope="session")
-def machines(every_device: Mapping[str, Device], made_once: MadeOnce) -> Callable[[str], Machine]:
-    """The functions of a family that take a transport, by its name; ``words`` is that of ``tests/specs``."""
+def _machines(every_device: Mapping[str, Device], made_once: MadeOnce, stepped: bool) -> Callable[[str], Machine]:
     (words,) = devices_of(SPECS / "words.yaml")
 
     @cache
     def made(name: str) -> Machine:
         device = words if name == "words" else every_device[name]
-        folder = made_once(f"machine_{name}", lambda place: compile_machine(device, place))
-        return Machine(device, ctypes.CDLL(str(folder / "transport.so")))
+        folder = made_once(
+            f"{'stepped' if stepped else 'machine'}_{name}", lambda place: compile_machine(device, place, stepped)
+        )
+        return Machine(device, ctypes.CDLL(str(folder / "transport.so")), stepped)
 
     return made
+
+
+@pytest.fixture(scope="session")
+def machines(every_device: Mapping[str, Device], made_once: MadeOnce) -> Callable[[str], Machine]:
+    """The functions of a family that take a transport, by its name; ``words`` is that of ``tests/specs``."""
+    return _machines(every_device, made_once, stepped=False)
+
+
+@pytest.fixture(scope="session")
+def stepped_machines(every_device: Mapping[str, Device], made_once: MadeOnce) -> Callable[[str], Machine]:
+    """The same, with procedures carried out by the runner in a main loop."""
+    return _machines(every_device, made_once, stepped=True)
 
 
 @pytest.fixture(scope="session")

@@ -265,7 +265,7 @@ HELPERS: Mapping[str, int] = {
     "lika_capital('`') == '`'": 1,
     "lika_is_letter_or_digit('_')": 0,
     "lika_is_letter_or_digit('@')": 0,
-    "lika_step_send(0xDAU, 10U, 40U).times": 10,
+    "lika_step_send(0xDAU, 10U, 40U, 7U, 0xFFU).times": 10,
     "lika_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
     "lika_step_wait(5U).microseconds": 5,
 }
@@ -360,8 +360,10 @@ int main(void)
     lika_biss_master master;
     lika_biss_slave slave;
     uint8_t bytes[8] = { 0U };
-    (void)lika_am36_reg_configuration_decode(&am36, bytes, 1U, &coded);
-    (void)lika_sma21_reg_configuration_decode(&sma21, bytes, 1U, &measured);
+    if (lika_am36_reg_configuration_decode(&am36, bytes, 1U, &coded) != LIKA_OK
+        || lika_sma21_reg_configuration_decode(&sma21, bytes, 1U, &measured) != LIKA_OK) {
+        return 1;
+    }
     lika_biss_master_init(&master);
     lika_biss_slave_init(&slave);
 @body@    return 0;

@@ -186,6 +186,10 @@ def arguments(device: Device, procedure: Procedure, variant: Variant) -> Iterabl
             yield {other: value if other == name else choices[0][0] for other, choices in possible.items()}
 
 
+#: How many bytes the reply to each request of a procedure has: AMM5 7.3.2, SMA21 7.3.2.
+REPLIES = {"amm5": 6, "sma21": 7}
+
+
 def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> str:
     """kind, address, mask, value, times, microseconds of each step; or the fault."""
     try:
@@ -198,7 +202,7 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
             case WaitStep():
                 rows.append((2, 0, 0, 0, 0, step.microseconds))
             case SendStep():
-                rows.append((3, 0, 255, step.request[0], step.times, step.microseconds))
+                rows.append((3, REPLIES[device.name], 255, step.request[0], step.times, step.microseconds))
             case ReadStep():
                 register = device.register(step.register)
                 rows += [(4, register.address + index, 255, 0, 1, 0) for index in range(register.length)]
@@ -209,7 +213,8 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
             case WriteStep() | ModifyStep():
                 register = device.register(step.register)
                 mask = register_mask(register, step.field if isinstance(step, ModifyStep) else "")
-                rows += byte_rows(1, register, mask, writes_number(writes, register))
+                closes = (step.register, step.value) == ("preset_setting_enable", 0)
+                rows += byte_rows(6 if closes else 1, register, mask, writes_number(writes, register))
             case _:
                 assert_never(step)
     return " ".join(["0", *(",".join(map(str, row)) for row in rows)])

@@ -142,7 +142,7 @@ int32_t bus_wait(void *context, uint32_t microseconds)
 int main(void)
 {
     uint64_t position = 0U;
-    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0 };
+    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0, false };
     printf("%d %lu\\n", (int)read_encoder(0xFBU, &position), (unsigned long)position);
     /* 1,000,003 with error and warning active, with the warning alone, and with neither; the CRC is right each time. */
     printf("%d %lu\\n", (int)read_encoder(0xF424316U, &position), (unsigned long)position);

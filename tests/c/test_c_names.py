@@ -25,7 +25,7 @@ from uses import declared, use_everything, without_texts
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The headers that all families share; the last is there for BiSS alone.
-SHARED = ("encoder", "receive", "biss")
+SHARED = ("encoder", "receive", "runner", "tracker", "angle", "biss")
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 

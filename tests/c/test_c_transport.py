@@ -15,7 +15,9 @@ import pytest
 from c_harness import FAMILIES
 from codewheel.model import Device
 from transport_harness import (
+    CLOSE,
     CONSTANT,
+    CRC,
     LENGTH,
     OK,
     POLL,
@@ -32,7 +34,7 @@ from transport_harness import (
     Machine,
 )
 
-KINDS = {"w": WRITE, "wait": WAIT, "send": SEND, "r": READ, "write": WRITE, "poll": POLL}
+KINDS = {"w": WRITE, "wait": WAIT, "send": SEND, "r": READ, "write": WRITE, "poll": POLL, "close": CLOSE}
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,11 @@ class Case:
             address = place or (first if verb in ("r", "w") else "0")
             found.append((access, (int(step), KINDS[kind or verb], KINDS[verb], int(address, 16))))
         return found
+
+    def closing(self, failed: int) -> tuple[list[str], bool]:
+        """What closes the register that is open once this access has failed, and whether it stays open all the same."""
+        at = next((index for index, (_, told) in enumerate(self.lines) if told[1] == CLOSE), -1)
+        return ([self.lines[at][0]] if failed < at else []), failed == at
 
     def encoder(self) -> Encoder:
         made = Encoder()
@@ -97,7 +104,7 @@ CASES = [
         5: w 15 00
         6: w 16 00
         7: w 17 00
-        8: w 40 00
+        8 close: w 40 00
         9: w 77 01
         10: wait 30000
         11: w 77 02
@@ -117,7 +124,7 @@ CASES = [
         5: w 15 00
         6: w 16 00
         7: w 17 00
-        8: w 40 00
+        8 close: w 40 00
         9: w 77 01
         10: wait 30000""",
         (1000003,),
@@ -354,6 +361,14 @@ CASES = [
 ]
 
 
+@pytest.fixture(params=["at once", "step by step"])
+def ways(
+    request: pytest.FixtureRequest, machines: Callable[[str], Machine], stepped_machines: Callable[[str], Machine]
+) -> Callable[[str], Machine]:
+    """Procedures that wait, and those that a main loop goes through: both do the same."""
+    return stepped_machines if request.param == "step by step" else machines
+
+
 def case_name(case: Case) -> str:
     return f"{case.family}-{case.procedure}"
 
@@ -365,30 +380,38 @@ def test_every_procedure_is_here(every_device: Mapping[str, Device]) -> None:
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_a_procedure_does_what_the_manual_says(case: Case, machines: Callable[[str], Machine]) -> None:
-    answer = machines(case.family).run(case.procedure, case.code, case.arguments, case.encoder())
+def test_a_procedure_does_what_the_manual_says(case: Case, ways: Callable[[str], Machine]) -> None:
+    answer = ways(case.family).run(case.procedure, case.code, case.arguments, case.encoder())
     assert answer.record == [access for access, _ in case.lines]
     assert (answer.result, answer.failure) == (OK, UNTOUCHED)
     assert answer.data == bytes.fromhex(case.reads)
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_every_access_that_fails_is_told(case: Case, machines: Callable[[str], Machine]) -> None:
+def test_every_access_that_fails_is_told(case: Case, ways: Callable[[str], Machine]) -> None:
+    made = ways(case.family)
     for index, (_, told) in enumerate(case.lines):
+        if made.stepped and told[2] == WAIT:
+            continue
         encoder = case.encoder()
         encoder.fail_at, encoder.error = index, -1000 - index
-        answer = machines(case.family).run(case.procedure, case.code, case.arguments, encoder)
-        assert answer.record == [access for access, _ in case.lines[: index + 1]], "nothing is done after a failure"
+        answer = made.run(case.procedure, case.code, case.arguments, encoder)
+        closing, left_open = case.closing(index)
+        done = [access for access, _ in case.lines[: index + 1]]
+        assert answer.record == [*done, *closing], "after a failure nothing is done but closing"
         assert (answer.result, answer.failure, answer.data) == (TRANSPORT, (*told, -1000 - index), b"")
+        assert answer.left_open == left_open
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_a_function_that_is_missing_is_told(case: Case, machines: Callable[[str], Machine]) -> None:
+def test_a_function_that_is_missing_is_told(case: Case, ways: Callable[[str], Machine]) -> None:
     functions = {"read_registers": "r", "write_registers": "w", "wait_us": "wait", "send_request": "send"}
     for name, verb in functions.items():
+        if ways(case.family).stepped and verb == "wait":
+            continue
         encoder = case.encoder()
         encoder.missing = frozenset((name,))
-        answer = machines(case.family).run(case.procedure, case.code, case.arguments, encoder)
+        answer = ways(case.family).run(case.procedure, case.code, case.arguments, encoder)
         at = next((index for index, (access, _) in enumerate(case.lines) if access.split()[0] == verb), None)
         if at is None:
             assert (answer.result, answer.failure) == (OK, UNTOUCHED)
@@ -398,36 +421,76 @@ def test_a_function_that_is_missing_is_told(case: Case, machines: Callable[[str]
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_who_does_not_ask_is_not_told(case: Case, machines: Callable[[str], Machine]) -> None:
+def test_who_does_not_ask_is_not_told(case: Case, ways: Callable[[str], Machine]) -> None:
     if not case.arguments:
         assert (
-            machines(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1))
-            == TRANSPORT
+            ways(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1)) == TRANSPORT
         )
 
 
-def test_a_poll_gives_up(machines: Callable[[str], Machine]) -> None:
+def test_the_presets_are_those_that_open_something() -> None:
+    """AMM5 6.4 p.35: Preset setting enable opens the Preset registers, and closes them before saving."""
+    closing = {(case.family, case.procedure) for case in CASES if case.closing(0)[0]}
+    assert closing == {("amm5", "set_preset"), ("amm5", "store_preset")}
+
+
+def test_what_cannot_be_closed_is_told(ways: Callable[[str], Machine]) -> None:
+    """The bus is gone from the third of the Preset registers on: closing is tried once, and fails as well."""
+    encoder = Encoder(fail_at=3, error=-9, fail_on=True)
+    answer = ways("amm5").run("set_preset", "AMM5A21/65KSC1", (1000003,), encoder)
+    assert answer.record == ["w 40 01", "w 11 00", "w 12 30", "w 13 24", "w 40 00"]
+    assert (answer.result, answer.failure, answer.left_open) == (TRANSPORT, (3, WRITE, WRITE, 0x13, -9), True)
+    assert encoder.memory[0x40] == 0, "where only the answer was lost, it is closed"
+
+
+@pytest.mark.parametrize(
+    ("family", "code", "procedure", "length", "pause"),
+    [
+        # AMM5 7.3.2: the reply to data IDs 7, C and F has six bytes; SMA21 7.3.2: to data IDs B and F seven.
+        ("amm5", "AMM5A23/65KJP1", "reset_errors", 6, "wait 2000"),
+        ("amm5", "AMM5A23/65KJP1", "reset_singleturn_and_multiturn", 6, "wait 18000"),
+        ("sma21", "SMA21-JP1-0005", "reset_errors", 7, ""),
+    ],
+)
+def test_a_reply_that_is_not_one_ends_the_requests(
+    family: str, code: str, procedure: str, length: int, pause: str, ways: Callable[[str], Machine]
+) -> None:
+    """A disturbed byte is a CRC fault; the reply to another request is none to this one."""
+    made = ways(family)
+    for number in (0, 3, 9):
+        for byte in range(length):
+            answer = made.run(procedure, code, (), Encoder(spoilt={(number, byte): 0x20}))
+            assert (answer.result, answer.failure) == (CRC, (0, SEND, SEND, 0, 0))
+            assert len([line for line in answer.record if line.startswith("send")]) == number + 1
+            assert pause not in answer.record or not pause
+        other = made.run(procedure, code, (), Encoder(spoilt={(number, 0): 0x20, (number, length - 1): 0x20}))
+        assert (other.result, other.failure) == (CONSTANT, (0, SEND, SEND, 0, 0))
+    longer = Encoder(spoilt={(0, length): 0xFF, (10, 0): 0xFF})
+    assert made.run(procedure, code, (), longer).result == OK, "as long as the reply is, and no more requests"
+
+
+def test_a_poll_gives_up(ways: Callable[[str], Machine]) -> None:
     """Bit 7 of 60h never comes: with a bound of three readings the transport sees three, and two pauses."""
     encoder = Encoder(polls=(3, 700))
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x7F)
-    answer = machines("asc85").run("software_reset", "ASC8525/SC1", (), encoder)
+    answer = ways("asc85").run("software_reset", "ASC8525/SC1", (), encoder)
     assert answer.record == ["w 60 03", "r 60 1", "wait 700", "r 60 1", "wait 700", "r 60 1"]
     assert (answer.result, answer.failure, answer.data) == (TIMEOUT, (1, POLL, POLL, 0x60, 0), b"")
 
 
-def test_a_poll_without_a_bound_has_that_of_the_header(machines: Callable[[str], Machine]) -> None:
+def test_a_poll_without_a_bound_has_that_of_the_header(ways: Callable[[str], Machine]) -> None:
     encoder = Encoder()
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x00)
-    answer = machines("asc85").run("request_position", "ASC8525/SC1", (), encoder)
+    answer = ways("asc85").run("request_position", "ASC8525/SC1", (), encoder)
     assert answer.result == TIMEOUT
     assert answer.record.count("r 60 1") == 1000
     assert answer.record.count("wait 1000") == 999
 
 
-def test_a_poll_without_a_pause_does_not_wait(machines: Callable[[str], Machine]) -> None:
+def test_a_poll_without_a_pause_does_not_wait(ways: Callable[[str], Machine]) -> None:
     encoder = Encoder(polls=(2, 0), missing=frozenset(("wait_us",)))
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x00)
-    answer = machines("asc85").run("request_position", "ASC8525/SC1", (), encoder)
+    answer = ways("asc85").run("request_position", "ASC8525/SC1", (), encoder)
     assert (answer.result, answer.record) == (TIMEOUT, ["w 60 00", "r 60 1", "r 60 1"])
 
 
@@ -441,9 +504,9 @@ def test_a_poll_without_a_pause_does_not_wait(machines: Callable[[str], Machine]
     ],
 )
 def test_a_wrong_argument_touches_nothing(
-    family: str, code: str, procedure: str, arguments: tuple[int, ...], machines: Callable[[str], Machine]
+    family: str, code: str, procedure: str, arguments: tuple[int, ...], ways: Callable[[str], Machine]
 ) -> None:
-    answer = machines(family).run(procedure, code, arguments)
+    answer = ways(family).run(procedure, code, arguments)
     assert (answer.result, answer.failure, answer.record) == (RANGE, UNTOUCHED, [])
 
 
@@ -600,30 +663,62 @@ def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) ->
 # -- lists of one's own
 
 
-def test_a_list_of_ones_own(machines: Callable[[str], Machine]) -> None:
-    made = machines("amm5")
+def test_a_list_of_ones_own(ways: Callable[[str], Machine]) -> None:
+    made = ways("amm5")
     answer = made.steps(
         [
             (WRITE, 0x10, 0xF0, 0xA0, 1, 0),
             (READ, 0x10, 0xFF, 0, 1, 0),
             (READ, 0x12, 0xFF, 0, 1, 0),
             (SEND, 0, 0xFF, 0x55, 2, 0),
+            (SEND, 1, 0, 0x56, 1, 0),
         ],
         2,
-        Encoder(),
+        Encoder(spoilt={(0, 0): 1}),
     )
     assert (answer.result, answer.data) == (OK, b"\xa0\x12")
-    assert answer.record == ["r 10 1", "w 10 A0", "r 10 1", "r 12 1", "send 55", "send 55"]
+    assert answer.record == ["r 10 1", "w 10 A0", "r 10 1", "r 12 1", "send 55", "send 55", "send 56"]
 
 
-def test_a_list_that_reads_another_number_of_bytes_does_nothing(machines: Callable[[str], Machine]) -> None:
+def test_a_list_that_reads_another_number_of_bytes_does_nothing(ways: Callable[[str], Machine]) -> None:
     for room in (0, 1, 3):
-        answer = machines("amm5").steps(
+        answer = ways("amm5").steps(
             [(WRITE, 0x10, 0xFF, 0, 1, 0), (READ, 0x10, 0xFF, 0, 1, 0), (READ, 0x11, 0xFF, 0, 1, 0)], room, Encoder()
         )
         assert (answer.result, answer.record, answer.failure) == (LENGTH, [], UNTOUCHED)
 
 
-def test_a_kind_that_does_not_exist_is_refused(machines: Callable[[str], Machine]) -> None:
-    answer = machines("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (6, 0x21, 0, 0, 0, 0)], 0, Encoder())
-    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 6, 6, 0x21, 0))
+def test_a_kind_that_does_not_exist_is_refused(ways: Callable[[str], Machine]) -> None:
+    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (7, 0x21, 0, 0, 0, 0)], 0, Encoder())
+    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 7, 7, 0x21, 0))
+
+
+def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> None:
+    answer = ways("amm5").steps([(SEND, 17, 0, 0x55, 1, 0)], 0, Encoder())
+    assert (answer.result, answer.record, answer.failure) == (RANGE, [], (0, SEND, SEND, 0, 0))
+    assert ways("amm5").steps([(SEND, 16, 0xFF, 0x55, 1, 0)], 0, Encoder()).result == OK
+
+
+@pytest.mark.parametrize(
+    ("fails", "seen"),
+    [
+        # The write that failed may have arrived: it is closed as well; what was not begun is left alone.
+        (0, ["w 20 01", "w 20 00"]),
+        (1, ["w 20 01", "w 21 05", "w 20 00", "w 21 00"]),
+        (2, ["w 20 01", "w 21 05", "w 20 00", "w 21 00"]),
+        (3, ["w 20 01", "w 21 05", "w 20 00", "w 22 07", "w 21 00"]),
+        (4, ["w 20 01", "w 21 05", "w 20 00", "w 22 07", "w 21 00"]),
+    ],
+)
+def test_a_list_of_ones_own_closes(fails: int, seen: list[str], ways: Callable[[str], Machine]) -> None:
+    steps = [
+        (WRITE, 0x20, 0xFF, 1, 1, 0),
+        (WRITE, 0x21, 0xFF, 5, 1, 0),
+        (CLOSE, 0x20, 0xFF, 0, 1, 0),
+        (WRITE, 0x22, 0xFF, 7, 1, 0),
+        (CLOSE, 0x21, 0xFF, 0, 1, 0),
+    ]
+    answer = ways("amm5").steps(steps, 0, Encoder(fail_at=fails, error=1))
+    assert answer.record == seen
+    assert answer.result == TRANSPORT
+    assert answer.left_open == (fails in (2, 4))

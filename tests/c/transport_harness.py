@@ -10,6 +10,8 @@ The record has a line for each call: ``r 44 4`` reads four bytes from 44h up, ``
 from __future__ import annotations
 
 import ctypes
+import functools
+import operator
 import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -23,7 +25,7 @@ from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.reserved import c_name
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
-WRITE, WAIT, SEND, READ, POLL = range(1, 6)
+WRITE, WAIT, SEND, READ, POLL, CLOSE = range(1, 7)
 
 _READ = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
@@ -32,7 +34,9 @@ _WRITE = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
 )
 _WAIT = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint32)
-_SEND = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint8)
+_SEND = ctypes.CFUNCTYPE(
+    ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint8, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
+)
 CALLBACKS = {"read_registers": _READ, "write_registers": _WRITE, "wait_us": _WAIT, "send_request": _SEND}
 
 
@@ -52,6 +56,7 @@ class Failure(ctypes.Structure):
         ("call", ctypes.c_int),
         ("address", ctypes.c_uint16),
         ("error", ctypes.c_int32),
+        ("left_open", ctypes.c_bool),
     ]
 
     def told(self) -> tuple[int, int, int, int, int]:
@@ -60,6 +65,10 @@ class Failure(ctypes.Structure):
 
 #: What a failure holds before a call, to see whether it was touched.
 UNTOUCHED = (99, 0, 0, 0xFFFF, -99)
+
+
+def xor_of(data: bytes) -> int:
+    return functools.reduce(operator.xor, data, 0)
 
 
 @dataclass
@@ -72,6 +81,11 @@ class Encoder:
     error: int = 0
     missing: frozenset[str] = frozenset()
     polls: tuple[int, int] = (0, 0)
+    #: What is wrong with a reply: its number and that of the byte, and the bits.
+    spoilt: dict[tuple[int, int], int] = field(default_factory=dict)
+    sent: int = 0
+    #: Whether every call fails from ``fail_at`` on, or that one alone.
+    fail_on: bool = False
     #: Called before each read, with the address; it may change the memory.
     before_read: Callable[[int], None] = lambda address: None
 
@@ -83,7 +97,8 @@ class Encoder:
     def _noted(self, context: int | None, text: str) -> int:
         assert context == 0x1234
         self.record.append(text)
-        return self.error if len(self.record) - 1 == self.fail_at else 0
+        at = len(self.record) - 1
+        return self.error if at == self.fail_at or (self.fail_on and 0 <= self.fail_at <= at) else 0
 
     def read_registers(self, context: int | None, address: int, data: Any, length: int) -> int:
         self.before_read(address)
@@ -99,7 +114,13 @@ class Encoder:
     def wait_us(self, context: int | None, microseconds: int) -> int:
         return self._noted(context, f"wait {microseconds}")
 
-    def send_request(self, context: int | None, request: int) -> int:
+    def send_request(self, context: int | None, request: int, reply: ctypes.Array[ctypes.c_uint8], length: int) -> int:
+        """The reply begins with the request and ends with the exclusive-or of the others, but for what is spoilt."""
+        given = bytes([request, *range(1, length - 1)]) if length else b""
+        given += bytes([xor_of(given)]) if length else b""
+        for index, byte in enumerate(given):
+            reply[index] = byte ^ self.spoilt.get((self.sent, index), 0)
+        self.sent += 1
         return self._noted(context, f"send {request:02X}")
 
 
@@ -111,6 +132,7 @@ class Answer:
     data: bytes
     failure: tuple[int, int, int, int, int]
     record: list[str]
+    left_open: bool = False
 
 
 @dataclass(frozen=True)
@@ -119,6 +141,8 @@ class Machine:
 
     device: Device
     library: ctypes.CDLL
+    #: Whether procedures go through the runner, which leaves waiting to its caller: a wait cannot fail then.
+    stepped: bool = False
 
     def run(self, procedure: str, code: str, arguments: Sequence[int] = (), encoder: Encoder | None = None) -> Answer:
         given = (ctypes.c_uint64 * max(1, len(arguments)))(*arguments)
@@ -159,14 +183,17 @@ class Machine:
         data = (ctypes.c_uint8 * 65)(*[0xAA] * 65)
         result = getattr(self.library, name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
         # The first byte tells how many were filled.
-        return Answer(result, bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b"", failure.told(), encoder.record)
+        filled = bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b""
+        return Answer(result, filled, failure.told(), encoder.record, failure.left_open)
 
 
-def compile_machine(device: Device, folder: Path) -> None:
-    """Compiles the functions of a family for :class:`Machine`, undefined behaviour watched."""
+def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None:
+    """Compiles the functions of a family for :class:`Machine`, undefined behaviour watched; ``stepped`` has a main
+    loop around the runner carry out the procedures."""
     include = write(folder, (device,))
     text, library = folder / "transport.c", folder / "transport.so"
-    text.write_text(source(device), encoding="utf-8")
+    loop = _LOOP.replace("@maker@", device.manufacturer.name).replace("@MAKER@", device.manufacturer.name.upper())
+    text.write_text((loop if stepped else "") + source(device), encoding="utf-8")
     command = [
         "gcc",
         "-std=c99",
@@ -284,6 +311,80 @@ int write_{name}(const @maker@_transport *transport, const char *code, const uin
 """
     return text
 
+
+#: A main loop in place of the function that waits. It comes early now and then, and starts nothing twice.
+_LOOP = r"""
+#include "@maker@/runner.h"
+#include <stdlib.h>
+
+enum { MISSING = -77777 };
+
+static int32_t started(const @maker@_transport *transport, @maker@_runner *runner, @maker@_todo todo)
+{
+    switch (todo) {
+    case @MAKER@_TODO_READ:
+        return transport->read_registers == NULL ? MISSING
+            : transport->read_registers(transport->context, runner->address, runner->data, runner->length);
+    case @MAKER@_TODO_WRITE:
+        return transport->write_registers == NULL ? MISSING
+            : transport->write_registers(transport->context, runner->address, &runner->byte, 1U);
+    case @MAKER@_TODO_SEND:
+        return transport->send_request == NULL ? MISSING
+            : transport->send_request(transport->context, runner->byte, runner->data, runner->length);
+    default:
+        abort();
+    }
+}
+
+static inline @maker@_result in_a_loop(
+    const @maker@_transport *transport, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
+    @maker@_failure *failure)
+{
+    @maker@_runner runner;
+    /* The time starts again soon. */
+    uint32_t now = 0xFFFFF000U;
+    @maker@_todo todo;
+    @maker@_result result = @maker@_runner_start(&runner, steps, count, bytes, length, now);
+    if (result != @MAKER@_OK) {
+        return @maker@_runner_next(&runner, now) == @MAKER@_TODO_END ? result : @MAKER@_OK;
+    }
+    runner.poll_at_most = transport->poll_at_most;
+    runner.poll_pause_us = transport->poll_pause_us;
+    for (todo = @maker@_runner_next(&runner, now); todo != @MAKER@_TODO_END; todo = @maker@_runner_next(&runner, now)) {
+        if (todo != @MAKER@_TODO_WAIT) {
+            const int32_t error = started(transport, &runner, todo);
+            if (@maker@_runner_next(&runner, now + 3U) != @MAKER@_TODO_BUSY) {
+                abort();
+            }
+            @maker@_runner_done(&runner, error, now);
+            continue;
+        }
+        @maker@_runner_done(&runner, -5, now);
+        if (transport->wait_us != NULL) {
+            (void)transport->wait_us(transport->context, runner.wait_us);
+        }
+        now += runner.wait_us - 1U;
+        if (@maker@_runner_next(&runner, now) != @MAKER@_TODO_WAIT || runner.wait_us != 1U) {
+            abort();
+        }
+        now++;
+    }
+    if (@maker@_runner_next(&runner, now) != @MAKER@_TODO_END || runner.alone) {
+        abort();
+    }
+    if (runner.result != @MAKER@_OK && failure != NULL) {
+        *failure = runner.failure;
+    }
+    if (runner.result == @MAKER@_FAULT_TRANSPORT && runner.failure.error == MISSING) {
+        if (failure != NULL) {
+            failure->error = 0;
+        }
+        return @MAKER@_FAULT_UNSUPPORTED;
+    }
+    return runner.result;
+}
+#define @maker@_run in_a_loop
+"""
 
 _HEAD = r"""
 #include "@maker@/@device@.h"

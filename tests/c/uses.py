@@ -53,9 +53,16 @@ def _emptied(found: re.Match[str]) -> str:
     return found[0] if found[0].endswith('.h"') else '""'
 
 
+def without_nodiscard(code: str) -> str:
+    """The code without the word for results that have to be looked at, whose spelling depends on the compiler."""
+    return re.sub(
+        r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^\w+_NODISCARD\n", "", code, flags=re.MULTILINE | re.DOTALL
+    )
+
+
 def declared(texts: Iterable[str]) -> Declared:
     """Everything that the headers with these texts declare."""
-    code = "\n".join(map(without_texts, texts))
+    code = "\n".join(map(without_nodiscard, map(without_texts, texts)))
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
     # What the expressions above do not find would not be used, and nobody would see it.
     assert len(functions) == len(re.findall(r"^static ", code, re.MULTILINE)), "a static that is no inline function"

@@ -99,8 +99,8 @@ def test_every_member_of_the_model_has_a_side(kind: str) -> None:
 
 
 def test_every_member_of_a_family_is_compared() -> None:
-    """A section of a family that comes anew needs a walk of its own in ``walk``; overlays and editions show in the facts
-    that they change."""
+    """A section of a family that comes anew needs a walk of its own in ``walk``. Overlays and editions show in
+    the facts that they change."""
     assert {item.name for item in fields(Device)} == set(
         """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
         registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables

@@ -72,10 +72,21 @@ static int32_t fuzzed_wait(void *context, uint32_t microseconds)
     return fuzzed_error();
 }
 
-static int32_t fuzzed_send(void *context, uint8_t request)
+static int32_t fuzzed_send(void *context, uint8_t request, uint8_t *reply, size_t length)
 {
     (void)context;
-    (void)request;
+    size_t at;
+    for (at = 0U; at < length; at++) {
+        reply[at] = (uint8_t)take(1U);
+    }
+    if (length > 1U && (take(1U) & 3U) != 0U) {
+        /* A sound reply, as most are. */
+        reply[0] = request;
+        reply[length - 1U] = 0U;
+        for (at = 0U; at + 1U < length; at++) {
+            reply[length - 1U] ^= reply[at];
+        }
+    }
     return fuzzed_error();
 }
 

@@ -37,11 +37,15 @@ static int32_t wait_us(void *context, uint32_t microseconds)
     return 0;
 }
 
-/* Sends the request and drops the reply. */
-static int32_t send_request(void *context, uint8_t request)
+/* Sends the request; the encoder's reply has the same first byte, and its bytes cancel out. */
+static int32_t send_request(void *context, uint8_t request, uint8_t *reply, size_t length)
 {
+    size_t index;
     (void)context;
     printf("  send %02X\n", (unsigned)request);
+    for (index = 0U; index < length; index++) {
+        reply[index] = ((index == 0U) || ((index + 1U) == length)) ? request : 0U;
+    }
     return 0;
 }
 
@@ -102,7 +106,7 @@ static lika_result run_procedure(lika_failure *failure)
 
 int main(void)
 {
-    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0 };
+    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0, false };
     lika_result result = show_frame();
     if (result == LIKA_OK) {
         result = run_procedure(&failure);

@@ -191,7 +191,7 @@ static lika_result show_manufacturer_id(lika_failure *failure)
 
 int main(void)
 {
-    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0 };
+    lika_failure failure = { 0U, LIKA_STEP_READ, LIKA_STEP_READ, 0U, 0, false };
     lika_result result = show_frame();
     if (result == LIKA_OK) {
         result = show_profile_id(&failure);

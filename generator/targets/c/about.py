@@ -198,11 +198,12 @@ def note_of_step(device: Device, item: Operation) -> str:
     match item:
         case Waits(step):
             return meaning or S.phrase(procedure.step(device, step))
-        case Sends(step):
+        case Sends(step=step):
             alone = "in succession, no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))
         case Writes(step):
-            return meaning or f"{_where(device, item)}: {step.value_name}"
+            of = meaning or f"{_where(device, item)}: {step.value_name}"
+            return f"{of}; also where a step before it fails" if item.closes else of
         case Reads() | Polls():
             return ": ".join(filter(None, (title(item.field or item.register), meaning)))
         case _:

@@ -27,6 +27,10 @@ from .lines import documented, laid_out
 from .names import called, clashes, shared_names
 from .package import FILES, Package, package_files
 from .receivers import ReceiverCode
+from .selftest import AllTests, FamilyTest, selftest_files
+
+#: The headers that all families of a manufacturer share, by the stems of their names.
+SHARED_HEADERS = ("encoder", "receive", "biss", "runner", "tracker", "angle")
 
 
 class Shared(TypedDict):
@@ -61,12 +65,12 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     views: dict[str, DeviceView] = {}
     for maker, devices in library.by_manufacturer():
-        headers = ("encoder.h", "receive.h", *(("biss.h",) if has_biss(devices) else ()))
+        headers = [f"{name}.h" for name in SHARED_HEADERS if name != "biss" or has_biss(devices)]
         values = _names_of(library, maker, devices, headers, options)
         for name in headers:
             files[f"c/include/{maker.name}/{name}"] = _render(library, f"{name}.jinja", values)
         for device in devices:
-            if device.name in ("biss", "encoder", "receive"):
+            if device.name in SHARED_HEADERS:
                 raise TargetError(
                     f"a family cannot be called '{device.name}': that is the name of a header that all share"
                 )
@@ -80,7 +84,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         package = package_files(
             library.by_manufacturer(), views, lambda template, values: _render(library, template, values)
         )
-        files |= {f"c/{path}": text for path, text in package.items()}
+        tests = selftest_files(
+            library.by_manufacturer(), views, lambda template, values: _render(library, template, values)
+        )
+        files |= {f"c/{path}": text for path, text in (package | tests).items()}
     return files
 
 
@@ -130,12 +137,13 @@ def _json(value: object) -> str:
 TEMPLATES = Templates(
     our_templates("c"),
     values={
-        "encoder.h.jinja": Header,
-        "biss.h.jinja": Header,
-        "receive.h.jinja": Header,
+        **{f"{name}.h.jinja": Header for name in SHARED_HEADERS},
         "device.h.jinja": FamilyHeader,
         "example.c.jinja": Program,
         "receiver.c.jinja": Receiver,
+        "selftest.c.jinja": FamilyTest,
+        "selftest_all.c.jinja": AllTests,
+        "selftest.h.jinja": AllTests,
         **dict.fromkeys(FILES.values(), Package),
     },
     filters=FILTERS,

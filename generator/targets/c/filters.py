@@ -25,12 +25,13 @@ from .lines import beside, in_lines, literals
 from .positions import Positions
 from .procedures import FilledRows
 from .reserved import c_name
+from .selftest import Work
 from .types import mask, number, string, unsigned
 
 #: Operations of the plan, kinds of fields, and what this target plans beside them.
 TESTS = tests_for(
     *(Kind, Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
-    *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions),
+    *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
 )
 
 

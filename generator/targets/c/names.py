@@ -70,17 +70,26 @@ class Names:
 _ENCODER_H = """
     ACCESS_READ_ONLY ACCESS_READ_WRITE ACCESS_WRITE_ONLY ENCODER_H FAULT_CONSTANT FAULT_CRC FAULT_LENGTH
     FAULT_LINE_HIGH FAULT_LINE_LOW FAULT_NO_START FAULT_RANGE FAULT_REPEAT FAULT_TIMEOUT FAULT_TRANSPORT
-    FAULT_UNSUPPORTED GENERATION INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485 INTERFACE_SSI NOT_TOLD NOT_USABLE
-    NO_CODE OK POLL_AT_MOST POLL_PAUSE_US STEP_POLL STEP_READ STEP_SEND STEP_WAIT STEP_WRITE USABLE
-    USABLE_WITH_WARNING VERSION above access capital difference failed failed_at failure field fits_signed from_gray
-    interface is_digit is_letter_or_digit label_ends label_match mask open_code parity read report_text result run
-    run_poll run_reads run_send run_step run_together run_write send signed step step_kind step_poll step_read
-    step_send step_wait step_write to_gray transport verdict wait write write_byte
+    FAULT_UNSUPPORTED GENERATION INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485 INTERFACE_SSI NODISCARD NOT_TOLD
+    NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US REPLY_BYTES STEP_CLOSE STEP_POLL STEP_READ STEP_SEND STEP_WAIT
+    STEP_WRITE USABLE USABLE_WITH_WARNING VERSION above access capital difference failed failed_at failure field
+    fits_signed from_gray interface is_digit is_letter_or_digit label_ends label_match mask open_code parity read
+    reply_check report_text result run run_closing run_poll run_reads run_send run_step run_together run_write send
+    signed step step_address step_close step_closes step_kind step_poll step_read step_send step_wait step_write
+    to_gray transport verdict wait write write_byte
 """
 #: The same of receive.h.
 _RECEIVE_H = """
     RECEIVE_H RECEIVE_RS485_BYTES biss_receive biss_receive_cds received_bit received_bits received_samples
     received_words16 received_words32 rs485_ask rs485_late rs485_line rs485_resume rs485_take ssi_receive ssi_repeats
+"""
+#: The same of runner.h, tracker.h and angle.h.
+_USE_H = """
+    ANGLE_H RUNNER_H TODO_BUSY TODO_END TODO_READ TODO_SEND TODO_WAIT TODO_WRITE TRACKER_H TRACKER_SILENCE_US
+    angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees angle_q15 angle_q31 angle_radians
+    counts_per_second runner runner_accessed runner_advance runner_ask runner_begin runner_done runner_fail
+    runner_next runner_polled runner_sent runner_start runner_write todo tracker tracker_add tracker_believed
+    tracker_shorter tracker_speed tracker_start
 """
 #: The same of biss.h, after that and ``biss_``.
 _BISS_H = """
@@ -96,7 +105,8 @@ _BISS_H = """
 
 def shared_names(prefix: str, with_biss: bool) -> Iterator[str]:
     """The names in the headers that the families of a manufacturer share; those of macros are in capitals."""
-    names = [*_ENCODER_H.split(), *_RECEIVE_H.split(), *(f"biss_{name}" for name in _BISS_H.split() if with_biss)]
+    names = [*_ENCODER_H.split(), *_RECEIVE_H.split(), *_USE_H.split()]
+    names += [f"biss_{name}" for name in _BISS_H.split() if with_biss]
     for name in names:
         yield f"{prefix}_{name}".upper() if name.removeprefix("biss_").isupper() else f"{prefix}_{name}"
 

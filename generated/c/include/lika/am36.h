@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA174B2DDU)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -549,6 +549,7 @@ static inline uint32_t lika_am36_ssi_word_bits(const lika_am36_variant *variant)
 }
 
 /** Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_ssi_word_set_position(
     const lika_am36_variant *variant, uint32_t position, lika_am36_ssi_word *out)
 {
@@ -563,6 +564,7 @@ static inline lika_result lika_am36_ssi_word_set_position(
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_ssi_word_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_ssi_word *out)
 {
@@ -580,6 +582,7 @@ static inline lika_result lika_am36_ssi_word_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_ssi_word_encode(
     const lika_am36_variant *variant, const lika_am36_ssi_word *in, uint64_t *out)
 {
@@ -603,6 +606,7 @@ static inline lika_result lika_am36_ssi_word_encode(
 }
 
 /** What the position is worth: nothing in this frame tells. */
+LIKA_NODISCARD
 static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *frame)
 {
     (void)frame;
@@ -750,6 +754,7 @@ static inline uint32_t lika_am36_single_cycle_data_crc(uint64_t word)
 }
 
 /** Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_single_cycle_data_set_position(
     const lika_am36_variant *variant, uint64_t position, lika_am36_single_cycle_data *out)
 {
@@ -765,6 +770,7 @@ static inline lika_result lika_am36_single_cycle_data_set_position(
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_single_cycle_data_decode(
     const lika_am36_variant *variant, uint64_t word, lika_am36_single_cycle_data *out)
 {
@@ -786,6 +792,7 @@ static inline lika_result lika_am36_single_cycle_data_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_single_cycle_data_encode(
     const lika_am36_variant *variant, const lika_am36_single_cycle_data *in, uint64_t *out)
 {
@@ -823,6 +830,7 @@ static inline bool lika_am36_single_cycle_data_is_expected(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_am36_single_cycle_data_verdict(
     const lika_am36_single_cycle_data *frame)
 {
@@ -951,6 +959,7 @@ typedef struct lika_am36_reg_profile_id {
 } lika_am36_reg_profile_id;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_profile_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_profile_id *out)
@@ -965,6 +974,7 @@ static inline lika_result lika_am36_reg_profile_id_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_profile_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -989,6 +999,7 @@ static inline bool lika_am36_reg_profile_id_is_expected(
 }
 
 /** Reads Profile ID, 42h to 43h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_profile_id(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_profile_id *out, lika_failure *failure)
@@ -1027,6 +1038,7 @@ typedef struct lika_am36_reg_serial_number {
 } lika_am36_reg_serial_number;
 
 /** Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_serial_number_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_serial_number *out)
@@ -1045,6 +1057,7 @@ static inline lika_result lika_am36_reg_serial_number_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_serial_number_encode(
     const lika_am36_variant *variant, const lika_am36_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -1061,6 +1074,7 @@ static inline lika_result lika_am36_reg_serial_number_encode(
 }
 
 /** Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_serial_number(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_serial_number *out, lika_failure *failure)
@@ -1114,6 +1128,7 @@ typedef enum lika_am36_command {
 } lika_am36_command;
 
 /** Writes Command, 48h, then waits 30 ms. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_command(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_command value, lika_failure *failure)
@@ -1198,6 +1213,7 @@ typedef struct lika_am36_reg_configuration {
 } lika_am36_reg_configuration;
 
 /** Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_configuration_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_configuration *out)
@@ -1220,6 +1236,7 @@ static inline lika_result lika_am36_reg_configuration_decode(
 }
 
 /** Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_configuration_encode(
     const lika_am36_variant *variant, const lika_am36_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -1243,6 +1260,7 @@ static inline lika_result lika_am36_reg_configuration_encode(
 }
 
 /** Reads Configuration, 49h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_configuration(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_configuration *out, lika_failure *failure)
@@ -1261,6 +1279,7 @@ static inline lika_result lika_am36_read_configuration(
  * Writes Configuration, 49h.
  * The frames depend on it: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_configuration(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_configuration *in, lika_failure *failure)
@@ -1305,6 +1324,7 @@ typedef struct lika_am36_reg_information_per_revolution {
 } lika_am36_reg_information_per_revolution;
 
 /** Decodes 3 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_information_per_revolution_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_information_per_revolution *out)
@@ -1320,6 +1340,7 @@ static inline lika_result lika_am36_reg_information_per_revolution_decode(
 }
 
 /** Encodes 3 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_information_per_revolution_encode(
     const lika_am36_variant *variant, const lika_am36_reg_information_per_revolution *in,
     uint8_t *bytes, size_t length)
@@ -1344,6 +1365,7 @@ static inline lika_result lika_am36_reg_information_per_revolution_encode(
 }
 
 /** Reads Information per revolution, 4Bh to 4Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_information_per_revolution(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_information_per_revolution *out, lika_failure *failure)
@@ -1362,6 +1384,7 @@ static inline lika_result lika_am36_read_information_per_revolution(
  * Writes Information per revolution, 4Bh to 4Dh.
  * The frames depend on it: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_information_per_revolution(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_information_per_revolution *in, lika_failure *failure)
@@ -1408,6 +1431,7 @@ typedef struct lika_am36_reg_number_of_revolutions {
 } lika_am36_reg_number_of_revolutions;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_number_of_revolutions_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_number_of_revolutions *out)
@@ -1422,6 +1446,7 @@ static inline lika_result lika_am36_reg_number_of_revolutions_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_number_of_revolutions_encode(
     const lika_am36_variant *variant, const lika_am36_reg_number_of_revolutions *in, uint8_t *bytes,
     size_t length)
@@ -1439,6 +1464,7 @@ static inline lika_result lika_am36_reg_number_of_revolutions_encode(
 }
 
 /** Reads Number of revolutions, 4Eh to 4Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_number_of_revolutions(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_number_of_revolutions *out, lika_failure *failure)
@@ -1457,6 +1483,7 @@ static inline lika_result lika_am36_read_number_of_revolutions(
  * Writes Number of revolutions, 4Eh to 4Fh.
  * The frames depend on it: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_number_of_revolutions(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_number_of_revolutions *in, lika_failure *failure)
@@ -1510,6 +1537,7 @@ typedef struct lika_am36_reg_preset {
 } lika_am36_reg_preset;
 
 /** Decodes 5 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_preset_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_preset *out)
@@ -1529,6 +1557,7 @@ static inline lika_result lika_am36_reg_preset_decode(
 }
 
 /** Encodes 5 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_preset_encode(
     const lika_am36_variant *variant, const lika_am36_reg_preset *in, uint8_t *bytes, size_t length)
 {
@@ -1550,6 +1579,7 @@ static inline lika_result lika_am36_reg_preset_encode(
 }
 
 /** Reads Preset, 50h to 54h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_preset *out, lika_failure *failure)
@@ -1564,6 +1594,7 @@ static inline lika_result lika_am36_read_preset(
 }
 
 /** Writes Preset, 50h to 54h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_write_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     const lika_am36_reg_preset *in, lika_failure *failure)
@@ -1591,6 +1622,7 @@ static inline lika_result lika_am36_write_preset(
 #define LIKA_AM36_REG_DEVICE_TYPE_EXPECTED 0x02U /**< what the manual states for it */
 
 /** Reads Device type, 55h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_device_type(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -1620,6 +1652,7 @@ static inline lika_result lika_am36_read_device_type(
 #define LIKA_AM36_REG_SINGLETURN_BITS_USED_DEFAULT 0x14U /**< value as delivered */
 
 /** Reads No. of bits used for singleturn resolution, 56h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_singleturn_bits_used(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -1649,6 +1682,7 @@ static inline lika_result lika_am36_read_singleturn_bits_used(
 #define LIKA_AM36_REG_MULTITURN_BITS_USED_DEFAULT 0x10U /**< value as delivered */
 
 /** Reads No. of bits used for multiturn resolution, 57h. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_multiturn_bits_used(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -1701,6 +1735,7 @@ typedef struct lika_am36_reg_device_id {
 } lika_am36_reg_device_id;
 
 /** Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_device_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_device_id *out)
@@ -1719,6 +1754,7 @@ static inline lika_result lika_am36_reg_device_id_decode(
 }
 
 /** Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_device_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -1754,6 +1790,7 @@ static inline bool lika_am36_reg_device_id_is_expected(
 }
 
 /** Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_device_id(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_device_id *out, lika_failure *failure)
@@ -1787,6 +1824,7 @@ typedef struct lika_am36_reg_manufacturer_id {
 } lika_am36_reg_manufacturer_id;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_manufacturer_id_decode(
     const lika_am36_variant *variant, const uint8_t *bytes, size_t length,
     lika_am36_reg_manufacturer_id *out)
@@ -1801,6 +1839,7 @@ static inline lika_result lika_am36_reg_manufacturer_id_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_reg_manufacturer_id_encode(
     const lika_am36_variant *variant, const lika_am36_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -1826,6 +1865,7 @@ static inline bool lika_am36_reg_manufacturer_id_is_expected(
 }
 
 /** Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_manufacturer_id(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_reg_manufacturer_id *out, lika_failure *failure)
@@ -1852,6 +1892,7 @@ static inline lika_result lika_am36_read_manufacturer_id(
  * Takes over into the variant what the register No. of bits used for singleturn resolution holds:
  * used_singleturn_bits.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_singleturn_bits_used(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1870,6 +1911,7 @@ static inline lika_result lika_am36_take_singleturn_bits_used(
  * Takes over into the variant what the register No. of bits used for multiturn resolution holds:
  * used_multiturn_bits.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_multiturn_bits_used(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1885,6 +1927,7 @@ static inline lika_result lika_am36_take_multiturn_bits_used(
 }
 
 /** Takes over into the variant what the register Number of revolutions holds: used_revolutions. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_number_of_revolutions(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1902,6 +1945,7 @@ static inline lika_result lika_am36_take_number_of_revolutions(
 /**
  * Takes over into the variant what the register Information per revolution holds: used_information.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_information_per_revolution(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1918,6 +1962,7 @@ static inline lika_result lika_am36_take_information_per_revolution(
 }
 
 /** Takes over into the variant what the register Configuration holds: output_code. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_take_configuration(
     lika_am36_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -1934,6 +1979,7 @@ static inline lika_result lika_am36_take_configuration(
  * procedure that changes them or what they follow from, and after the defaults were restored. In a
  * failure the steps are the registers, in the order of the functions above.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_state(
     const lika_transport *transport, lika_am36_variant *variant,
     lika_failure *failure)
@@ -2009,6 +2055,7 @@ typedef struct lika_am36_identity {
 } lika_am36_identity;
 
 /** Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_read_identity(
     const lika_transport *transport, lika_am36_identity *out, lika_failure *failure)
 {
@@ -2095,6 +2142,7 @@ static inline const lika_am36_order_code *lika_am36_next_candidate(
 #define LIKA_AM36_SET_CONFIGURATION_STEPS_COUNT 3U
 
 /** Writes the steps into an array of at least 3 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_configuration_steps(
     const lika_am36_variant *variant,
     uint8_t configuration,
@@ -2121,6 +2169,7 @@ static inline lika_result lika_am36_set_configuration_steps(
  * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
  * The frames depend on what it writes: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_configuration(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint8_t configuration,
@@ -2148,6 +2197,7 @@ static inline lika_result lika_am36_set_configuration(
 #define LIKA_AM36_SET_PRESET_STEPS_COUNT 8U
 
 /** Writes the steps into an array of at least 8 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_preset_steps(
     const lika_am36_variant *variant,
     uint64_t position,
@@ -2181,6 +2231,7 @@ static inline lika_result lika_am36_set_preset_steps(
 /**
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint64_t position,
@@ -2207,6 +2258,7 @@ static inline lika_result lika_am36_set_preset(
 #define LIKA_AM36_STORE_PRESET_STEPS_COUNT 8U
 
 /** Writes the steps into an array of at least 8 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_store_preset_steps(
     const lika_am36_variant *variant,
     uint64_t position,
@@ -2240,6 +2292,7 @@ static inline lika_result lika_am36_store_preset_steps(
 /**
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_store_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint64_t position,
@@ -2273,6 +2326,7 @@ static inline const lika_step *lika_am36_save_parameters_steps(size_t *count)
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_save_parameters(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_failure *failure)
@@ -2301,6 +2355,7 @@ static inline const lika_step *lika_am36_activate_preset_steps(size_t *count)
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_activate_preset(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_failure *failure)
@@ -2330,6 +2385,7 @@ static inline const lika_step *lika_am36_restore_defaults_steps(size_t *count)
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_restore_defaults(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_failure *failure)
@@ -2360,6 +2416,7 @@ static inline lika_result lika_am36_restore_defaults(
 #define LIKA_AM36_SET_RESOLUTION_STEPS_COUNT 17U
 
 /** Writes the steps into an array of at least 17 places. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_resolution_steps(
     const lika_am36_variant *variant,
     uint32_t information_per_revolution,
@@ -2450,6 +2507,7 @@ typedef struct lika_am36_set_resolution_read {
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_am36_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_am36_set_resolution(
     const lika_transport *transport, const lika_am36_variant *variant,
     uint32_t information_per_revolution,
@@ -2525,6 +2583,7 @@ typedef struct lika_am36_identify_read {
 } lika_am36_identify_read;
 
 /** Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_am36_identify(
     const lika_transport *transport, const lika_am36_variant *variant,
     lika_am36_identify_read *out, lika_failure *failure)

@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA174B2DDU)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -631,6 +631,7 @@ static inline uint32_t lika_amm5_ssi_word_bits(const lika_amm5_variant *variant)
 }
 
 /** Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_ssi_word_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_ssi_word *out)
 {
@@ -645,6 +646,7 @@ static inline lika_result lika_amm5_ssi_word_set_position(
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_ssi_word_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_ssi_word *out)
 {
@@ -660,6 +662,7 @@ static inline lika_result lika_amm5_ssi_word_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_ssi_word_encode(
     const lika_amm5_variant *variant, const lika_amm5_ssi_word *in, uint64_t *out)
 {
@@ -681,6 +684,7 @@ static inline lika_result lika_amm5_ssi_word_encode(
 }
 
 /** What the position is worth: nothing in this frame tells. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *frame)
 {
     (void)frame;
@@ -847,6 +851,7 @@ static inline uint32_t lika_amm5_single_cycle_data_crc(uint64_t word)
 }
 
 /** Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_single_cycle_data_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_single_cycle_data *out)
 {
@@ -861,6 +866,7 @@ static inline lika_result lika_amm5_single_cycle_data_set_position(
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_single_cycle_data_decode(
     const lika_amm5_variant *variant, uint64_t word, lika_amm5_single_cycle_data *out)
 {
@@ -881,6 +887,7 @@ static inline lika_result lika_amm5_single_cycle_data_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_single_cycle_data_encode(
     const lika_amm5_variant *variant, const lika_amm5_single_cycle_data *in, uint64_t *out)
 {
@@ -905,6 +912,7 @@ static inline lika_result lika_amm5_single_cycle_data_encode(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_single_cycle_data_verdict(
     const lika_amm5_single_cycle_data *frame)
 {
@@ -1039,6 +1047,7 @@ typedef struct lika_amm5_data_request {
 } lika_amm5_data_request;
 
 /** Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_data_request_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_data_request *out)
@@ -1069,6 +1078,7 @@ static inline lika_result lika_amm5_data_request_decode(
 }
 
 /** Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_data_request_encode(
     const lika_amm5_variant *variant, const lika_amm5_data_request *in, uint8_t *bytes,
     size_t length)
@@ -1117,6 +1127,7 @@ typedef struct lika_amm5_eeprom_write_request {
 } lika_amm5_eeprom_write_request;
 
 /** Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_write_request *out)
@@ -1154,6 +1165,7 @@ static inline lika_result lika_amm5_eeprom_write_request_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_write_request *in, uint8_t *bytes, size_t length)
@@ -1202,6 +1214,7 @@ typedef struct lika_amm5_eeprom_read_request {
 } lika_amm5_eeprom_read_request;
 
 /** Decodes 3 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_request_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_read_request *out)
@@ -1236,6 +1249,7 @@ static inline lika_result lika_amm5_eeprom_read_request_decode(
 }
 
 /** Encodes 3 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_request_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_read_request *in, uint8_t *bytes, size_t length)
@@ -1313,6 +1327,7 @@ typedef struct lika_amm5_singleturn_reply {
 } lika_amm5_singleturn_reply;
 
 /** Decodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_singleturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_singleturn_reply *out)
@@ -1352,6 +1367,7 @@ static inline lika_result lika_amm5_singleturn_reply_decode(
 }
 
 /** Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_singleturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_singleturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -1391,6 +1407,7 @@ static inline bool lika_amm5_singleturn_reply_is_expected(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_singleturn_reply_verdict(
     const lika_amm5_singleturn_reply *frame)
 {
@@ -1461,6 +1478,7 @@ typedef struct lika_amm5_multiturn_reply {
 } lika_amm5_multiturn_reply;
 
 /** Decodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_multiturn_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_multiturn_reply *out)
@@ -1495,6 +1513,7 @@ static inline lika_result lika_amm5_multiturn_reply_decode(
 }
 
 /** Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_multiturn_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_multiturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -1527,6 +1546,7 @@ static inline bool lika_amm5_multiturn_reply_is_expected(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_multiturn_reply_verdict(const lika_amm5_multiturn_reply *frame)
 {
     if (frame->status_st_error || frame->status_other_error) {
@@ -1597,6 +1617,7 @@ typedef struct lika_amm5_encoder_id_reply {
 } lika_amm5_encoder_id_reply;
 
 /** Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_encoder_id_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_encoder_id_reply *out)
@@ -1626,6 +1647,7 @@ static inline lika_result lika_amm5_encoder_id_reply_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_encoder_id_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_encoder_id_reply *in, uint8_t *bytes,
     size_t length)
@@ -1763,6 +1785,7 @@ typedef struct lika_amm5_complete_reply {
 } lika_amm5_complete_reply;
 
 /** Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_complete_reply_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_complete_reply *out)
 {
@@ -1777,6 +1800,7 @@ static inline lika_result lika_amm5_complete_reply_set_position(
 }
 
 /** Decodes 11 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_complete_reply_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_complete_reply *out)
@@ -1828,6 +1852,7 @@ static inline lika_result lika_amm5_complete_reply_decode(
 }
 
 /** Encodes 11 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_complete_reply_encode(
     const lika_amm5_variant *variant, const lika_amm5_complete_reply *in, uint8_t *bytes,
     size_t length)
@@ -1877,6 +1902,7 @@ static inline bool lika_amm5_complete_reply_is_expected(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_amm5_complete_reply_verdict(const lika_amm5_complete_reply *frame)
 {
     if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm) ||
@@ -1933,6 +1959,7 @@ typedef struct lika_amm5_eeprom_write_reply {
 } lika_amm5_eeprom_write_reply;
 
 /** Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_write_reply *out)
@@ -1968,6 +1995,7 @@ static inline lika_result lika_amm5_eeprom_write_reply_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_write_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_write_reply *in, uint8_t *bytes, size_t length)
@@ -2028,6 +2056,7 @@ typedef struct lika_amm5_eeprom_read_reply {
 } lika_amm5_eeprom_read_reply;
 
 /** Decodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_reply_decode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_eeprom_read_reply *out)
@@ -2063,6 +2092,7 @@ static inline lika_result lika_amm5_eeprom_read_reply_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_eeprom_read_reply_encode(
     const lika_amm5_variant *variant, lika_amm5_eeprom_address eeprom_address,
     const lika_amm5_eeprom_read_reply *in, uint8_t *bytes, size_t length)
@@ -2136,6 +2166,7 @@ static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
 }
 
 /** The frame that the master sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_request_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -2164,6 +2195,7 @@ static inline lika_result lika_amm5_rs485_request_for(
  * The frame of the master that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
@@ -2174,6 +2206,7 @@ static inline lika_result lika_amm5_rs485_request_frame(
 }
 
 /** The frame that the encoder sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_reply_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -2208,6 +2241,7 @@ static inline lika_result lika_amm5_rs485_reply_for(
  * The frame of the encoder that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
@@ -2327,6 +2361,7 @@ typedef struct lika_amm5_reg_preset {
 } lika_amm5_reg_preset;
 
 /** Sets position and with it multiturn and singleturn. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_preset_set_position(
     const lika_amm5_variant *variant, uint64_t position, lika_amm5_reg_preset *out)
 {
@@ -2341,6 +2376,7 @@ static inline lika_result lika_amm5_reg_preset_set_position(
 }
 
 /** Decodes 7 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_preset_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_preset *out)
@@ -2376,6 +2412,7 @@ static inline lika_result lika_amm5_reg_preset_decode(
 }
 
 /** Encodes 7 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_preset_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_preset *in, uint8_t *bytes, size_t length)
 {
@@ -2406,6 +2443,7 @@ static inline lika_result lika_amm5_reg_preset_encode(
 }
 
 /** Reads Preset, 11h to 17h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_preset *out, lika_failure *failure)
@@ -2420,6 +2458,7 @@ static inline lika_result lika_amm5_read_preset(
 }
 
 /** Writes Preset, 11h to 17h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_write_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     const lika_amm5_reg_preset *in, lika_failure *failure)
@@ -2453,6 +2492,7 @@ typedef enum lika_amm5_preset_setting_enable {
 } lika_amm5_preset_setting_enable;
 
 /** Writes Preset setting enable, 40h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_write_preset_setting_enable(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_preset_setting_enable value, lika_failure *failure)
@@ -2491,6 +2531,7 @@ typedef struct lika_amm5_reg_serial_number {
 } lika_amm5_reg_serial_number;
 
 /** Sets serial and with it year, week, number. RANGE where it does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_serial_number_set_serial(
     const lika_amm5_variant *variant, uint32_t serial, lika_amm5_reg_serial_number *out)
 {
@@ -2506,6 +2547,7 @@ static inline lika_result lika_amm5_reg_serial_number_set_serial(
 }
 
 /** Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_serial_number_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_serial_number *out)
@@ -2527,6 +2569,7 @@ static inline lika_result lika_amm5_reg_serial_number_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_serial_number_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -2557,6 +2600,7 @@ static inline lika_result lika_amm5_reg_serial_number_encode(
 }
 
 /** Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_serial_number(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_serial_number *out, lika_failure *failure)
@@ -2594,6 +2638,7 @@ typedef enum lika_amm5_command {
 } lika_amm5_command;
 
 /** Writes Command, 77h, then waits 30 ms. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_write_command(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_command value, lika_failure *failure)
@@ -2636,6 +2681,7 @@ typedef struct lika_amm5_reg_device_id {
 } lika_amm5_reg_device_id;
 
 /** Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_device_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_device_id *out)
@@ -2654,6 +2700,7 @@ static inline lika_result lika_amm5_reg_device_id_decode(
 }
 
 /** Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_device_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -2685,6 +2732,7 @@ static inline bool lika_amm5_reg_device_id_is_expected(
 }
 
 /** Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_device_id(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_device_id *out, lika_failure *failure)
@@ -2718,6 +2766,7 @@ typedef struct lika_amm5_reg_manufacturer_id {
 } lika_amm5_reg_manufacturer_id;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_manufacturer_id_decode(
     const lika_amm5_variant *variant, const uint8_t *bytes, size_t length,
     lika_amm5_reg_manufacturer_id *out)
@@ -2732,6 +2781,7 @@ static inline lika_result lika_amm5_reg_manufacturer_id_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reg_manufacturer_id_encode(
     const lika_amm5_variant *variant, const lika_amm5_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -2757,6 +2807,7 @@ static inline bool lika_amm5_reg_manufacturer_id_is_expected(
 }
 
 /** Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_manufacturer_id(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_amm5_reg_manufacturer_id *out, lika_failure *failure)
@@ -2780,6 +2831,7 @@ typedef struct lika_amm5_identity {
 } lika_amm5_identity;
 
 /** Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_read_identity(
     const lika_transport *transport, lika_amm5_identity *out, lika_failure *failure)
 {
@@ -2849,6 +2901,7 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
 /** Writes the steps into an array of at least 13 places. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_set_preset_steps(
     const lika_amm5_variant *variant,
     uint64_t position,
@@ -2875,7 +2928,8 @@ static inline lika_result lika_amm5_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U); /* close them before saving */
+    /* close them before saving; also where a step before it fails */
+    steps[8] = lika_step_close(0x40U, 0xFFU, 0x00U);
     steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
     steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
     steps[11] = lika_step_write(0x77U, 0xFFU, 0x02U); /* let the preset take effect */
@@ -2885,6 +2939,7 @@ static inline lika_result lika_amm5_set_preset_steps(
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_set_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     uint64_t position,
@@ -2910,6 +2965,7 @@ static inline lika_result lika_amm5_set_preset(
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
 
 /** Writes the steps into an array of at least 11 places. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_store_preset_steps(
     const lika_amm5_variant *variant,
     uint64_t position,
@@ -2936,7 +2992,8 @@ static inline lika_result lika_amm5_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_REG_PRESET_ADDRESS + index);
         steps[1U + index] = lika_step_write(address, 0xFFU, position_bytes[index]);
     }
-    steps[8] = lika_step_write(0x40U, 0xFFU, 0x00U); /* close them before saving */
+    /* close them before saving; also where a step before it fails */
+    steps[8] = lika_step_close(0x40U, 0xFFU, 0x00U);
     steps[9] = lika_step_write(0x77U, 0xFFU, 0x01U); /* save the preset */
     steps[10] = lika_step_wait(30000U); /* EEPROM writing time */
     *count = LIKA_AMM5_STORE_PRESET_STEPS_COUNT;
@@ -2944,6 +3001,7 @@ static inline lika_result lika_amm5_store_preset_steps(
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_store_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     uint64_t position,
@@ -2978,6 +3036,7 @@ static inline const lika_step *lika_amm5_save_parameters_steps(size_t *count)
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_save_parameters(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3007,6 +3066,7 @@ static inline const lika_step *lika_amm5_activate_preset_steps(size_t *count)
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_activate_preset(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3033,7 +3093,7 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
 {
     static const lika_step steps[LIKA_AMM5_RESET_SINGLETURN_AND_MULTITURN_STEPS_COUNT] = {
         /* reset_singleturn_and_multiturn; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xC2U, 10U, 40U },
+        { LIKA_STEP_SEND, 6U, 0xFFU, 0xC2U, 10U, 40U },
         /* execution takes 18 ms at most, EEPROM writing included */
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 18000U }
     };
@@ -3042,6 +3102,7 @@ static inline const lika_step *lika_amm5_reset_singleturn_and_multiturn_steps(si
 }
 
 /** Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reset_singleturn_and_multiturn(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3068,7 +3129,7 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
 {
     static const lika_step steps[LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT] = {
         /* reset_multiturn_and_errors; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0x62U, 10U, 40U },
+        { LIKA_STEP_SEND, 6U, 0xFFU, 0x62U, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
     *count = LIKA_AMM5_RESET_MULTITURN_AND_ERRORS_STEPS_COUNT;
@@ -3076,6 +3137,7 @@ static inline const lika_step *lika_amm5_reset_multiturn_and_errors_steps(size_t
 }
 
 /** Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reset_multiturn_and_errors(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)
@@ -3102,7 +3164,7 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_AMM5_RESET_ERRORS_STEPS_COUNT] = {
         /* reset_errors; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xBAU, 10U, 40U },
+        { LIKA_STEP_SEND, 6U, 0xFFU, 0xBAU, 10U, 40U },
         { LIKA_STEP_WAIT, 0U, 0U, 0U, 0U, 2000U } /* the BUSY flag is set for 2 ms at most */
     };
     *count = LIKA_AMM5_RESET_ERRORS_STEPS_COUNT;
@@ -3110,6 +3172,7 @@ static inline const lika_step *lika_amm5_reset_errors_steps(size_t *count)
 }
 
 /** Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_amm5_reset_errors(
     const lika_transport *transport, const lika_amm5_variant *variant,
     lika_failure *failure)

@@ -50,7 +50,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA174B2DDU)
 #error "lika/asc85.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -500,6 +500,7 @@ static inline uint32_t lika_asc85_ssi_word_bits(const lika_asc85_variant *varian
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_ssi_word_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_ssi_word *out)
 {
@@ -514,6 +515,7 @@ static inline lika_result lika_asc85_ssi_word_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_ssi_word_encode(
     const lika_asc85_variant *variant, const lika_asc85_ssi_word *in, uint64_t *out)
 {
@@ -527,6 +529,7 @@ static inline lika_result lika_asc85_ssi_word_encode(
 }
 
 /** What the position is worth: nothing in this frame tells. */
+LIKA_NODISCARD
 static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word *frame)
 {
     (void)frame;
@@ -675,6 +678,7 @@ static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_decode(
     const lika_asc85_variant *variant, uint64_t word, lika_asc85_single_cycle_data *out)
 {
@@ -695,6 +699,7 @@ static inline lika_result lika_asc85_single_cycle_data_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_encode(
     const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *in, uint64_t *out)
 {
@@ -711,6 +716,7 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_asc85_single_cycle_data_verdict(
     const lika_asc85_single_cycle_data *frame)
 {
@@ -810,6 +816,7 @@ typedef struct lika_asc85_reg_profile_id {
 } lika_asc85_reg_profile_id;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_profile_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_profile_id *out)
@@ -826,6 +833,7 @@ static inline lika_result lika_asc85_reg_profile_id_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_profile_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -850,6 +858,7 @@ static inline bool lika_asc85_reg_profile_id_is_expected(
 }
 
 /** Reads Profile ID, 42h to 43h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_profile_id(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_profile_id *out, lika_failure *failure)
@@ -879,6 +888,7 @@ typedef struct lika_asc85_reg_serial_number {
 } lika_asc85_reg_serial_number;
 
 /** Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_serial_number_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_serial_number *out)
@@ -894,6 +904,7 @@ static inline lika_result lika_asc85_reg_serial_number_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_serial_number_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -910,6 +921,7 @@ static inline lika_result lika_asc85_reg_serial_number_encode(
 }
 
 /** Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_serial_number(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_serial_number *out, lika_failure *failure)
@@ -992,6 +1004,7 @@ typedef struct lika_asc85_reg_diagnostic_data {
 } lika_asc85_reg_diagnostic_data;
 
 /** Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_diagnostic_data_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_diagnostic_data *out)
@@ -1013,6 +1026,7 @@ static inline lika_result lika_asc85_reg_diagnostic_data_decode(
 }
 
 /** Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_diagnostic_data_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_diagnostic_data *in, uint8_t *bytes,
     size_t length)
@@ -1031,6 +1045,7 @@ static inline lika_result lika_asc85_reg_diagnostic_data_encode(
 }
 
 /** Reads Diagnostic data, 5Ah. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_diagnostic_data(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_diagnostic_data *out, lika_failure *failure)
@@ -1102,6 +1117,7 @@ typedef enum lika_asc85_command {
 } lika_asc85_command;
 
 /** Writes Command & status, Command mode, 60h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_write_command(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_command value, lika_failure *failure)
@@ -1187,6 +1203,7 @@ typedef struct lika_asc85_reg_status {
 } lika_asc85_reg_status;
 
 /** Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_status_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_status *out)
@@ -1208,6 +1225,7 @@ static inline lika_result lika_asc85_reg_status_decode(
 }
 
 /** Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_status_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_status *in, uint8_t *bytes,
     size_t length)
@@ -1225,6 +1243,7 @@ static inline lika_result lika_asc85_reg_status_encode(
 }
 
 /** Reads Command & status, Status mode, 60h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_status(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_status *out, lika_failure *failure)
@@ -1263,6 +1282,7 @@ typedef struct lika_asc85_reg_position {
 } lika_asc85_reg_position;
 
 /** Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_position_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_position *out)
@@ -1282,6 +1302,7 @@ static inline lika_result lika_asc85_reg_position_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_position_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_position *in, uint8_t *bytes,
     size_t length)
@@ -1301,6 +1322,7 @@ static inline lika_result lika_asc85_reg_position_encode(
 }
 
 /** Reads Position, 61h to 64h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_position(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_position *out, lika_failure *failure)
@@ -1374,6 +1396,7 @@ typedef struct lika_asc85_reg_error_register {
 } lika_asc85_reg_error_register;
 
 /** Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_error_register_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_error_register *out)
@@ -1393,6 +1416,7 @@ static inline lika_result lika_asc85_reg_error_register_decode(
 }
 
 /** Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_error_register_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_error_register *in, uint8_t *bytes,
     size_t length)
@@ -1409,6 +1433,7 @@ static inline lika_result lika_asc85_reg_error_register_encode(
 }
 
 /** Reads Error register, 69h. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_error_register(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_error_register *out, lika_failure *failure)
@@ -1447,6 +1472,7 @@ typedef struct lika_asc85_reg_device_id {
 } lika_asc85_reg_device_id;
 
 /** Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_device_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_device_id *out)
@@ -1465,6 +1491,7 @@ static inline lika_result lika_asc85_reg_device_id_decode(
 }
 
 /** Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_device_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -1496,6 +1523,7 @@ static inline bool lika_asc85_reg_device_id_is_expected(
 }
 
 /** Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_device_id(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_device_id *out, lika_failure *failure)
@@ -1528,6 +1556,7 @@ typedef struct lika_asc85_reg_manufacturer_id {
 } lika_asc85_reg_manufacturer_id;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_manufacturer_id_decode(
     const lika_asc85_variant *variant, const uint8_t *bytes, size_t length,
     lika_asc85_reg_manufacturer_id *out)
@@ -1542,6 +1571,7 @@ static inline lika_result lika_asc85_reg_manufacturer_id_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reg_manufacturer_id_encode(
     const lika_asc85_variant *variant, const lika_asc85_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -1567,6 +1597,7 @@ static inline bool lika_asc85_reg_manufacturer_id_is_expected(
 }
 
 /** Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_manufacturer_id(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reg_manufacturer_id *out, lika_failure *failure)
@@ -1591,6 +1622,7 @@ typedef struct lika_asc85_identity {
 } lika_asc85_identity;
 
 /** Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_identity(
     const lika_transport *transport, lika_asc85_identity *out, lika_failure *failure)
 {
@@ -1691,6 +1723,7 @@ typedef struct lika_asc85_request_position_read {
 /**
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_request_position(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_request_position_read *out, lika_failure *failure)
@@ -1743,6 +1776,7 @@ typedef struct lika_asc85_save_configuration_read {
 /**
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_save_configuration(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_save_configuration_read *out, lika_failure *failure)
@@ -1794,6 +1828,7 @@ typedef struct lika_asc85_read_absolute_data_read {
 /**
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_read_absolute_data(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_read_absolute_data_read *out, lika_failure *failure)
@@ -1849,6 +1884,7 @@ typedef struct lika_asc85_software_reset_read {
 /**
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_software_reset(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_software_reset_read *out, lika_failure *failure)
@@ -1896,6 +1932,7 @@ typedef struct lika_asc85_verify_configuration_read {
 /**
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_verify_configuration(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_verify_configuration_read *out, lika_failure *failure)
@@ -1938,6 +1975,7 @@ typedef struct lika_asc85_simulate_error_read {
 } lika_asc85_simulate_error_read;
 
 /** Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_simulate_error(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_simulate_error_read *out, lika_failure *failure)
@@ -1978,6 +2016,7 @@ typedef struct lika_asc85_clear_simulated_error_read {
 } lika_asc85_clear_simulated_error_read;
 
 /** Carries it out over BiSS C-mode; the transport needs read_registers and write_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_clear_simulated_error(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_clear_simulated_error_read *out, lika_failure *failure)
@@ -2030,6 +2069,7 @@ typedef struct lika_asc85_reset_errors_read {
 } lika_asc85_reset_errors_read;
 
 /** Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_reset_errors(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_reset_errors_read *out, lika_failure *failure)
@@ -2094,6 +2134,7 @@ typedef struct lika_asc85_identify_read {
 } lika_asc85_identify_read;
 
 /** Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_asc85_identify(
     const lika_transport *transport, const lika_asc85_variant *variant,
     lika_asc85_identify_read *out, lika_failure *failure)

@@ -48,7 +48,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA174B2DDU)
 #error "lika/biss.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -110,6 +110,7 @@ static inline uint16_t lika_biss_byte_encode(uint8_t value)
 }
 
 /** The byte of 12 bits: FAULT_LENGTH where there are more, FAULT_CRC where the CRC does not fit. */
+LIKA_NODISCARD
 static inline lika_result lika_biss_byte_decode(uint16_t bits, uint8_t *value)
 {
     const uint32_t word = bits;
@@ -135,6 +136,7 @@ static inline uint32_t lika_biss_header(const lika_biss_request *request)
  * bit 31: CTS, ID2..0, ADR6..0, CRC3..0, R, W, S, then DATA7..0, CRC3..0 or 12 zeros, P, and one
  * more zero. FAULT_RANGE: no such ID or address, or a value to read.
  */
+LIKA_NODISCARD
 static inline lika_result lika_biss_request_encode(const lika_biss_request *request, uint32_t *word)
 {
     if ((request->id >= LIKA_BISS_IDS) || (request->address > 0x7FU)
@@ -152,6 +154,7 @@ static inline lika_result lika_biss_request_encode(const lika_biss_request *requ
  * The access that a word of this layout stands for. FAULT_CRC: one of its CRCs does not fit;
  * FAULT_CONSTANT: CTS or S is 0, R W is neither 10 nor 01, or what has to be zero is not.
  */
+LIKA_NODISCARD
 static inline lika_result lika_biss_request_decode(uint32_t word, lika_biss_request *request)
 {
     const uint32_t head = word >> 21U;
@@ -331,6 +334,7 @@ static inline void lika_biss_master_init(lika_biss_master *master)
 }
 
 /** What _master_read and _master_write have in common. */
+LIKA_NODISCARD
 static inline lika_result lika_biss_master_begin(
     lika_biss_master *master, const lika_biss_request *request, size_t count, uint16_t busy_limit)
 {
@@ -363,6 +367,7 @@ static inline lika_result lika_biss_master_begin(
  * 20 ms. Sends nothing and says FAULT_RANGE where there is no such ID or address, or where the
  * registers would run past 3Fh or 7Fh. An access that is under way is given up.
  */
+LIKA_NODISCARD
 static inline lika_result lika_biss_master_read(
     lika_biss_master *master, uint8_t id, uint8_t address, uint8_t *into, size_t count,
     uint16_t busy_limit)
@@ -377,6 +382,7 @@ static inline lika_result lika_biss_master_read(
 }
 
 /** Writes count registers from an address on; else like _master_read. */
+LIKA_NODISCARD
 static inline lika_result lika_biss_master_write(
     lika_biss_master *master, uint8_t id, uint8_t address, const uint8_t *from,
     size_t count, uint16_t busy_limit)
@@ -699,6 +705,7 @@ static inline void lika_biss_slave_init(lika_biss_slave *slave)
 }
 
 /** What a master may do with count registers from an address on; FAULT_RANGE: they run past 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_biss_slave_allow(
     lika_biss_slave *slave, uint8_t address, size_t count, bool read, bool write)
 {

@@ -20,10 +20,26 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0xA1EE1EC1U
+#define LIKA_GENERATION 0xA174B2DDU
 
 #ifdef __cplusplus
 extern "C" {
+#endif
+
+/**
+ * Stands before functions whose result has to be looked at: compilers that can, tell where it is
+ * not. Defined as nothing before the first header is included, it has them say nothing.
+ */
+#ifndef LIKA_NODISCARD
+#if defined(__cplusplus) && (__cplusplus >= 201703L)
+#define LIKA_NODISCARD [[nodiscard]]
+#elif defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 202311L)
+#define LIKA_NODISCARD [[nodiscard]]
+#elif defined(__GNUC__)
+#define LIKA_NODISCARD __attribute__((warn_unused_result))
+#else
+#define LIKA_NODISCARD
+#endif
 #endif
 
 /**
@@ -86,13 +102,16 @@ typedef enum lika_step_kind {
     LIKA_STEP_WAIT = 2,  /**< wait microseconds at least */
     LIKA_STEP_SEND = 3,  /**< send the request value so many times, microseconds apart at least */
     LIKA_STEP_READ = 4,  /**< read the register address */
-    LIKA_STEP_POLL = 5   /**< read the register address until its bits under mask are value */
+    LIKA_STEP_POLL = 5,  /**< read the register address until its bits under mask are value */
+    /** write as WRITE does, and undo with it what a WRITE to the same address opened */
+    LIKA_STEP_CLOSE = 6
 } lika_step_kind;
 
 /**
  * One step. Members that its kind does not need have no meaning. Mask is 0xFF where a whole byte is
  * written; where it is not, the byte is read first, and its bits outside the mask are written back
- * as they are.
+ * as they are. For SEND address is how many bytes the reply has: they have to come, the first is
+ * the request, and where mask is 0xFF the exclusive-or of all is 0. With 0 none is looked at.
  */
 typedef struct lika_step {
     lika_step_kind kind;
@@ -117,10 +136,11 @@ static inline lika_step lika_step_wait(uint32_t microseconds)
     return step;
 }
 
-/** A step that sends a request of one byte several times. */
-static inline lika_step lika_step_send(uint8_t value, uint16_t times, uint32_t microseconds)
+/** A step that sends a request of one byte several times, and gets so many bytes each time. */
+static inline lika_step lika_step_send(
+    uint8_t value, uint16_t times, uint32_t microseconds, uint16_t reply, uint8_t mask)
 {
-    const lika_step step = { LIKA_STEP_SEND, 0U, 0xFFU, value, times, microseconds };
+    const lika_step step = { LIKA_STEP_SEND, reply, mask, value, times, microseconds };
     return step;
 }
 
@@ -138,6 +158,13 @@ static inline lika_step lika_step_poll(uint16_t address, uint8_t mask, uint8_t v
     return step;
 }
 
+/** A step that closes what a step before it has opened. */
+static inline lika_step lika_step_close(uint16_t address, uint8_t mask, uint8_t value)
+{
+    const lika_step step = { LIKA_STEP_CLOSE, address, mask, value, 1U, 0U };
+    return step;
+}
+
 /* -- transport --------------------------------------------------------------------------------- */
 
 /**
@@ -149,7 +176,8 @@ static inline lika_step lika_step_poll(uint16_t address, uint8_t mask, uint8_t v
  *   write_registers  writes so many bytes in the same way
  *   wait_us          comes back after so many microseconds, or later
  *   send_request     sends this byte, which is a whole request over RS-485 (its control field), and
- *                    receives the reply or lets it pass; what it says is not needed
+ *                    receives so many bytes in reply; fewer, or none in time, are an error of
+ *                    yours. With length 0 it lets the reply pass
  * A poll reads again and again until the encoder is done. No manual says how long that may take, so
  * the bound is yours too: so many readings at most, with a pause of so many microseconds between
  * two. With 0 readings the bound is LIKA_POLL_AT_MOST and the pause LIKA_POLL_PAUSE_US.
@@ -160,18 +188,20 @@ typedef struct lika_transport {
     int32_t (*write_registers)(
         void *context, uint16_t address, const uint8_t *bytes, size_t length);
     int32_t (*wait_us)(void *context, uint32_t microseconds);
-    int32_t (*send_request)(void *context, uint8_t request);
+    int32_t (*send_request)(void *context, uint8_t request, uint8_t *reply, size_t length);
     uint32_t poll_at_most;
     uint32_t poll_pause_us;
 } lika_transport;
 
 #define LIKA_POLL_AT_MOST 1000U /**< readings of a poll, where the transport says nothing */
 #define LIKA_POLL_PAUSE_US 1000U /**< microseconds between them */
+#define LIKA_REPLY_BYTES 16U /**< the longest reply that a step can look at */
 
 /**
- * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED, and with RANGE where a
- * list has a step of no kind. A fault that is found before the first step, or in what was read,
- * leaves it as it was. NULL will do in its place.
+ * Which step failed, and how: told with TRANSPORT, TIMEOUT and UNSUPPORTED, with CRC and CONSTANT
+ * of a reply, and with RANGE where a list has a step of no kind. The steps before it were done, and
+ * after it those that close what was opened. A fault that is found before the first step, or in
+ * what was read, leaves it as it was. NULL will do in its place.
  */
 typedef struct lika_failure {
     size_t step; /**< which step, the first is 0 */
@@ -183,6 +213,7 @@ typedef struct lika_failure {
     lika_step_kind call;
     uint16_t address; /**< the first register byte of that step; 0 where it has none */
     int32_t error; /**< what the transport's function returned; 0 where it did not fail */
+    bool left_open; /**< what a step had opened could not be closed: do that before all else */
 } lika_failure;
 
 /** Tells what failed, and gives the result back. */
@@ -196,6 +227,7 @@ static inline lika_result lika_failed(
         failure->call = call;
         failure->address = address;
         failure->error = error;
+        failure->left_open = false;
     }
     return result;
 }
@@ -211,6 +243,7 @@ static inline lika_result lika_failed_at(
 }
 
 /** Reads so many bytes, the first at the address. */
+LIKA_NODISCARD
 static inline lika_result lika_read(
     const lika_transport *transport, uint16_t address, uint8_t *bytes, size_t length,
     lika_failure *failure)
@@ -227,6 +260,7 @@ static inline lika_result lika_read(
 }
 
 /** Writes so many bytes, the first at the address. */
+LIKA_NODISCARD
 static inline lika_result lika_write(
     const lika_transport *transport, uint16_t address, const uint8_t *bytes, size_t length,
     lika_failure *failure)
@@ -243,6 +277,7 @@ static inline lika_result lika_write(
 }
 
 /** Writes one byte. */
+LIKA_NODISCARD
 static inline lika_result lika_write_byte(
     const lika_transport *transport, uint16_t address, uint8_t byte,
     lika_failure *failure)
@@ -251,6 +286,7 @@ static inline lika_result lika_write_byte(
 }
 
 /** Waits so many microseconds at least. */
+LIKA_NODISCARD
 static inline lika_result lika_wait(
     const lika_transport *transport, uint32_t microseconds, lika_failure *failure)
 {
@@ -265,22 +301,52 @@ static inline lika_result lika_wait(
     return LIKA_OK;
 }
 
-/** Sends a request of one byte. */
-static inline lika_result lika_send(
-    const lika_transport *transport, uint8_t request, lika_failure *failure)
+/** Whether this is the reply to a request: the same first byte, and with a mask all cancel out. */
+LIKA_NODISCARD
+static inline lika_result lika_reply_check(
+    uint8_t request, const uint8_t *reply, size_t length, uint8_t mask)
 {
+    uint8_t sum = 0U;
+    size_t index;
+    if (length == 0U) {
+        return LIKA_OK;
+    }
+    for (index = 0U; index < length; index++) {
+        sum ^= reply[index];
+    }
+    if ((sum & mask) != 0U) {
+        return LIKA_FAULT_CRC;
+    }
+    return (reply[0] == request) ? LIKA_OK : LIKA_FAULT_CONSTANT;
+}
+
+/** Sends the request of a step, and looks at the reply. */
+LIKA_NODISCARD
+static inline lika_result lika_send(
+    const lika_transport *transport, const lika_step *step, lika_failure *failure)
+{
+    uint8_t reply[LIKA_REPLY_BYTES] = {
+        0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U
+    };
+    const size_t length = step->address;
+    lika_result result;
     int32_t error;
     if (transport->send_request == NULL) {
         return lika_failed(LIKA_FAULT_UNSUPPORTED, LIKA_STEP_SEND, 0U, 0, failure);
     }
-    error = transport->send_request(transport->context, request);
+    if (length > sizeof(reply)) {
+        return lika_failed(LIKA_FAULT_RANGE, LIKA_STEP_SEND, 0U, 0, failure);
+    }
+    error = transport->send_request(transport->context, step->value, reply, length);
     if (error != 0) {
         return lika_failed(LIKA_FAULT_TRANSPORT, LIKA_STEP_SEND, 0U, error, failure);
     }
-    return LIKA_OK;
+    result = lika_reply_check(step->value, reply, length, step->mask);
+    return (result == LIKA_OK) ? result : lika_failed(result, LIKA_STEP_SEND, 0U, 0, failure);
 }
 
 /** Carries out a step that writes. */
+LIKA_NODISCARD
 static inline lika_result lika_run_write(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
@@ -298,6 +364,7 @@ static inline lika_result lika_run_write(
 }
 
 /** Carries out a step that sends. */
+LIKA_NODISCARD
 static inline lika_result lika_run_send(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
@@ -308,13 +375,14 @@ static inline lika_result lika_run_send(
             result = lika_wait(transport, step->microseconds, failure);
         }
         if (result == LIKA_OK) {
-            result = lika_send(transport, step->value, failure);
+            result = lika_send(transport, step, failure);
         }
     }
     return result;
 }
 
 /** Carries out a step that polls. */
+LIKA_NODISCARD
 static inline lika_result lika_run_poll(
     const lika_transport *transport, const lika_step *step, lika_failure *failure)
 {
@@ -366,12 +434,14 @@ static inline size_t lika_run_together(const lika_step *steps, size_t count)
 }
 
 /** Carries out one step that does not read. */
+LIKA_NODISCARD
 static inline lika_result lika_run_step(
     const lika_transport *transport, const lika_step *step,
     lika_failure *failure)
 {
     switch (step->kind) {
     case LIKA_STEP_WRITE:
+    case LIKA_STEP_CLOSE:
         return lika_run_write(transport, step, failure);
     case LIKA_STEP_WAIT:
         return lika_wait(transport, step->microseconds, failure);
@@ -385,11 +455,56 @@ static inline lika_result lika_run_step(
     }
 }
 
+/** The register byte of a step; 0 where it has none. */
+static inline uint16_t lika_step_address(const lika_step *step)
+{
+    const bool none = (step->kind == LIKA_STEP_SEND) || (step->kind == LIKA_STEP_WAIT);
+    return none ? 0U : step->address;
+}
+
 /**
- * Carries out steps one after the other, up to the first that fails. The bytes that they read are
+ * Whether a step closes what one of the first steps has opened. One that failed counts: nobody
+ * knows whether it arrived.
+ */
+static inline bool lika_step_closes(
+    const lika_step *steps, size_t begun, const lika_step *step)
+{
+    size_t index;
+    if (step->kind != LIKA_STEP_CLOSE) {
+        return false;
+    }
+    for (index = 0U; index < begun; index++) {
+        if ((steps[index].kind == LIKA_STEP_WRITE) && (steps[index].address == step->address)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/**
+ * Closes what the steps up to the one that failed have opened, by the steps after it that close;
+ * says whether that went well. Where the one that failed is such a step, it has not.
+ */
+static inline bool lika_run_closing(
+    const lika_transport *transport, const lika_step *steps, size_t count, size_t failed)
+{
+    bool well = steps[failed].kind != LIKA_STEP_CLOSE;
+    size_t index;
+    for (index = failed + 1U; index < count; index++) {
+        if (lika_step_closes(steps, failed + 1U, &steps[index])) {
+            well = (lika_run_write(transport, &steps[index], NULL) == LIKA_OK) && well;
+        }
+    }
+    return well;
+}
+
+/**
+ * Carries out steps one after the other, up to the first that fails; what it or those before it
+ * have opened is closed then, and the failure says how far it came. The bytes that they read are
  * put into bytes, of which there are exactly as many (else LENGTH, and nothing is done); those that
  * lie beside each other in the encoder are read by one call. After a fault bytes is of no use.
  */
+LIKA_NODISCARD
 static inline lika_result lika_run(
     const lika_transport *transport, const lika_step *steps, size_t count,
     uint8_t *bytes, size_t length, lika_failure *failure)
@@ -411,9 +526,11 @@ static inline lika_result lika_run(
             result = lika_run_step(transport, step, failure);
         }
         if (result != LIKA_OK) {
+            const bool closed = lika_run_closing(transport, steps, count, index);
             if (failure != NULL) {
                 failure->kind = step->kind;
-                failure->address = step->address;
+                failure->address = lika_step_address(step);
+                failure->left_open = !closed;
             }
             return lika_failed_at(result, index, failure);
         }

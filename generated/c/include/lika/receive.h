@@ -27,7 +27,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA174B2DDU)
 #error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -118,6 +118,7 @@ static inline size_t lika_received_samples(
  * A disturbed acknowledge or start bit moves the word. The decoder's CRC of 6 bits overlooks one of
  * 64 such words; only a limit on the change of position sees that one.
  */
+LIKA_NODISCARD
 static inline lika_result lika_biss_receive(
     const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
 {
@@ -154,6 +155,7 @@ static inline lika_result lika_biss_receive(
  * The CDS bit of a frame in which lika_biss_receive found its word, for register access by
  * lika/biss.h. LENGTH: there is no frame.
  */
+LIKA_NODISCARD
 static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
 {
     const size_t end = 8U * size;
@@ -187,6 +189,7 @@ static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, 
  *   LINE_HIGH  all bits are 1: no encoder, no supply, or no clock
  *   CONSTANT   the bit after the word is 1: a longer word, or disturbed
  */
+LIKA_NODISCARD
 static inline lika_result lika_ssi_receive(
     const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
 {
@@ -213,6 +216,7 @@ static inline lika_result lika_ssi_receive(
  *   RANGE   a position is not below the modulus
  *   REPEAT  they do not agree: read again
  */
+LIKA_NODISCARD
 static inline lika_result lika_ssi_repeats(
     uint64_t first, uint64_t second, uint64_t modulus, uint64_t at_most)
 {
@@ -266,6 +270,7 @@ typedef struct lika_rs485_line {
  * No manual says how soon an encoder answers; request and reply alone take ten bits of the port's
  * rate for each byte. LENGTH: no bytes, or more than there is room for.
  */
+LIKA_NODISCARD
 static inline lika_result lika_rs485_ask(
     lika_rs485_line *line, uint8_t control, size_t length, size_t echo, uint32_t now_us,
     uint32_t at_most_us)

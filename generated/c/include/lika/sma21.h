@@ -52,7 +52,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA1EE1EC1U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA174B2DDU)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -723,6 +723,7 @@ static inline uint32_t lika_sma21_ssi_word_bits(const lika_sma21_variant *varian
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_ssi_word_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_ssi_word *out)
 {
@@ -738,6 +739,7 @@ static inline lika_result lika_sma21_ssi_word_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_ssi_word_encode(
     const lika_sma21_variant *variant, const lika_sma21_ssi_word *in, uint64_t *out)
 {
@@ -753,6 +755,7 @@ static inline lika_result lika_sma21_ssi_word_encode(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_ssi_word_verdict(const lika_sma21_ssi_word *frame)
 {
     if (frame->error) {
@@ -921,6 +924,7 @@ static inline uint32_t lika_sma21_single_cycle_data_crc(uint64_t word)
 }
 
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_single_cycle_data_decode(
     const lika_sma21_variant *variant, uint64_t word, lika_sma21_single_cycle_data *out)
 {
@@ -943,6 +947,7 @@ static inline lika_result lika_sma21_single_cycle_data_decode(
 }
 
 /** Encodes a word, its last bit to be sent in bit 0. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_single_cycle_data_encode(
     const lika_sma21_variant *variant, const lika_sma21_single_cycle_data *in, uint64_t *out)
 {
@@ -961,6 +966,7 @@ static inline lika_result lika_sma21_single_cycle_data_encode(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_single_cycle_data_verdict(
     const lika_sma21_single_cycle_data *frame)
 {
@@ -1057,6 +1063,7 @@ typedef struct lika_sma21_data_request {
 } lika_sma21_data_request;
 
 /** Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_data_request_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_data_request *out)
@@ -1085,6 +1092,7 @@ static inline lika_result lika_sma21_data_request_decode(
 }
 
 /** Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_data_request_encode(
     const lika_sma21_variant *variant, const lika_sma21_data_request *in, uint8_t *bytes,
     size_t length)
@@ -1195,6 +1203,7 @@ typedef struct lika_sma21_position_reply {
 } lika_sma21_position_reply;
 
 /** Decodes 7 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_position_reply *out)
@@ -1242,6 +1251,7 @@ static inline lika_result lika_sma21_position_reply_decode(
 }
 
 /** Encodes 7 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -1285,6 +1295,7 @@ static inline bool lika_sma21_position_reply_is_expected(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_position_reply_verdict(const lika_sma21_position_reply *frame)
 {
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
@@ -1375,6 +1386,7 @@ typedef struct lika_sma21_wide_position_reply {
 } lika_sma21_wide_position_reply;
 
 /** Decodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_wide_position_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_wide_position_reply *out)
@@ -1406,6 +1418,7 @@ static inline lika_result lika_sma21_wide_position_reply_decode(
 }
 
 /** Encodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_wide_position_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_wide_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -1442,6 +1455,7 @@ static inline bool lika_sma21_wide_position_reply_is_expected(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_wide_position_reply_verdict(
     const lika_sma21_wide_position_reply *frame)
 {
@@ -1555,6 +1569,7 @@ typedef struct lika_sma21_identification_reply {
 } lika_sma21_identification_reply;
 
 /** Decodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_identification_reply_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_identification_reply *out)
@@ -1602,6 +1617,7 @@ static inline lika_result lika_sma21_identification_reply_decode(
 }
 
 /** Encodes 9 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_identification_reply_encode(
     const lika_sma21_variant *variant, const lika_sma21_identification_reply *in, uint8_t *bytes,
     size_t length)
@@ -1641,6 +1657,7 @@ static inline bool lika_sma21_identification_reply_is_expected(
 }
 
 /** What the position is worth, by what the frame reports. */
+LIKA_NODISCARD
 static inline lika_verdict lika_sma21_identification_reply_verdict(
     const lika_sma21_identification_reply *frame)
 {
@@ -1701,6 +1718,7 @@ static inline size_t lika_sma21_rs485_frame_length(lika_sma21_rs485_frame frame)
 }
 
 /** The frame that the master sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_request_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -1721,6 +1739,7 @@ static inline lika_result lika_sma21_rs485_request_for(
  * The frame of the master that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {
@@ -1731,6 +1750,7 @@ static inline lika_result lika_sma21_rs485_request_frame(
 }
 
 /** The frame that the encoder sends for this data ID; RANGE where there is none. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_reply_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -1755,6 +1775,7 @@ static inline lika_result lika_sma21_rs485_reply_for(
  * The frame of the encoder that begins with these bytes, of which 1 is enough. Its decoder checks
  * the rest.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {
@@ -1898,6 +1919,7 @@ typedef struct lika_sma21_reg_profile_id {
 } lika_sma21_reg_profile_id;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_profile_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_profile_id *out)
@@ -1912,6 +1934,7 @@ static inline lika_result lika_sma21_reg_profile_id_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_profile_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -1933,6 +1956,7 @@ static inline bool lika_sma21_reg_profile_id_is_expected(
 }
 
 /** Reads Profile ID, 42h to 43h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_profile_id(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_profile_id *out, lika_failure *failure)
@@ -1970,6 +1994,7 @@ typedef struct lika_sma21_reg_serial_number {
 } lika_sma21_reg_serial_number;
 
 /** Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_serial_number_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_serial_number *out)
@@ -1988,6 +2013,7 @@ static inline lika_result lika_sma21_reg_serial_number_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_serial_number_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -2004,6 +2030,7 @@ static inline lika_result lika_sma21_reg_serial_number_encode(
 }
 
 /** Reads Serial number, 44h to 47h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_serial_number(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_serial_number *out, lika_failure *failure)
@@ -2049,6 +2076,7 @@ typedef enum lika_sma21_command {
 } lika_sma21_command;
 
 /** Writes Command, 48h, then waits 30 ms. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_write_command(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_command value, lika_failure *failure)
@@ -2137,6 +2165,7 @@ typedef struct lika_sma21_reg_configuration {
 } lika_sma21_reg_configuration;
 
 /** Decodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_configuration_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_configuration *out)
@@ -2160,6 +2189,7 @@ static inline lika_result lika_sma21_reg_configuration_decode(
 }
 
 /** Encodes 1 byte. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_configuration_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -2187,6 +2217,7 @@ static inline lika_result lika_sma21_reg_configuration_encode(
 }
 
 /** Reads Configuration, 49h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_configuration(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_configuration *out, lika_failure *failure)
@@ -2205,6 +2236,7 @@ static inline lika_result lika_sma21_read_configuration(
  * Writes Configuration, 49h.
  * The frames depend on it: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_write_configuration(
     const lika_transport *transport, const lika_sma21_variant *variant,
     const lika_sma21_reg_configuration *in, lika_failure *failure)
@@ -2234,6 +2266,7 @@ static inline lika_result lika_sma21_write_configuration(
 #define LIKA_SMA21_REG_ABSOLUTE_RESOLUTION_ACCESS LIKA_ACCESS_READ_ONLY
 
 /** Reads Absolute resolution, 4Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_absolute_resolution(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2305,6 +2338,7 @@ typedef struct lika_sma21_reg_preset_offset {
 } lika_sma21_reg_preset_offset;
 
 /** Decodes 4 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_preset_offset_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_preset_offset *out)
@@ -2320,6 +2354,7 @@ static inline lika_result lika_sma21_reg_preset_offset_decode(
 }
 
 /** Encodes 4 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_preset_offset_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_preset_offset *in, uint8_t *bytes,
     size_t length)
@@ -2336,6 +2371,7 @@ static inline lika_result lika_sma21_reg_preset_offset_encode(
 }
 
 /** Reads Preset / Offset, 50h to 53h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_preset_offset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_preset_offset *out, lika_failure *failure)
@@ -2351,6 +2387,7 @@ static inline lika_result lika_sma21_read_preset_offset(
 }
 
 /** Writes Preset / Offset, 50h to 53h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_write_preset_offset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     const lika_sma21_reg_preset_offset *in, lika_failure *failure)
@@ -2378,6 +2415,7 @@ static inline lika_result lika_sma21_write_preset_offset(
 #define LIKA_SMA21_REG_DEVICE_TYPE_EXPECTED 0x08U /**< what the manual states for it */
 
 /** Reads Device type, 55h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_device_type(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2407,6 +2445,7 @@ static inline lika_result lika_sma21_read_device_type(
 #define LIKA_SMA21_REG_SINE_COSINE_RESOLUTION_EXPECTED 0x00U /**< what the manual states for it */
 
 /** Reads Sine cosine resolution, 58h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_sine_cosine_resolution(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2437,6 +2476,7 @@ static inline lika_result lika_sma21_read_sine_cosine_resolution(
 #define LIKA_SMA21_REG_POSITION_CHECK_DEFAULT 0x00U /**< value as delivered */
 
 /** Reads Position check, 59h. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_position_check(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t *out, lika_failure *failure)
@@ -2476,6 +2516,7 @@ typedef struct lika_sma21_reg_device_id {
 } lika_sma21_reg_device_id;
 
 /** Decodes 6 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_device_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_device_id *out)
@@ -2494,6 +2535,7 @@ static inline lika_result lika_sma21_reg_device_id_decode(
 }
 
 /** Encodes 6 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_device_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -2525,6 +2567,7 @@ static inline bool lika_sma21_reg_device_id_is_expected(
 }
 
 /** Reads Device ID, 78h to 7Dh. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_device_id(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_device_id *out, lika_failure *failure)
@@ -2558,6 +2601,7 @@ typedef struct lika_sma21_reg_manufacturer_id {
 } lika_sma21_reg_manufacturer_id;
 
 /** Decodes 2 bytes, the one of the lowest address first. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_manufacturer_id_decode(
     const lika_sma21_variant *variant, const uint8_t *bytes, size_t length,
     lika_sma21_reg_manufacturer_id *out)
@@ -2572,6 +2616,7 @@ static inline lika_result lika_sma21_reg_manufacturer_id_decode(
 }
 
 /** Encodes 2 bytes. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reg_manufacturer_id_encode(
     const lika_sma21_variant *variant, const lika_sma21_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -2597,6 +2642,7 @@ static inline bool lika_sma21_reg_manufacturer_id_is_expected(
 }
 
 /** Reads Manufacturer ID, 7Eh to 7Fh. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_manufacturer_id(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_reg_manufacturer_id *out, lika_failure *failure)
@@ -2622,6 +2668,7 @@ static inline lika_result lika_sma21_read_manufacturer_id(
 /**
  * Takes over into the variant what the register Configuration holds: offset_selected, output_code.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_take_configuration(
     lika_sma21_variant *variant, const uint8_t *bytes, size_t length)
 {
@@ -2640,6 +2687,7 @@ static inline lika_result lika_sma21_take_configuration(
  * procedure that changes them or what they follow from, and after the defaults were restored. In a
  * failure the steps are the registers, in the order of the functions above.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_state(
     const lika_transport *transport, lika_sma21_variant *variant,
     lika_failure *failure)
@@ -2673,6 +2721,7 @@ typedef struct lika_sma21_identity {
 } lika_sma21_identity;
 
 /** Reads them. In a failure the steps are the registers, in the order of the members. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_read_identity(
     const lika_transport *transport, lika_sma21_identity *out, lika_failure *failure)
 {
@@ -2774,6 +2823,7 @@ static inline const lika_sma21_order_code *lika_sma21_next_candidate(
 #define LIKA_SMA21_SET_CONFIGURATION_STEPS_COUNT 3U
 
 /** Writes the steps into an array of at least 3 places. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_configuration_steps(
     const lika_sma21_variant *variant,
     uint8_t configuration,
@@ -2800,6 +2850,7 @@ static inline lika_result lika_sma21_set_configuration_steps(
  * Carries it out over BiSS C-mode; the transport needs write_registers and wait_us.
  * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_configuration(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint8_t configuration,
@@ -2827,6 +2878,7 @@ static inline lika_result lika_sma21_set_configuration(
 #define LIKA_SMA21_SET_PRESET_STEPS_COUNT 6U
 
 /** Writes the steps into an array of at least 6 places. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_preset_steps(
     const lika_sma21_variant *variant,
     uint32_t position,
@@ -2860,6 +2912,7 @@ static inline lika_result lika_sma21_set_preset_steps(
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_preset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint32_t position,
@@ -2900,6 +2953,7 @@ static inline const lika_step *lika_sma21_select_preset_steps(size_t *count)
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_select_preset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -2926,6 +2980,7 @@ static inline lika_result lika_sma21_select_preset(
 #define LIKA_SMA21_SET_OFFSET_STEPS_COUNT 10U
 
 /** Writes the steps into an array of at least 10 places. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_offset_steps(
     const lika_sma21_variant *variant,
     uint32_t offset,
@@ -2966,6 +3021,7 @@ static inline lika_result lika_sma21_set_offset_steps(
  * Carries it out over BiSS C-mode; the transport needs read_registers, write_registers and wait_us.
  * The frames depend on what it writes: lika_sma21_read_state() makes the variant follow.
  */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_set_offset(
     const lika_transport *transport, const lika_sma21_variant *variant,
     uint32_t offset,
@@ -2999,6 +3055,7 @@ static inline const lika_step *lika_sma21_save_parameters_steps(size_t *count)
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_save_parameters(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -3027,6 +3084,7 @@ static inline const lika_step *lika_sma21_restore_defaults_steps(size_t *count)
 }
 
 /** Carries it out over BiSS C-mode; the transport needs write_registers and wait_us. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_restore_defaults(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -3075,6 +3133,7 @@ typedef struct lika_sma21_identify_read {
 } lika_sma21_identify_read;
 
 /** Carries it out over BiSS C-mode; the transport needs read_registers. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_identify(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_sma21_identify_read *out, lika_failure *failure)
@@ -3121,13 +3180,14 @@ static inline const lika_step *lika_sma21_reset_errors_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_ERRORS_STEPS_COUNT] = {
         /* reset_errors; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0xDAU, 10U, 40U }
+        { LIKA_STEP_SEND, 7U, 0xFFU, 0xDAU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_ERRORS_STEPS_COUNT;
     return steps;
 }
 
 /** Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reset_errors(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)
@@ -3155,13 +3215,14 @@ static inline const lika_step *lika_sma21_reset_position_steps(size_t *count)
 {
     static const lika_step steps[LIKA_SMA21_RESET_POSITION_STEPS_COUNT] = {
         /* reset_position; in succession, no other request in between */
-        { LIKA_STEP_SEND, 0U, 0xFFU, 0x7AU, 10U, 40U }
+        { LIKA_STEP_SEND, 7U, 0xFFU, 0x7AU, 10U, 40U }
     };
     *count = LIKA_SMA21_RESET_POSITION_STEPS_COUNT;
     return steps;
 }
 
 /** Carries it out over RS-485; the transport needs wait_us and send_request. */
+LIKA_NODISCARD
 static inline lika_result lika_sma21_reset_position(
     const lika_transport *transport, const lika_sma21_variant *variant,
     lika_failure *failure)

@@ -1,0 +1,71 @@
+"""Public numbers that no manual of an encoder prints: they hold for whoever uses the same CRC, words or parity.
+
+The self-test of the C headers carries them; tests hold them against ``tests/vectors.json``, which has the sources.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..model import Crc
+
+_BRIDGE = "timonburkard/BiSS_Bridge: 2_hdl/tb/tb_data_checker.vhd"
+_MOTEUS = "mjbots/moteus: fw/test/bissc_extract_test.cc"
+_TI = "TexasInstruments/motor-control-sdk: bissc_hex_control_commands.png"
+
+
+@dataclass(frozen=True, slots=True)
+class PublicVector:
+    """The CRC of a word, which begins with its first bit that is 1."""
+
+    title: str
+    data: int
+    crc: int
+    source: str
+
+
+def _single_cycle(title: str, position: int, flags: int, crc: int) -> PublicVector:
+    """Of 22 bits and two flags, error and warning."""
+    return PublicVector(title, position << 2 | flags, crc, _BRIDGE)
+
+
+_CRC_6 = (
+    _single_cycle("22 bits, all zeros", 0, 3, 58),
+    _single_cycle("22 bits, all ones", 4194303, 3, 47),
+    _single_cycle("22 bits, pattern 1", 1193046, 3, 53),
+    _single_cycle("22 bits, pattern 2", 2870767, 3, 16),
+    _single_cycle("22 bits, pattern 3", 1393441, 3, 54),
+    _single_cycle("22 bits, pattern 4", 4119738, 3, 24),
+    _single_cycle("22 bits, captured", 192458, 3, 28),
+    _single_cycle("22 bits, error active", 74565, 1, 11),
+    _single_cycle("22 bits, warning active", 74565, 2, 14),
+    PublicVector("16 bits", 0x1234, 7, _MOTEUS),
+)
+_CRC_4 = (PublicVector("data byte 40h", 0x40, 8, _TI), PublicVector("data byte 06h", 0x06, 5, _TI))
+
+#: Reads of one register, slave ID 0: the address, and the word of 32 bits.
+CONTROL_WORDS = (
+    (0x44, 0x889B4000),
+    (0x45, 0x88BD4000),
+    (0x46, 0x88D74000),
+    (0x47, 0x88F14000),
+    (0x60, 0x8C174000),
+    (0x67, 0x8CE54000),
+    (0x68, 0x8D014000),
+    (0x78, 0x8F0B4000),
+    (0x79, 0x8F2D4000),
+    (0x7A, 0x8F474000),
+    (0x7B, 0x8F614000),
+    (0x7C, 0x8F934000),
+    (0x7D, 0x8FB54000),
+)
+
+#: The first byte of a request in the T-format, by its data ID.
+CONTROL_FIELDS = {0: 0x02, 1: 0x8A, 2: 0x92, 3: 0x1A, 6: 0x32, 7: 0xBA, 8: 0xC2, 12: 0x62, 13: 0xEA, 5: 0x2A, 10: 0x52}
+
+
+def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
+    """Those for a CRC of these parameters: the two of BiSS, of 6 and of 4 bits, sent inverted."""
+    if crc.init or crc.xorout != crc.mask or crc.refin or crc.refout:
+        return ()
+    return {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}.get((crc.width, crc.poly), ())

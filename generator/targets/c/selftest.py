@@ -1,0 +1,302 @@
+"""A self-test that a user compiles with his own compiler: each worked example, as a function that tells if it holds.
+
+The checks of a family are numbered from 1 in the order of its spec; a number tells what failed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, TypedDict
+
+from ...model import (
+    CrcExample,
+    Device,
+    Example,
+    Field,
+    FrameExample,
+    Manufacturer,
+    MeasureExample,
+    ProcedureExample,
+    RegisterExample,
+    Rs485,
+    Text,
+    assert_never,
+    cite,
+)
+from ...plan.vectors import CONTROL_FIELDS, CONTROL_WORDS, vectors_of
+from .. import has_biss
+from .codec import StructCodec
+from .device import DeviceView
+from .positions import LengthPositions
+from .procedures import ProcedureCode
+from .reserved import c_name
+from .types import number, string
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """A member of a struct and what it has to be; ``text`` has its characters where it is one."""
+
+    member: str
+    value: str
+    text: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class FrameCheck:
+    """A frame or register that decodes to this, and encodes to the same again; or is refused for ``fault``."""
+
+    codec: StructCodec
+    variant: str
+    answers: str
+    data: tuple[str, ...]
+    word: str
+    expected: tuple[Expected, ...]
+    fault: str
+
+
+@dataclass(frozen=True, slots=True)
+class CrcCheck:
+    function: str
+    data: tuple[str, ...]
+    word: str
+    crc: str
+
+
+@dataclass(frozen=True, slots=True)
+class ProcedureCheck:
+    """The registers that a procedure writes, in this order: address and byte."""
+
+    code: ProcedureCode
+    variant: str
+    arguments: tuple[str, ...]
+    writes: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureCheck:
+    function: str
+    variant: str
+    counts: str
+    micrometres: str
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantCheck:
+    macro: str
+    value: str
+
+
+Work = ConstantCheck | FrameCheck | CrcCheck | ProcedureCheck | MeasureCheck
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """``about`` names the example and its source."""
+
+    number: int
+    about: str
+    work: Work
+
+
+class SelfTest:
+    """The checks of a family; examples that no function of the header concerns are left out."""
+
+    def __init__(self, view: DeviceView) -> None:
+        self.view = view
+        self.name = f"{view.prefix}_selftest"
+        works = [*self._examples(), *self._vectors()]
+        self.checks = [Check(index, about, work) for index, (about, work) in enumerate(works, 1)]
+
+    @property
+    def is_used(self) -> Mapping[str, bool]:
+        """Which helpers the checks need."""
+        frames = [item.work for item in self.checks if isinstance(item.work, FrameCheck)]
+        return {
+            "bytes": any(item.data and not item.fault for item in frames),
+            "texts": any(one.text for item in frames for one in item.expected),
+            "writes": any(isinstance(item.work, ProcedureCheck) for item in self.checks),
+        }
+
+    def _examples(self) -> Iterator[tuple[str, Work]]:
+        for example in self.view.device.examples:
+            about = f"{example.name.replace('_', ' ')} [{cite(example.source)}]"
+            yield from ((about, work) for work in self._works(example))
+
+    def _vectors(self) -> Iterator[tuple[str, Work]]:
+        for crc in self.view.crcs:
+            for vector in vectors_of(crc.crc) if crc.is_fold else ():
+                about = f"{crc.crc.name}: {vector.title} [{vector.source}]"
+                yield about, CrcCheck(crc.name, (), _hex(vector.data, 64), _hex(vector.crc))
+        for interface in self.view.interfaces:
+            for item in interface.interface.data_ids if isinstance(interface.interface, Rs485) else ():
+                if item.id in CONTROL_FIELDS:
+                    macro = f"{interface.upper}_CONTROL_{item.name}".upper()
+                    yield f"control field of data ID {item.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[item.id]))
+
+    def _works(self, example: Example) -> Iterator[Work]:
+        match example:
+            case FrameExample():
+                yield from self._frames(example)
+            case RegisterExample():
+                yield from self._register(example)
+            case CrcExample():
+                yield from self._crc(example)
+            case ProcedureExample():
+                code = next(item for item in self.view.procedures if item.run.procedure.name == example.procedure)
+                given = tuple(number(example.arguments[item.given.argument.name]) for item in code.arguments)
+                writes = tuple((_hex(item.address), _hex(item.value)) for item in example.writes)
+                yield ProcedureCheck(code, self._variant(example.order_code), given, writes)
+            case MeasureExample():
+                yield from self._measure(example)
+            case _:
+                assert_never(example)
+
+    def _variant(self, order_code: str) -> str:
+        """The macro of an order code; of one that is a label, that of the code it stands for."""
+        device = self.view.device
+        codes = [item.code for item in device.variants]
+        at = codes.index(order_code) if order_code in codes else 0
+        return self.view.variants.rows[at].macro
+
+    def _codecs(self, example: FrameExample) -> Iterator[StructCodec]:
+        for interface in self.view.interfaces:
+            for item in interface.codecs:
+                layout = item.struct.layout
+                if layout.name == example.layout or (not example.layout and layout.sender == example.sender):
+                    yield item
+
+    def _frames(self, example: FrameExample) -> Iterator[Work]:
+        for item in self._codecs(example):
+            layout = item.struct.layout
+            fits = item.plan.in_bytes == bool(example.bytes)
+            if fits and (example.layout or example.refused == "length"):
+                fault = f"{self.view.maker.name.upper()}_FAULT_{example.refused.upper()}" if example.refused else ""
+                yield FrameCheck(
+                    item,
+                    self._variant(example.order_code),
+                    self._answers(item, example),
+                    _bytes(example.bytes),
+                    _hex(int(example.bits, 2), 64) if example.bits else "",
+                    () if fault else tuple(self._expected(item, layout.name, example.values)),
+                    fault,
+                )
+
+    def _answers(self, item: StructCodec, example: FrameExample) -> str:
+        """The answers that the example takes, the first where it says nothing."""
+        found = ""
+        for asked in item.asked:
+            names = [answer.name for answer in asked.item.answers]
+            at = names.index(example.alternatives.get(asked.item.name, names[0]))
+            found += f"{asked.enumeration.entries[at].name}, "
+        return found
+
+    def _register(self, example: RegisterExample) -> Iterator[Work]:
+        code = next(item for item in self.view.registers if item.register.name == example.register)
+        if code.codec is not None:
+            expected = tuple(self._expected(code.codec, f"reg_{example.register}", example.values))
+            variant = self._variant(example.order_code)
+            yield FrameCheck(code.codec, variant, "", _bytes(example.bytes), "", expected, "")
+
+    def _expected(self, of: StructCodec, key: str, values: Mapping[str, int | str | bool]) -> Iterator[Expected]:
+        """The members; what has none is always the same, and is seen to when the frame is decoded and encoded."""
+        members = set(_members(of))
+        for name, value in values.items():
+            if name not in members:
+                continue
+            field = next((item for item in of.struct.layout.fields if item.name == name), None)
+            if isinstance(value, str) and field is not None and not isinstance(field.kind, Text):
+                yield Expected(c_name(name), self._named(key, field, value))
+            elif isinstance(value, str):
+                yield Expected(c_name(name), string(value), text=True)
+            elif isinstance(value, bool):
+                yield Expected(c_name(name), "true" if value else "false")
+            else:
+                yield Expected(c_name(name), number(value))
+
+    def _named(self, key: str, field: Field, value: str) -> str:
+        """The enumerator of a value by its name; its number where it has none."""
+        found = next(item.value for item in field.values if item.name == value)
+        choice = self.view.context.choices.get((key, field.name))
+        return choice.names.get(found, number(found)) if choice is not None else number(found)
+
+    def _crc(self, example: CrcExample) -> Iterator[Work]:
+        for item in self.view.crcs:
+            if item.crc.name != example.crc:
+                continue
+            if item.in_bytes:
+                yield CrcCheck(item.name, _bytes(example.bytes), "", _hex(example.check))
+            elif item.is_fold:
+                word = _hex(int.from_bytes(example.bytes, "big"), 64)
+                yield CrcCheck(item.name, (), word, _hex(example.check))
+
+    def _measure(self, example: MeasureExample) -> Iterator[Work]:
+        variant = next(item for item in self.view.device.variants if item.code == example.order_code)
+        for item in self.view.positions:
+            if isinstance(item, LengthPositions) and item.prefix in (
+                self.view.prefix,
+                f"{self.view.prefix}_{variant.interface}",
+            ):
+                macro = self._variant(example.order_code)
+                yield MeasureCheck(
+                    f"{item.prefix}_micrometres", macro, number(example.counts), number(example.micrometres)
+                )
+
+
+def _members(of: StructCodec) -> Iterator[str]:
+    """The names of what a struct holds, as the spec has them."""
+    yield from (whole.join.name for whole in of.plan.wholes)
+    for part in of.plan.parts:
+        yield from (part.field.name, *(run.name for run in part.field.runs))
+
+
+def _bytes(data: bytes) -> tuple[str, ...]:
+    return tuple(_hex(byte) for byte in data)
+
+
+def _hex(value: int, bits: int = 32) -> str:
+    return f"UINT64_C(0x{value:X})" if bits == 64 else f"0x{value:02X}U"
+
+
+class FamilyTest(TypedDict):
+    maker: Annotated[Manufacturer, "the manufacturer"]
+    prefix: Annotated[str, "the beginning of each name that all its families share, in small letters"]
+    PREFIX: Annotated[str, "the same in capitals, for macros"]
+    t: Annotated[SelfTest, "the checks of the family"]
+
+
+class AllTests(TypedDict):
+    namespace: Annotated[str, "the folder of the headers below include"]
+    option: Annotated[str, "the name of the package in capitals"]
+    makers: Annotated[list[Manufacturer], "the manufacturers"]
+    with_biss: Annotated[list[str], "the names of those that have biss.h"]
+    tests: Annotated[list[SelfTest], "the self-tests of the families"]
+    control_words: Annotated[tuple[tuple[int, int], ...], "reads over BiSS: address, and the word that is sent"]
+
+
+def selftest_files(
+    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]],
+    views: Mapping[str, DeviceView],
+    render: Callable[[str, Mapping[str, object]], str],
+) -> dict[str, str]:
+    """The files of the self-test, by their path in the C folder."""
+    tests = {device.name: SelfTest(views[device.name]) for _, devices in makers for device in devices}
+    tests = {name: test for name, test in tests.items() if test.checks}
+    files = {}
+    for maker, devices in makers:
+        for test in (tests[device.name] for device in devices if device.name in tests):
+            family: FamilyTest = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "t": test}
+            files[f"selftest/{test.view.device.name}.c"] = render("selftest.c.jinja", family)
+    names = [maker.name for maker, _ in makers]
+    values: AllTests = {
+        "namespace": "_".join(names),
+        "option": "_".join((*names, "encoders")).upper(),
+        "makers": [maker for maker, _ in makers],
+        "with_biss": [maker.name for maker, devices in makers if has_biss(devices)],
+        "tests": list(tests.values()),
+        "control_words": CONTROL_WORDS,
+    }
+    for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
+        files[f"selftest/{name}"] = render(template, values)
+    return files

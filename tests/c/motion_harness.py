@@ -1,0 +1,91 @@
+"""The functions of ``tracker.h`` and ``angle.h`` as a library that Python calls, undefined behaviour watched."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from pathlib import Path
+
+from c_harness import WARNINGS
+
+OK, RANGE = 0, 4
+
+
+class Tracker(ctypes.Structure):
+    """The struct as the header has it, in its order."""
+
+    _fields_ = [
+        ("known", ctypes.c_uint32),
+        ("at_us", ctypes.c_uint32),
+        ("limit", ctypes.c_uint32),
+        ("boot_us", ctypes.c_uint32),
+        ("refused", ctypes.c_uint32),
+        ("elapsed_us", ctypes.c_uint32),
+        ("raw", ctypes.c_uint64),
+        ("position", ctypes.c_int64),
+        ("moved", ctypes.c_int64),
+        ("modulus", ctypes.c_uint64),
+    ]
+
+
+#: Each function: what it gives, and what it is given.
+FUNCTIONS = {
+    "angle": ("uint32_t", ("uint64_t", "uint64_t")),
+    "angle_electrical": ("uint32_t", ("uint32_t", "uint32_t", "uint32_t")),
+    "angle_q31": ("int32_t", ("uint32_t",)),
+    "angle_q15": ("int16_t", ("uint32_t",)),
+    "angle_millidegrees": ("uint32_t", ("uint32_t",)),
+    "angle_degrees": ("float", ("uint32_t",)),
+    "angle_radians": ("float", ("uint32_t",)),
+    "angle_highest_bit": ("uint32_t", ("uint64_t",)),
+    "counts_per_second": ("int64_t", ("int64_t", "uint32_t")),
+    "tracker_start": ("void", ("lika_tracker *", "uint64_t", "uint32_t", "uint32_t", "uint32_t")),
+    "tracker_add": ("int", ("lika_tracker *", "uint64_t", "uint32_t")),
+    "tracker_speed": ("int64_t", ("const lika_tracker *",)),
+}
+_TYPES = {
+    "void": None,
+    "int": ctypes.c_int,
+    "float": ctypes.c_float,
+    "int16_t": ctypes.c_int16,
+    "int32_t": ctypes.c_int32,
+    "int64_t": ctypes.c_int64,
+    "uint32_t": ctypes.c_uint32,
+    "uint64_t": ctypes.c_uint64,
+    "lika_tracker *": ctypes.POINTER(Tracker),
+    "const lika_tracker *": ctypes.POINTER(Tracker),
+}
+
+
+def source() -> str:
+    """A function of the name without ``lika_`` for each; the struct is what Python takes it for."""
+    text = '#include "lika/tracker.h"\n#include "lika/angle.h"\n'
+    text += f"typedef char as_python_has_it[(sizeof(lika_tracker) == {ctypes.sizeof(Tracker)}U) ? 1 : -1];\n"
+    for name, (kind, given) in FUNCTIONS.items():
+        head = f"{kind} {name}({', '.join(f'{item} a{index}' for index, item in enumerate(given))})"
+        call = f"lika_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
+        back = "" if kind == "void" else "return (int)" if kind == "int" else "return "
+        text += f"{head};\n{head}\n{{\n    {back}{call};\n}}\n"
+    return text
+
+
+def compile_motion(include: Path, folder: Path) -> None:
+    """Compiles the library into the folder; :func:`motion_of` loads it."""
+    text = folder / "motion.c"
+    text.write_text(source(), encoding="utf-8")
+    command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all"]
+    done = subprocess.run(
+        [*command, *WARNINGS, f"-I{include}", str(text), "-o", str(folder / "motion.so")],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr[:4000]
+
+
+def motion_of(folder: Path) -> ctypes.CDLL:
+    """The library, its functions with their types."""
+    library = ctypes.CDLL(str(folder / "motion.so"))
+    for name, (kind, given) in FUNCTIONS.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = _TYPES[kind], [_TYPES[item] for item in given]
+    return library

@@ -1,0 +1,341 @@
+"""``tracker.h`` and ``angle.h``: counts that go on, what is believed, speeds and angles.
+
+What is expected is worked out with Python's own whole numbers and fractions, from what the comments of the headers say.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import random
+import shutil
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from c_harness import MadeOnce, compile_c
+from motion_harness import OK, RANGE, Tracker, compile_motion, motion_of
+
+#: AMM5 with 17 bits, with 23 bits and 65,536 revolutions; one turn of 36,000 counts; SMA21 of 50 um, 5,000 mm long;
+#: a prime; the least; and a position that never starts again.
+MODULI = (1 << 17, 1 << 39, 36_000, 100_000, 1_000_000_007, 2, 3, 0)
+#: AMM5 6.1: 6,000 rpm with 23 bits, in counts in a second.
+FAST = 100 << 23
+
+
+@pytest.fixture(scope="module")
+def motion(include: Path, made_once: MadeOnce) -> ctypes.CDLL:
+    return motion_of(made_once("motion", lambda folder: compile_motion(include, folder)))
+
+
+def started(motion: ctypes.CDLL, modulus: int, max_speed: int = 0xFFFFFFFF, boot: int = 0, now: int = 0) -> Tracker:
+    tracker = Tracker(*[0x5A5A5A5A] * 10)
+    motion.tracker_start(ctypes.byref(tracker), modulus, max_speed, boot, now)
+    return tracker
+
+
+def add(motion: ctypes.CDLL, tracker: Tracker, position: int, now: int) -> int:
+    return int(motion.tracker_add(ctypes.byref(tracker), position, now & 0xFFFFFFFF))
+
+
+def members(tracker: Tracker) -> tuple[int, ...]:
+    """All but the count of frames that were refused."""
+    return tuple(getattr(tracker, name) for name, *_ in Tracker._fields_ if name != "refused")
+
+
+# -- counting on
+
+
+def test_a_turn_forward_and_back(motion: ctypes.CDLL) -> None:
+    """17 bits: from 131,071 on to 0 is one count ahead, and so back."""
+    tracker = started(motion, 1 << 17)
+    told = []
+    for now, position in enumerate((131_070, 131_071, 0, 1, 0, 131_071)):
+        assert add(motion, tracker, position, 1000 * now) == OK
+        told.append((tracker.position, tracker.moved))
+    assert told == [(131070, 0), (131071, 1), (131072, 1), (131073, 1), (131072, -1), (131071, -1)]
+
+
+def test_a_turn_that_is_no_power_of_two(motion: ctypes.CDLL) -> None:
+    """36,000 counts: 35,990 to 20 is 30 ahead, half way round counts as backwards."""
+    tracker = started(motion, 36_000)
+    told = []
+    for now, position in enumerate((35_990, 20, 35_990, 17_990, 35_990)):
+        assert add(motion, tracker, position, 1_000_000 * now) == OK
+        told.append(tracker.position)
+    assert told == [35_990, 36_020, 35_990, 17_990, -10]
+
+
+def shorter(counts: int, modulus: int) -> int:
+    """The way round that is at most half, backwards where both are as long."""
+    if not modulus:
+        return counts
+    forward = counts % modulus
+    return forward if 2 * forward < modulus else forward - modulus
+
+
+def walk(seed: str, modulus: int, frames: int) -> Iterator[tuple[int, int, int]]:
+    """Time, true position and limit of an axis that goes as far as it can, or less, between frames."""
+    random_ = random.Random(f"{seed} {modulus}")
+    max_speed = random_.choice([1000, 131_072, FAST])
+    reach = (modulus - 1) // 2 if modulus else 1 << 40
+    now, true = random_.getrandbits(32), random_.randrange(modulus or 1 << 40)
+    for _ in range(frames):
+        yield now, true, max_speed
+        elapsed = random_.choice([0, 1, 17, 50, 1000, 20_000, 500_000])
+        now += elapsed
+        far = min(max_speed * elapsed // 1_000_000, reach)
+        true += random_.choice([-far, far, random_.randint(-far, far)])
+
+
+@pytest.mark.parametrize("modulus", MODULI)
+def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
+    """20,000 frames: the time starts again now and then, and every speed up to the limit is believed."""
+    tracker, offset, first, before = Tracker(), 0, True, (0, 0)
+    for now, true, max_speed in walk("sound", modulus, 20_000):
+        raw = true % modulus if modulus else true % (1 << 64)
+        if first:
+            motion.tracker_start(ctypes.byref(tracker), modulus, max_speed, 0, now & 0xFFFFFFFF)
+            offset, first, before = raw - true, False, (now, true)
+        assert add(motion, tracker, raw, now) == OK
+        assert tracker.position == true + offset
+        assert (tracker.moved, tracker.elapsed_us) == (true - before[1], now - before[0])
+        assert (tracker.known, tracker.refused) == (1, 0)
+        before = now, true
+
+
+@pytest.mark.parametrize("modulus", [item for item in MODULI if not 0 < item < 1000])
+def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CDLL) -> None:
+    """Each sound frame is followed by some that are farther than 1.3 percent and 16 us more allow."""
+    random_ = random.Random(modulus)
+    tracker, refused = Tracker(), 0
+    for index, (now, true, max_speed) in enumerate(walk("faults", modulus, 3_000)):
+        raw = true % modulus if modulus else true % (1 << 64)
+        if not index:
+            motion.tracker_start(ctypes.byref(tracker), modulus, max_speed, 0, now & 0xFFFFFFFF)
+        assert add(motion, tracker, raw, now) == OK
+        for count in range(1, random_.randint(1, 3) + 1):
+            after = random_.randrange(500)
+            most = math.ceil(max_speed * 1.0133 * (after + 16) / 1_000_000)
+            wrong = random_.choice([random_.randrange(modulus or 1 << 63), raw ^ 1 << random_.randrange(40), 0])
+            if abs(shorter(wrong - raw, modulus)) <= most or wrong >= (modulus or 1 << 63):
+                break
+            held = members(tracker)
+            assert add(motion, tracker, wrong, now + after) == RANGE
+            assert tracker.refused == count
+            assert members(tracker) == held
+            refused += 1
+    assert refused > 50
+
+
+def test_an_absurd_position_is_not_believed(motion: ctypes.CDLL) -> None:
+    tracker = started(motion, 36_000, 1_000_000)
+    assert add(motion, tracker, 5, 0) == OK
+    for position in (1 << 40, (1 << 63) + 5, 1 << 63, 72_000 + 17_000):
+        assert add(motion, tracker, position, 100) == RANGE
+    assert (tracker.position, tracker.refused) == (5, 4)
+
+
+# -- what is believed
+
+
+@pytest.mark.parametrize("max_speed", [1, 999, 131_072, 5_000_000, FAST, 4_000_000_000])
+@pytest.mark.parametrize("elapsed", [0, 1, 15, 16, 62, 1000, 65_535, 65_536, 524_287])
+def test_the_limit_is_the_speed_and_a_little_more(max_speed: int, elapsed: int, motion: ctypes.CDLL) -> None:
+    """All that the speed allows is believed, and nothing beyond 1.3 percent and 16 us more."""
+    at_least = max_speed * elapsed // 1_000_000
+    at_most = math.ceil(Fraction(max_speed * 10133 * (elapsed + 16), 10_000 * 1_000_000))
+    for sign in (1, -1):
+        tracker = started(motion, 0, max_speed)
+        assert add(motion, tracker, 1 << 40, 0) == OK
+        assert add(motion, tracker, (1 << 40) + sign * (at_most + 1), elapsed) == RANGE
+        assert add(motion, tracker, (1 << 40) + sign * at_least, elapsed) == OK
+
+
+def test_without_a_speed_the_limit_does_not_start_again(motion: ctypes.CDLL) -> None:
+    """4,294,967,295 counts in a second and 1/16 more is more than 32 bits hold."""
+    for max_speed in (0xFFFFFFFF, 0xF0F0F0F1, 0xF0F0F0F0):
+        tracker = started(motion, 0, max_speed)
+        assert tracker.limit >= 0xFFFFFFFE
+
+
+def test_no_fault_lasts(motion: ctypes.CDLL) -> None:
+    """A shaft that slipped: its new place is refused for 2^19 us, and believed then."""
+    tracker = started(motion, 1 << 23, 1000)
+    assert add(motion, tracker, 100, 0) == OK
+    assert [add(motion, tracker, 4_000_000, now) for now in range(0, 524_288, 65_536)] == [RANGE] * 8
+    assert add(motion, tracker, 4_000_000, 524_287) == RANGE
+    assert add(motion, tracker, 4_000_000, 524_288) == OK
+    assert (tracker.position, tracker.refused, tracker.elapsed_us) == (4_000_000, 0, 524_288)
+
+
+def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
+    """AMM5 7.4.3: while BUSY all position data are 0. The start is 100 us before the time starts again."""
+    tracker = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
+    assert [add(motion, tracker, 0, now) for now in (0xFFFFFF9C, 0, 1000, 1899)] == [RANGE] * 4
+    assert (tracker.known, tracker.refused, tracker.position) == (0, 4, 0)
+    assert add(motion, tracker, 77, 1899) == OK
+    assert (tracker.known, tracker.refused, tracker.position) == (1, 0, 77)
+    assert add(motion, tracker, 0, 1999) == OK, "once a position is known, 0 is one as any"
+    late = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
+    assert [add(motion, late, 0, now) for now in (1899, 1900)] == [RANGE, OK], "a shaft may stand at 0"
+    assert started(motion, 8).boot_us == 0
+    assert add(motion, started(motion, 8), 0, 0) == OK
+
+
+# -- speed
+
+
+@pytest.mark.parametrize(
+    ("counts", "elapsed", "speed"),
+    [(0, 5, 0), (1, 1, 1_000_000), (-1, 3, -333_333), (FAST, 1_000_000, FAST), (-7, 0, 0), (1 << 43, 1, 10**6 << 43)],
+)
+def test_a_speed_by_hand(counts: int, elapsed: int, speed: int, motion: ctypes.CDLL) -> None:
+    assert motion.counts_per_second(counts, elapsed) == (speed if abs(speed) < 1 << 63 else speed - (1 << 64))
+
+
+def test_speeds(motion: ctypes.CDLL) -> None:
+    random_ = random.Random("speeds")
+    for _ in range(5_000):
+        counts = random_.randint(-(1 << random_.randrange(43)), 1 << random_.randrange(43))
+        elapsed = random_.randint(1, (1 << random_.randint(1, 32)) - 1)
+        wanted = abs(counts) * 1_000_000 // elapsed
+        assert motion.counts_per_second(counts, elapsed) == (wanted if counts >= 0 else -wanted)
+
+
+def test_the_speed_of_an_axis(motion: ctypes.CDLL) -> None:
+    tracker = started(motion, 1 << 17)
+    for position, now in ((131_000, 5), (60, 1005)):
+        assert add(motion, tracker, position, now) == OK
+    assert motion.tracker_speed(ctypes.byref(tracker)) == 132_000
+
+
+# -- angles
+
+
+@pytest.mark.parametrize(
+    ("position", "steps", "angle"),
+    [
+        (0, 8, 0),
+        (1, 8, 1 << 29),
+        (9, 8, 1 << 29),
+        (3, 4, 3 << 30),
+        (9_000, 36_000, 1 << 30),
+        (36_000 * 5 + 12_000, 36_000, (1 << 32) // 3),
+        ((1 << 39) - 1, 1 << 23, 0xFFFFFE00),
+        (7, 1, 0),
+        (7, 0, 0),
+        ((5 << 33) + 12, 1 << 33, 6),
+        (1, 1 << 32, 1),
+    ],
+)
+def test_an_angle_by_hand(position: int, steps: int, angle: int, motion: ctypes.CDLL) -> None:
+    assert motion.angle(position, steps) == angle
+
+
+def test_angles_of_any_number_of_steps(motion: ctypes.CDLL) -> None:
+    random_ = random.Random("angles")
+    for index in range(4_000):
+        steps = 1 << random_.randrange(63) if index % 2 else random_.randint(1, 1 << random_.randint(1, 62))
+        position = random_.getrandbits(64) >> random_.randrange(64)
+        assert motion.angle(position, steps) == (position % steps << 32) // steps
+    assert [motion.angle_highest_bit(1 << bit | bit) for bit in range(3, 64)] == list(range(3, 64))
+
+
+def test_what_follows_from_an_angle(motion: ctypes.CDLL) -> None:
+    random_ = random.Random("forms")
+    edges = [0, 1, 0x7FFFFFFF, 0x80000000, 0x80000001, 0xFFFFFF00, 0xFFFFFFFF, 0x7FFF, 0x10000, 0x7FFFFFFF & ~0xFFFF]
+    for angle in [*edges, *(random_.getrandbits(32) for _ in range(3_000))]:
+        turn = Fraction(angle, 1 << 32)
+        signed = angle - (1 << 32 if angle >= 1 << 31 else 0)
+        assert motion.angle_q31(angle) == signed
+        assert motion.angle_q15(angle) == signed >> 16
+        assert motion.angle_millidegrees(angle) == math.floor(turn * 360_000 + Fraction(1, 2)) % 360_000
+        degrees = motion.angle_degrees(angle)
+        assert 0 <= degrees < 360
+        assert abs(degrees - turn * 360) < 5e-5
+        radians = motion.angle_radians(angle)
+        assert -3.1415928 <= radians < 3.1415926
+        assert abs(radians - Fraction(signed, 1 << 31) * Fraction(math.pi)) < 1e-6
+
+
+@pytest.mark.parametrize("steps", [1 << 17, 1 << 23, 36_000])
+def test_the_field_of_a_motor(steps: int, motion: ctypes.CDLL) -> None:
+    """Seven pole pairs: the field turns seven times as fast, and a turn of the shaft brings it back to its start."""
+    random_ = random.Random(steps)
+    for _ in range(1_000):
+        position, offset = random_.randrange(steps), random_.getrandbits(32)
+        found = motion.angle_electrical(motion.angle(position, steps), 7, offset)
+        wanted = Fraction(7 * position, steps) - Fraction(offset, 1 << 32)
+        difference = (wanted - Fraction(found, 1 << 32)) % 1
+        assert difference < Fraction(7, 1 << 32)
+
+
+# -- the tests see what they are to see
+
+FAULTS = {
+    "modulus not added": ("tracker.h", "forward += modulus;", "forward += modulus - 1U;"),
+    "low half of the limit": ("tracker.h", "& 0xFFFFU) * units) >> 16U", "& 0xFFFFU) * units) >> 17U"),
+    "limit twice": ("tracker.h", "> (2U * believed)", "> (3U * believed)"),
+    "time of a refused frame": (
+        "tracker.h",
+        "        if ((moved + believed) >",
+        "        tracker->at_us = now_us;\n        if ((moved + believed) >",
+    ),
+    "no gate": ("tracker.h", "(position == 0U) &&", "(position == 1U) &&"),
+    "silence": ("tracker.h", "524288U", "524287U"),
+    "speed": ("tracker.h", "if (rest >= elapsed_us)", "if (rest > elapsed_us)"),
+    "shift of an angle": ("angle.h", "up = 32U - bits", "up = 33U - bits"),
+    "bits of a position": ("angle.h", "if (bit > 32U)", "if (bit > 33U)"),
+    "nearest": ("angle.h", "+ 0x80000000U) >> 32U", ") >> 32U"),
+    "half a turn": ("angle.h", "- 0x7FFFFFFF - 1", "- 0x7FFFFFFF"),
+    "offset": ("angle.h", ") - offset", ") + offset"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
+    header, sound, planted = FAULTS[fault]
+    shutil.copytree(include, tmp_path / "include")
+    path = tmp_path / "include" / "lika" / header
+    text = path.read_text(encoding="ascii")
+    assert text.count(sound) == 1
+    path.write_text(text.replace(sound, planted), encoding="ascii")
+    compile_motion(tmp_path / "include", tmp_path)
+    broken, seen = motion_of(tmp_path), 0
+    for check in (
+        lambda: test_a_turn_forward_and_back(broken),
+        lambda: [test_no_turn_is_lost_or_gained(modulus, broken) for modulus in (1 << 17, 36_000)],
+        lambda: [test_a_frame_that_is_too_far_changes_nothing(modulus, broken) for modulus in (1 << 17, 36_000)],
+        lambda: [test_the_limit_is_the_speed_and_a_little_more(FAST, elapsed, broken) for elapsed in (1000, 65_536)],
+        lambda: test_no_fault_lasts(broken),
+        lambda: test_zeros_at_the_start_are_not_believed(broken),
+        lambda: test_speeds(broken),
+        lambda: test_angles_of_any_number_of_steps(broken),
+        lambda: test_what_follows_from_an_angle(broken),
+        lambda: test_the_field_of_a_motor(36_000, broken),
+    ):
+        try:
+            check()
+        except AssertionError:
+            seen += 1
+    assert seen
+
+
+@pytest.mark.slow
+def test_the_result_of_the_tracker_may_be_left(include: Path, tmp_path: Path) -> None:
+    """A result of the tracker may be left: the tracker keeps what it says."""
+    code = """#include "lika/amm5.h"
+#include "lika/tracker.h"
+int main(void)
+{
+    static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;
+    static lika_tracker axis;
+    lika_tracker_start(&axis, lika_amm5_modulus(&encoder), 838860800U, 0U, 0U);
+    lika_tracker_add(&axis, 5U, 50U);
+    return (axis.position == 5) ? 0 : 1;
+}
+"""
+    compile_c(["gcc", "-std=c99", "-Wunused-result"], code, tmp_path, include)

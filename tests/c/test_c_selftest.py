@@ -1,0 +1,107 @@
+"""The self-test that users compile: green as it is, red where a CRC, a shift or anything else in it is changed."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from c_harness import FAMILIES, WARNINGS
+from codewheel.model import Device
+from codewheel.plan.vectors import CONTROL_FIELDS, CONTROL_WORDS, vectors_of
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def compiled(include: Path, folder: Path, *options: str) -> ctypes.CDLL:
+    """The self-test of the package as a library."""
+    made = folder / f"selftest{len(options)}.so"
+    tests = sorted(str(path) for path in (include.parent / "selftest").glob("*.c"))
+    command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", *WARNINGS, f"-I{include}", *options, *tests]
+    done = subprocess.run([*command, "-o", str(made)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:4000]
+    return ctypes.CDLL(str(made))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [(), ("-DLIKA_CRC_TABLE",), ("-DLIKA_CRC_BITWISE", "-O3")], ids=" ".join)
+def test_all_is_well(options: tuple[str, ...], include: Path, tmp_path: Path) -> None:
+    tests = compiled(include, tmp_path, *options)
+    assert tests.lika_selftest() == 0
+    assert {name: getattr(tests, f"lika_{name}_selftest")() for name in (*FAMILIES, "shared")} == dict.fromkeys(
+        (*FAMILIES, "shared"), 0
+    )
+
+
+def test_every_example_has_a_check(include: Path, every_device: Mapping[str, Device]) -> None:
+    """But for registers of one byte that are a number, which nothing decodes."""
+    for name in FAMILIES:
+        text = (include.parent / "selftest" / f"{name}.c").read_text(encoding="ascii")
+        shown = " ".join(re.findall(r"^/\*\s+(?:\* )?(\d+: .*?)\*/", text, re.MULTILINE | re.DOTALL))
+        for example in every_device[name].examples:
+            of = getattr(example, "register", "")
+            plain = of and every_device[name].register(of).length == 1
+            assert plain or f": {example.name.replace('_', ' ')}" in shown, example.name
+        assert "stdio" not in text
+
+
+#: Header, what is changed, and the families of whose self-tests one has to tell.
+FAULTS = {
+    "polynomial of a CRC of bits": ("amm5.h", r"(lika_amm5_crc_biss_6\(uint64_t data\).*?)<< 1U\)", r"\1<< 2U)"),
+    "inversion of a CRC": ("asc85.h", r"(lika_asc85_crc_biss_6\(uint64_t data\).*?)0x3FU\);", r"\g<1>0x3EU);"),
+    "CRC of bytes": ("sma21.h", r"(lika_sma21_crc_rs485_8\(.*?)\^", r"\1+"),
+    "shift of a frame": ("amm5.h", r"(lika_amm5_singleturn_reply_decode\(.*?)<< 8U", r"\1<< 7U"),
+    "shift of a register": ("am36.h", r"(lika_am36_reg_preset_decode\(.*?)<< 8U", r"\1<< 9U"),
+    "level of a flag": ("sma21.h", r"(lika_sma21_single_cycle_data_decode\(.*?)(==|!=) 0U\);", r"\1 > 1U);"),
+    "order of a procedure": ("amm5.h", r"(lika_amm5_set_preset_steps\(.*?)lika_step_write\(0x40U, 0xFFU, 0x01U\)",
+        r"\1lika_step_write(0x41U, 0xFFU, 0x01U)"),
+    "words of BiSS": ("biss.h", r"(lika_biss_request_encode\(.*?)<< 17U", r"\1<< 16U"),
+    "a count that goes on": ("tracker.h", r"forward \+= modulus;", "forward += 1U;"),
+    "an angle": ("angle.h", r"bit \+= 16U;", "bit += 15U;"),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_header_that_was_changed_is_told(fault: str, include: Path, tmp_path: Path) -> None:
+    header, sound, planted = FAULTS[fault]
+    shutil.copytree(include.parent, tmp_path / "c")
+    path = tmp_path / "c" / "include" / "lika" / header
+    text, count = re.subn(sound, planted, path.read_text(encoding="ascii"), count=1, flags=re.DOTALL)
+    assert count == 1
+    path.write_text(text, encoding="ascii")
+    told = compiled(tmp_path / "c" / "include", tmp_path).lika_selftest()
+    family = header.removesuffix(".h")
+    place = 1 + (*FAMILIES, "shared").index(family if family in FAMILIES else "shared")
+    assert told // 1000 == place
+    assert told % 1000 > 0
+
+
+def test_public_vectors_are_those_of_their_sources(
+    vectors: list[dict[str, Any]], every_device: Mapping[str, Device]
+) -> None:
+    words, crcs, fields = {}, {6: {}, 4: {}}, {}
+    for row in vectors:
+        given = row["fields"]
+        if row["protocol"].startswith("BiSS-C register read"):
+            words[given["ADR"]] = int(row["frame_hex_or_bits"].split()[0], 16)
+        if "position_bits" in given:
+            crcs[6][given["position"] << 2 | given["nE"] << 1 | given["nW"]] = given["CRC6_inverted"]
+        if "CRC6_raw" in given:
+            crcs[6][given["data"]] = given["CRC6_inverted"]
+        if "DATA" in given:
+            crcs[4][given["DATA"]] = given.get("DATA_CRC4", given.get("CRC4_inverted"))
+        if set(given) == {"data_id", "CF"}:
+            fields[given["data_id"]] = given["CF"]
+    assert dict(CONTROL_WORDS) == words
+    assert fields == CONTROL_FIELDS
+    for crc in every_device["amm5"].crcs:
+        if crc.name.startswith("biss"):
+            assert {item.data: item.crc for item in vectors_of(crc)} == crcs[crc.width]
+        else:
+            assert vectors_of(crc) == ()

@@ -1,0 +1,120 @@
+/*
+ * What is claimed of tracker.h and angle.h, for every state and every number that a caller may give.
+ * The numbers of the claims are worked out with 128 bits, so that nothing starts again.
+ */
+#include "@maker@/tracker.h"
+#include "@maker@/angle.h"
+
+typedef __int128 wide;
+uint64_t any_word(void);
+uint32_t any_number(void);
+
+/* An axis as the functions leave it: the position it has is one of the encoder's, if it has one. */
+static @maker@_tracker any_axis(void)
+{
+    @maker@_tracker axis;
+    axis.known = any_number();
+    __CPROVER_assume(axis.known <= 1U);
+    __CPROVER_assume(axis.modulus < (1ULL << 61));
+    __CPROVER_assume(axis.modulus == 0U || axis.raw < axis.modulus);
+    __CPROVER_assume(axis.raw < (1ULL << 61));
+    __CPROVER_assume(axis.position > -(1LL << 61) && axis.position < (1LL << 61));
+    return axis;
+}
+
+/*
+ * A position that is believed is the one that was sent, and as far as it says from the one before.
+ * The time since that one is a constant: a product of two numbers that may be any is too hard.
+ */
+static void believed_after(uint32_t elapsed)
+{
+    @maker@_tracker axis = any_axis();
+    const @maker@_tracker before = axis;
+    const uint64_t position = any_word();
+    const uint32_t now = before.at_us + elapsed;
+    __CPROVER_assume(position < (1ULL << 61) && (axis.modulus == 0U || position < axis.modulus));
+    if (@maker@_tracker_add(&axis, position, now) != @MAKER@_OK) return;
+    __CPROVER_assert(axis.raw == position && axis.at_us == now && axis.refused == 0U && axis.known == 1U, "is taken in");
+    __CPROVER_assert(axis.limit == before.limit && axis.modulus == before.modulus && axis.boot_us == before.boot_us,
+        "what was set stays");
+    if (before.known == 0U) {
+        __CPROVER_assert(axis.position == (int64_t)position && axis.moved == 0, "the first is as it was sent");
+        __CPROVER_assert(position != 0U || elapsed >= before.boot_us, "no 0 while it starts up");
+        return;
+    }
+    const int64_t moved = axis.moved, ahead = (int64_t)position - (int64_t)before.raw, whole = (int64_t)axis.modulus;
+    __CPROVER_assert(axis.position == before.position + moved && axis.elapsed_us == elapsed, "how far, in what time");
+    __CPROVER_assert(moved == ahead || moved == ahead + whole || moved == ahead - whole, "goes round whole times");
+    __CPROVER_assert(whole == 0 || (2 * moved < whole && 2 * moved >= -whole), "the shorter way");
+    __CPROVER_assert(elapsed >= @MAKER@_TRACKER_SILENCE_US
+        || (moved < 0 ? -moved : moved) <= (int64_t)(((uint64_t)axis.limit * (elapsed / 16U + 1U)) >> 16),
+        "no farther than the limit");
+}
+void what_is_believed_at_once(void) { believed_after(0U); }
+void what_is_believed_after_a_cycle(void) { believed_after(50U); }
+void what_is_believed_after_a_while(void) { believed_after(524287U); }
+void what_is_believed_after_a_silence(void) { believed_after(524288U); }
+
+/* Whatever is sent: what is not believed is counted, and changes nothing else. */
+static void refused_after(uint32_t elapsed)
+{
+    @maker@_tracker axis = any_axis();
+    const @maker@_tracker before = axis;
+    const uint64_t position = any_word();
+    const uint32_t now = before.at_us + elapsed;
+    if (@maker@_tracker_add(&axis, position, now) == @MAKER@_OK) return;
+    __CPROVER_assert(axis.refused == before.refused + 1U, "is counted");
+    __CPROVER_assert(axis.known == before.known && axis.at_us == before.at_us && axis.limit == before.limit
+        && axis.boot_us == before.boot_us && axis.elapsed_us == before.elapsed_us && axis.raw == before.raw
+        && axis.position == before.position && axis.moved == before.moved && axis.modulus == before.modulus,
+        "and nothing else");
+    __CPROVER_assert(now - before.at_us < @MAKER@_TRACKER_SILENCE_US || (position == 0U && before.known == 0U),
+        "no fault lasts");
+}
+void what_is_refused_after_a_cycle(void) { refused_after(50U); }
+void what_is_refused_after_a_silence(void) { refused_after(524288U); }
+
+/* A number of counts that the speed allows is always believed. */
+static void allowed_after(uint32_t elapsed)
+{
+    @maker@_tracker axis;
+    const uint32_t max_speed = any_number(), start = any_number();
+    const uint64_t from = any_word(), to = any_word();
+    __CPROVER_assume(from < (1ULL << 61) && to < (1ULL << 61));
+    const uint64_t distance = from < to ? to - from : from - to;
+    __CPROVER_assume(max_speed <= 4000000000U && distance < (1ULL << 42));
+    __CPROVER_assume(distance * 1000000U <= (uint64_t)max_speed * elapsed);
+    @maker@_tracker_start(&axis, 0U, max_speed, 0U, start);
+    __CPROVER_assert(@maker@_tracker_add(&axis, from, start) == @MAKER@_OK, "the first");
+    __CPROVER_assert(@maker@_tracker_add(&axis, to, start + elapsed) == @MAKER@_OK, "and one in reach");
+}
+void what_the_speed_allows_in_a_cycle(void) { allowed_after(50U); }
+void what_the_speed_allows_in_a_while(void) { allowed_after(524287U); }
+
+void highest_bit(void)
+{
+    const uint64_t number = any_word();
+    __CPROVER_assume(number != 0U);
+    const uint32_t bit = @maker@_angle_highest_bit(number);
+    __CPROVER_assert(bit < 64U && (number >> bit) == 1U, "the highest bit");
+}
+
+/* A power of two: the bits of the turn, at the upper end of 32. */
+void angle_of_a_power_of_two(void)
+{
+    const uint64_t position = any_word();
+    const uint32_t bits = any_number();
+    __CPROVER_assume(bits < 63U);
+    const wide rest = (wide)(position & ((1ULL << bits) - 1U));
+    __CPROVER_assert(@maker@_angle(position, 1ULL << bits) == (uint32_t)((rest << 32) >> bits), "its angle");
+}
+
+void forms_of_an_angle(void)
+{
+    const uint32_t angle = any_number();
+    __CPROVER_assert((uint32_t)@maker@_angle_q31(angle) == angle, "the same bits");
+    __CPROVER_assert((uint16_t)@maker@_angle_q15(angle) == (uint16_t)(angle >> 16), "the same bits");
+    const uint32_t found = @maker@_angle_millidegrees(angle);
+    const uint64_t nearest = ((uint64_t)angle * 360000U + (1ULL << 31)) >> 32;
+    __CPROVER_assert(found == (nearest == 360000U ? 0U : (uint32_t)nearest), "the nearest");
+}

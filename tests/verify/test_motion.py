@@ -1,0 +1,99 @@
+"""``tracker.h`` and ``angle.h``: claims proved for every number, how small they are, and that nothing divides."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from c_harness import devices_of, write
+from claims import claims_of, planted, verdict
+from motion_harness import source
+from tools import tool
+
+HARNESS = Path(__file__).with_name("proof_motion.c")
+CORES = ("cortex-m0plus", "cortex-m4")
+#: What the tracker may take in a program that receives frames, and what is measured on the compiler that recorded it.
+AT_MOST = 200
+RECORDED = {"cortex-m0plus": 192, "cortex-m4": 182}
+COMPILER = "12.2.1"
+
+
+@pytest.fixture(scope="module")
+def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("motion"), devices_of())
+
+
+@pytest.mark.parametrize("claim", claims_of(HARNESS))
+def test_whatever_is_sent(claim: str, include: Path, tmp_path: Path) -> None:
+    assert verdict(HARNESS, claim, include, tmp_path, 97) == ""
+
+
+@pytest.mark.parametrize(
+    ("claim", "header", "sound", "instead"),
+    [
+        ("what_is_believed_after_a_silence", "tracker.h", "forward += modulus;", "forward += modulus + 1U;"),
+        ("what_is_believed_after_a_cycle", "tracker.h", "(2U * believed)", "(4U * believed)"),
+        ("what_is_refused_after_a_cycle", "tracker.h", "tracker->refused++;", "tracker->refused += 2U;"),
+        ("what_the_speed_allows_in_a_while", "tracker.h", "max_speed >> 4U", "max_speed >> 5U"),
+        ("highest_bit", "angle.h", "bit += 4U;", "bit += 5U;"),
+        ("angle_of_a_power_of_two", "angle.h", "bits > 32U", "bits > 33U"),
+        ("forms_of_an_angle", "angle.h", "- 0x10000)", "- 0xFFFF)"),
+    ],
+)
+def test_what_is_planted_is_found(
+    claim: str, header: str, sound: str, instead: str, include: Path, tmp_path: Path
+) -> None:
+    assert verdict(HARNESS, claim, planted(include, header, sound, instead, tmp_path), tmp_path, 97) != ""
+
+
+def symbols(core: str, include: Path, folder: Path, *options: str) -> Mapping[str, tuple[str, int]]:
+    """Each symbol of the object: its letter, and its bytes where it is defined."""
+    compiler = tool("arm-none-eabi-gcc")
+    (folder / "motion.c").write_text(source(), encoding="utf-8")
+    command = [compiler, f"-mcpu={core}", "-mthumb", "-std=c99", "-Os", "-ffunction-sections", f"-I{include}", *options]
+    subprocess.run([*command, "-c", str(folder / "motion.c"), "-o", str(folder / "motion.o")], check=True)
+    listed = subprocess.run(
+        [tool("arm-none-eabi-nm"), "-S", str(folder / "motion.o")], capture_output=True, text=True, check=True
+    ).stdout
+    found = re.findall(r"^(?:\w+ (\w+))? +(\w) (\S+)$", listed, re.MULTILINE)
+    return {name: (letter, int(size or "0", 16)) for size, letter, name in found}
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_nothing_divides_and_the_tracker_calls_nothing(core: str, include: Path, tmp_path: Path) -> None:
+    found = symbols(core, include, tmp_path)
+    called = {name for name, (letter, _) in found.items() if letter == "U"}
+    assert not [name for name in called if "div" in name or "mod" in name or re.search(r"_d[a-z]+$|2d$", name)]
+    assert "tracker_add" in found
+    # The tracker alone: no function of the compiler's library either.
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    text = (
+        '#include "lika/tracker.h"\nint add(lika_tracker *axis, uint64_t position, uint32_t now_us);\n'
+        "int add(lika_tracker *axis, uint64_t position, uint32_t now_us)\n"
+        "{\n    return (int)lika_tracker_add(axis, position, now_us);\n}\n"
+    )
+    (alone / "add.c").write_text(text, encoding="utf-8")
+    command = [tool("arm-none-eabi-gcc"), f"-mcpu={core}", "-mthumb", "-Os", f"-I{include}", "-c"]
+    subprocess.run([*command, str(alone / "add.c"), "-o", str(alone / "add.o")], check=True)
+    needed = subprocess.run(
+        [tool("arm-none-eabi-nm"), "-u", str(alone / "add.o")], capture_output=True, text=True, check=True
+    ).stdout
+    assert needed == ""
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_the_tracker_is_small(core: str, include: Path, tmp_path: Path) -> None:
+    size = symbols(core, include, tmp_path)["tracker_add"][1]
+    assert 0 < size <= AT_MOST
+    version = subprocess.run([tool("arm-none-eabi-gcc"), "-dumpfullversion"], capture_output=True, text=True).stdout
+    if version.strip() == COMPILER:
+        assert size <= RECORDED[core]
+
+
+def test_a_division_would_be_seen(include: Path, tmp_path: Path) -> None:
+    broken = planted(include, "tracker.h", "position - tracker->raw,", "position % tracker->modulus,", tmp_path)
+    assert "__aeabi_uldivmod" in symbols("cortex-m0plus", broken, tmp_path)

@@ -1,0 +1,42 @@
+"""The self-test as a user builds it, on each machine: 0 where all is well, and not where a header was changed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from c_harness import devices_of, write
+from claims import planted
+from machines import HOST, MACHINES, Machine
+
+#: Prints the one number; the machine without a system has stdio of its own.
+_MAIN = """
+#include <stdio.h>
+int main(void) { printf("%lu\\n", (unsigned long)lika_selftest()); return 0; }
+"""
+
+
+@pytest.fixture(scope="module")
+def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("selftest"), devices_of())
+
+
+def told(machine: Machine, include: Path, tests: Path, folder: Path) -> int:
+    """The self-test in one unit: the static functions of each file get names of their own."""
+    text = ""
+    for path in sorted(tests.glob("*.c")):
+        names = ("is_text", "are_bytes", "writes", "written", *(f"check_{number}" for number in range(1, 60)))
+        text += "".join(f"#define {name} {path.stem}_{name}\n" for name in names)
+        text += f'#include "{path}"\n' + "".join(f"#undef {name}\n" for name in names)
+    return int(machine.compile_main(text + _MAIN, folder, include, "selftest")(b""))
+
+
+@pytest.mark.parametrize("machine", [HOST, *MACHINES], ids=[item.name for item in (HOST, *MACHINES)])
+def test_all_is_well_on_every_machine(machine: Machine, include: Path, tmp_path: Path) -> None:
+    assert told(machine, include, include.parent / "selftest", tmp_path) == 0
+
+
+def test_a_change_is_told_on_a_machine_without_a_system(include: Path, tmp_path: Path) -> None:
+    machine = next(item for item in MACHINES if item.bare)
+    broken = planted(include, "tracker.h", "forward += modulus;", "forward += 1U;", tmp_path)
+    assert told(machine, broken, include.parent / "selftest", tmp_path) == 5002
