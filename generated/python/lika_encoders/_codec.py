@@ -8,7 +8,7 @@ from enum import Enum, IntEnum
 from operator import index
 from typing import Final, NamedTuple, Protocol, SupportsIndex, TypeVar, Union, cast
 
-from ._facts import Family
+from ._reports import Family
 
 #: A frame or register made of bytes. Any buffer of single bytes will do, such as one row of an array.
 Data = Union[bytes, bytearray, memoryview]
@@ -30,7 +30,17 @@ class Interface(Enum):
 
 
 class FrameError(ValueError):
-    """A frame or register that cannot be decoded, or values that cannot be encoded."""
+    """A frame or register that cannot be decoded, or values that cannot be encoded.
+
+    An error of an encoder's ``decode`` has the ``frame`` as it was given, and the encoder's ``order_code``.
+    """
+
+    frame: object = None
+    order_code: str = ""
+
+    def add(self, frame: object, order_code: str) -> None:
+        """Tells which frame it was, and of which encoder."""
+        self.frame, self.order_code = frame, order_code
 
 
 class LengthError(FrameError):

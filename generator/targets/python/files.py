@@ -14,14 +14,14 @@ from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss
 from .filters import FILTERS, FUNCTIONS, TESTS
-from .imports import imports, public
+from .imports import fact_imports, facts, imports, public
 from .module import Module
 from .names import BISS, SHARED
 from .readme import Shown, start
 
 #: The files that a package has once: beside its folder, and in it.
 _BESIDE = ("LICENSE", "README.md", "pyproject.toml")
-_INSIDE = ("__init__", *SHARED)
+_INSIDE = ("__init__", *(name for name in SHARED if name != "facts"))
 
 
 class Package(TypedDict):
@@ -42,6 +42,7 @@ class Package(TypedDict):
 class Family(Package):
     module: Annotated[Module, "the family and the parts of its module, their names and expressions"]
     imports: Annotated[list[list[tuple[str, list[str]]]], "the modules that it imports from, in groups, and the names"]
+    facts: Annotated[list[str], "the names of its tables of facts, in order"]
     offers: Annotated[list[str], "the names that it offers, in order"]
 
 
@@ -78,6 +79,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
     files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in (*_INSIDE, *biss)}
     files[f"{package}/py.typed"] = ""
+    files[f"{package}/facts/__init__.py"] = TEMPLATES.render("facts_init.py.jinja", values, own)
     for module in modules:
         header = _header(f"the specification of {plain(module.device.title)}")
         family: Family = {
@@ -85,9 +87,12 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
             "header": header,
             "module": module,
             "imports": imports(module),
+            "facts": facts(module),
             "offers": public(module),
         }
         files[f"{package}/{module.name}.py"] = TEMPLATES.render("device.py.jinja", family, own)
+        family["imports"] = fact_imports(module)
+        files[f"{package}/facts/{module.name}.py"] = TEMPLATES.render("facts.py.jinja", family, own)
     return files
 
 
@@ -110,6 +115,8 @@ TEMPLATES = Templates(
     our_templates("python"),
     values={
         "device.py.jinja": Family,
+        "facts.py.jinja": Family,
+        "facts_init.py.jinja": Package,
         **{f"{name}.jinja": Package for name in (*_BESIDE, *(f"{name}.py" for name in (*_INSIDE, BISS)))},
     },
     filters=FILTERS,

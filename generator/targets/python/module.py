@@ -17,7 +17,7 @@ from .context import Asked, Context, is_one_choice
 from .docstrings import Block, Lines, docstring
 from .expr import Expr
 from .literals import Call
-from .names import LOCAL_NAMES, attribute, camel, interface_name
+from .names import LOCAL_NAMES, attribute, camel, encoder_name, interface_name
 from .procedures import Steps
 from .readme import Readme
 from .variants import FrameKind, Variants
@@ -41,6 +41,7 @@ class Dispatcher:
     name: str
     union: str
     interface: str
+    encoder: str
     coders: tuple[Coder, ...]
     fallback: Coder | None
 
@@ -115,7 +116,17 @@ class Module:
 
     @property
     def doc(self) -> str:
-        return text.of_module(self.device, self._example())
+        return text.of_module(self.device, self._contents(), self._example())
+
+    def _contents(self) -> Iterator[tuple[str, str]]:
+        """What the module holds, in groups, for its first screen."""
+        yield "Encoders", ", ".join(["lookup", *(item.encoder for item in self.codes.listed_by_interface), "VARIANTS"])
+        for section in self.sections:
+            names = [*(item.name for item in section.coders), *(item.name for item in section.dispatchers)]
+            yield section.interface.title, ", ".join(names)
+        yield "Registers", ", ".join(item.name for item in self.registers)
+        yield "Procedures", ", ".join(item.name for item in self.procedures)
+        yield "Facts", ", ".join(["MANUAL", "ORDER_CODE", *(item.name for item in self.tables)])
 
     def _example(self) -> Iterable[Block]:
         """A few lines that decode a frame and look at its verdict before they use it."""
@@ -137,8 +148,8 @@ class Module:
 
     @property
     def known_by(self) -> list[str]:
-        """The interfaces whose registers tell which encoder it is."""
-        return [f"Interface.{item.interface.upper()}" for item in self.identities]
+        """The classes of the encoders whose registers tell which encoder it is."""
+        return [encoder_name(item.interface) for item in self.identities]
 
     # -- its parts
 
@@ -172,6 +183,7 @@ class Module:
             f"decode_{word}",
             camel(word),
             interface_name(interface.name),
+            encoder_name(interface.name),
             tuple(of[branch.layout.name] for branch in plan.branches),
             of[plan.fallback.name] if plan.fallback is not None else None,
         )
@@ -189,7 +201,8 @@ class Module:
             told = next((item for item in section.dispatchers if item.plan.sender == "encoder"), None)
             if first is not None:
                 asked = told.asked if told is not None else first.asked
-                yield FrameKind(section.interface.name, first, told.name if told is not None else "", asked)
+                names = (told.name, told.union) if told is not None else ("", "")
+                yield FrameKind(section.interface.name, first, *names, asked)
 
 
 def _about(choice: Field) -> str:

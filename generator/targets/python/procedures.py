@@ -26,7 +26,7 @@ from .codec import Coder, between, differ
 from .context import Context
 from .encode import digit
 from .expr import Atom, Expr, moved
-from .names import PROCEDURE_NAMES, attribute, interface_name, meaning_limits
+from .names import PROCEDURE_NAMES, attribute, encoder_name, interface_name, meaning_limits
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Steps:
         self.context, self.coders, self.procedure = context, coders, procedure
         self.run = run_of(context.device, procedure)
         self.name = context.procedures[procedure.name]
-        self.interface = interface_name(procedure.interface)
+        self.interface, self.encoder = interface_name(procedure.interface), encoder_name(procedure.interface)
         self.scope = context.scope
         self.steps = self.run.operations
         self.arguments = self.run.arguments
