@@ -154,11 +154,12 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
             imported = importlib.import_module(package)
         finally:
             sys.path.remove(str(folder / "python"))
-        # Facts are loaded when they are asked for: those of an older package of this name have to be found still.
-        facts = importlib.import_module(f"{package}.facts")
+        # Some modules are loaded when they are asked for: those of an older package of this name have to be found.
+        inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
         for older in folders.setdefault(package, []):
             imported.__path__.append(str(older))
-            facts.__path__.append(str(older / "facts"))
+            for name, module in inner.items():
+                module.__path__.append(str(older / name))
         folders[package].insert(0, folder / "python" / package)
         return folder / "python", imported
 

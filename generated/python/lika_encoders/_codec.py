@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from enum import Enum, IntEnum
 from operator import index
-from typing import Final, NamedTuple, Protocol, SupportsIndex, TypeVar, Union, cast
+from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast
 
 from ._reports import Family
 
@@ -15,6 +15,12 @@ Data = Union[bytes, bytearray, memoryview]
 
 #: A frame that is a string of bits: one number, the first bit sent most significant, or text of as many 0 and 1.
 Word = Union[SupportsIndex, str]
+
+#: Many frames of bytes: an array of uint8 with a row for each, the bytes of all in a row, or a list of frames.
+Rows: TypeAlias = Any
+
+#: Many frames that are numbers: an array of whole numbers, a list of them, or eight bytes each, the lowest first.
+Words: TypeAlias = Any
 
 _Answer = TypeVar("_Answer", bound=Enum)
 _Choice = TypeVar("_Choice", bound=IntEnum)

@@ -48,6 +48,7 @@ from ._codec import (
     Interface,
     LengthError,
     Word,
+    Words,
     as_bytes,
     as_word,
     by_class,
@@ -75,6 +76,7 @@ from ._steps import Modify, Read, Step, Wait, writes
 
 if TYPE_CHECKING:
     from . import _codes
+    from ._table import Table
     from .facts.am36 import (
         ALARMS,
         BISS,
@@ -362,6 +364,10 @@ class SsiEncoder(Variant):
         except FrameError as fault:
             return fault
 
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SsiWord.decode_many(frames, self)
+
 
 class BissEncoder(Variant):
     """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
@@ -392,6 +398,10 @@ class BissEncoder(Variant):
             return self.decode(frame, bits=bits)
         except FrameError as fault:
             return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SingleCycleData.decode_many(frames, self)
 
 
 @overload
@@ -634,6 +644,16 @@ class SsiWord(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._many import decode_many
+        from ._shapes.am36 import shape_of_ssi_word
+
+        return decode_many(frames, shape_of_ssi_word(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -805,6 +825,16 @@ class SingleCycleData(NamedTuple):
             word >> 6 & 0x3 ^ 0x3,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._many import decode_many
+        from ._shapes.am36 import shape_of_single_cycle_data
+
+        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
 
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.

@@ -34,7 +34,7 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
 from operator import index
 from types import MappingProxyType
@@ -49,7 +49,9 @@ from ._codec import (
     Interface,
     LengthError,
     RangeError,
+    Rows,
     Word,
+    Words,
     as_bytes,
     as_word,
     by_class,
@@ -76,6 +78,7 @@ from ._steps import Send, Step, Wait, writes
 
 if TYPE_CHECKING:
     from . import _codes
+    from ._table import Table
     from .facts.amm5 import (
         ALARMS,
         BISS,
@@ -320,6 +323,10 @@ class SsiEncoder(Variant):
         except FrameError as fault:
             return fault
 
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SsiWord.decode_many(frames, self)
+
 
 class BissEncoder(Variant):
     """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
@@ -350,6 +357,10 @@ class BissEncoder(Variant):
             return self.decode(frame, bits=bits)
         except FrameError as fault:
             return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SingleCycleData.decode_many(frames, self)
 
 
 class Rs485Encoder(Variant):
@@ -383,6 +394,21 @@ class Rs485Encoder(Variant):
             return self.decode(frame, eeprom_address=eeprom_address)
         except FrameError as fault:
             return fault
+
+    def decode_many(self, frames: Rows, kind: type[Reply], *, eeprom_address: EepromAddress | None = None) -> Table:
+        """Many frames of one ``kind`` at once, as columns; a frame with a fault raises nothing. Needs NumPy."""
+        if kind is SingleturnReply:
+            return SingleturnReply.decode_many(frames, self)
+        if kind is MultiturnReply:
+            return MultiturnReply.decode_many(frames, self)
+        if kind is CompleteReply:
+            return CompleteReply.decode_many(frames, self)
+        if kind is EepromWriteReply:
+            return EepromWriteReply.decode_many(frames, cast(EepromAddress, eeprom_address))
+        if kind is EepromReadReply:
+            return EepromReadReply.decode_many(frames, cast(EepromAddress, eeprom_address))
+        many: Callable[[Rows], Table] = getattr(kind, "decode_many")
+        return many(frames)
 
 
 @overload
@@ -666,6 +692,16 @@ class SsiWord(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_ssi_word
+
+        return decode_many(frames, shape_of_ssi_word(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -834,6 +870,16 @@ class SingleCycleData(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_single_cycle_data
+
+        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -915,6 +961,14 @@ class DataRequest(NamedTuple):
             DataId(data_id),
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_data_request
+
+        return decode_many(frames, shape_of_data_request(), None)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1013,6 +1067,15 @@ class EepromWriteRequest(NamedTuple):
             number >> 16 & 0xFF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_write_request
+
+        return decode_many(frames, shape_of_eeprom_write_request(eeprom_address), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1114,6 +1177,15 @@ class EepromReadRequest(NamedTuple):
             number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_read_request
+
+        return decode_many(frames, shape_of_eeprom_read_request(eeprom_address), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1261,6 +1333,16 @@ class SingleturnReply(NamedTuple):
             data[1] & 0xCF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_singleturn_reply
+
+        return decode_many(frames, shape_of_singleturn_reply(variant), variant)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1424,6 +1506,16 @@ class MultiturnReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_multiturn_reply
+
+        return decode_many(frames, shape_of_multiturn_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1563,6 +1655,14 @@ class EncoderIdReply(NamedTuple):
             data[1] & 0xCF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_encoder_id_reply
+
+        return decode_many(frames, shape_of_encoder_id_reply(), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1813,6 +1913,16 @@ class CompleteReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_complete_reply
+
+        return decode_many(frames, shape_of_complete_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1960,6 +2070,15 @@ class EepromWriteReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_write_reply
+
+        return decode_many(frames, shape_of_eeprom_write_reply(eeprom_address), None)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -2078,6 +2197,15 @@ class EepromReadReply(NamedTuple):
             number >> 16 & 0xFF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_read_reply
+
+        return decode_many(frames, shape_of_eeprom_read_reply(eeprom_address), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.

@@ -35,7 +35,7 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 from operator import index
 from types import MappingProxyType
@@ -50,7 +50,9 @@ from ._codec import (
     Interface,
     LengthError,
     RangeError,
+    Rows,
     Word,
+    Words,
     as_bytes,
     as_word,
     by_class,
@@ -80,6 +82,7 @@ from ._steps import Modify, Read, Send, Step, Wait, writes
 
 if TYPE_CHECKING:
     from . import _codes
+    from ._table import Table
     from .facts.sma21 import (
         ALARMS,
         BISS,
@@ -389,6 +392,10 @@ class SsiEncoder(Variant):
         except FrameError as fault:
             return fault
 
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SsiWord.decode_many(frames, self)
+
 
 class BissEncoder(Variant):
     """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
@@ -420,6 +427,10 @@ class BissEncoder(Variant):
         except FrameError as fault:
             return fault
 
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SingleCycleData.decode_many(frames, self)
+
 
 class Rs485Encoder(Variant):
     """An encoder with RS-485: see ``Variant`` for what it is."""
@@ -447,6 +458,15 @@ class Rs485Encoder(Variant):
             return self.decode(frame)
         except FrameError as fault:
             return fault
+
+    def decode_many(self, frames: Rows, kind: type[Reply]) -> Table:
+        """Many frames of one ``kind`` at once, as columns; a frame with a fault raises nothing. Needs NumPy."""
+        if kind is PositionReply:
+            return PositionReply.decode_many(frames, self)
+        if kind is IdentificationReply:
+            return IdentificationReply.decode_many(frames, self)
+        many: Callable[[Rows], Table] = getattr(kind, "decode_many")
+        return many(frames)
 
 
 @overload
@@ -711,6 +731,16 @@ class SsiWord(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_ssi_word
+
+        return decode_many(frames, shape_of_ssi_word(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -870,6 +900,16 @@ class SingleCycleData(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_single_cycle_data
+
+        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -950,6 +990,14 @@ class DataRequest(NamedTuple):
             DataId(data_id),
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_data_request
+
+        return decode_many(frames, shape_of_data_request(), None)
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1151,6 +1199,16 @@ class PositionReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_position_reply
+
+        return decode_many(frames, shape_of_position_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1343,6 +1401,14 @@ class WidePositionReply(NamedTuple):
             data[1] & 0xCF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_wide_position_reply
+
+        return decode_many(frames, shape_of_wide_position_reply(), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1556,6 +1622,16 @@ class IdentificationReply(NamedTuple):
             data[1] & 0xCF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_identification_reply
+
+        return decode_many(frames, shape_of_identification_reply(variant), variant)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.

@@ -16,12 +16,12 @@ from .. import NO_OPTIONS, Library, Options, Target, has_biss
 from .filters import FILTERS, FUNCTIONS, TESTS
 from .imports import fact_imports, facts, imports, public
 from .module import Module
-from .names import BISS, SHARED
+from .names import BISS, FOLDERS, SHARED
 from .readme import Shown, start
 
 #: The files that a package has once: beside its folder, and in it.
 _BESIDE = ("LICENSE", "README.md", "pyproject.toml")
-_INSIDE = ("__init__", *(name for name in SHARED if name != "facts"))
+_INSIDE = ("__init__", *SHARED)
 
 
 class Package(TypedDict):
@@ -37,6 +37,10 @@ class Package(TypedDict):
     biss: Annotated[tuple[str, ...], "the name of the module of what all BiSS encoders share, if there is one"]
     public: Annotated[list[str], "the names of all modules that users import"]
     identified: Annotated[list[str], "the names of the modules whose families can be told by their registers"]
+
+
+class Folder(Package):
+    folder: Annotated[str, "the name of the folder"]
 
 
 class Family(Package):
@@ -79,7 +83,10 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
     files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in (*_INSIDE, *biss)}
     files[f"{package}/py.typed"] = ""
-    files[f"{package}/facts/__init__.py"] = TEMPLATES.render("facts_init.py.jinja", values, own)
+    for folder in FOLDERS:
+        files[f"{package}/{folder}/__init__.py"] = TEMPLATES.render(
+            "folder.py.jinja", {**values, "folder": folder}, own
+        )
     for module in modules:
         header = _header(f"the specification of {plain(module.device.title)}")
         family: Family = {
@@ -93,6 +100,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         files[f"{package}/{module.name}.py"] = TEMPLATES.render("device.py.jinja", family, own)
         family["imports"] = fact_imports(module)
         files[f"{package}/facts/{module.name}.py"] = TEMPLATES.render("facts.py.jinja", family, own)
+        files[f"{package}/_shapes/{module.name}.py"] = TEMPLATES.render("shapes.py.jinja", family, own)
     return files
 
 
@@ -116,7 +124,8 @@ TEMPLATES = Templates(
     values={
         "device.py.jinja": Family,
         "facts.py.jinja": Family,
-        "facts_init.py.jinja": Package,
+        "folder.py.jinja": Folder,
+        "shapes.py.jinja": Family,
         **{f"{name}.jinja": Package for name in (*_BESIDE, *(f"{name}.py" for name in (*_INSIDE, BISS)))},
     },
     filters=FILTERS,

@@ -94,8 +94,9 @@ def _used(module: Module) -> Iterator[str]:
 def _of_variants(codes: Variants) -> Iterator[str]:
     carried = {kind.in_bytes for kind in codes.frame_kinds}
     yield _if(codes.sent, "Any FrameError TypeAlias Union")
-    yield _if(True in carried, "Data")
-    yield _if(False in carried, "Word")
+    yield _if(True in carried, "Data Rows")
+    yield _if(False in carried, "Word Words")
+    yield _if(any(kind.dispatch for kind in codes.frame_kinds), "Callable")
     yield _if(codes.steps_per_turn.cases or codes.step_um.cases, "index")
     yield _if(codes.modulus.cases, "unwrap")
     yield _if(codes.held, "TypeVar held_parameters held_text")
@@ -109,6 +110,8 @@ def _of_coder(coder: Coder) -> Iterator[str]:
     yield _if(plan.reserved, "check_bits")
     yield "BitField NamedTuple by_class"
     yield "Data LengthError as_bytes" if plan.in_bytes else "Word as_word too_long"
+    if coder.register is None:
+        yield "Rows" if plan.in_bytes else "Words"
     yield _if(coder.takes_variant or coder.attributes, "made")
     yield _if(coder.takes_variant, "check_encoder wrong_encoder")
     yield _if(plan.gray, "from_gray to_gray")

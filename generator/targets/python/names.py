@@ -9,7 +9,7 @@ from ...model import Digits, Field, Layout, Register, RegisterMeaning
 
 #: What a device module imports where it needs it, by the module that has it.
 STANDARD: Mapping[str, tuple[str, ...]] = {
-    "collections.abc": ("Mapping",),
+    "collections.abc": ("Callable", "Mapping"),
     "enum": ("Enum", "IntEnum"),
     "operator": ("index",),
     "types": ("MappingProxyType",),
@@ -31,9 +31,9 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
 PACKAGE: Mapping[str, tuple[str, ...]] = {
     module: tuple(names.split())
     for module, names in {
-        "._codec": """BitField ConstantError CrcError Data FrameError Interface LengthError RangeError Word as_bytes
-            as_word
-            by_class check_bits check_encoder check_limits check_power_of_two check_signed check_width choice crc_by_xor
+        "._codec": """BitField ConstantError CrcError Data FrameError Interface LengthError RangeError Rows Word
+            Words as_bytes as_word by_class check_bits check_encoder check_limits check_power_of_two check_signed
+            check_width choice crc_by_xor
             crc_of_bits crc_of_bytes decided from_gray made signed text_number to_gray too_long unwrap whole_number
             wrong_encoder zero_for""",
         "._encoder": "Encoder fact",
@@ -59,7 +59,9 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 }
 
 #: What the package's modules are called that hold no device.
-SHARED = ("_codec", "_codes", "_encoder", "_facts", "_order_codes", "_registers", "_reports", "_steps", "facts")
+SHARED = tuple("_codec _codes _encoder _facts _many _order_codes _registers _reports _steps _table".split())
+#: The folders for what is loaded only when it is asked for, with a module for each device.
+FOLDERS = ("facts", "_shapes")
 #: The module for register access over BiSS, in packages with a family that speaks it.
 BISS = "biss"
 
@@ -74,12 +76,12 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
     VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses for itself.
-VARIANT_NAMES = """bytes cls code decode degrees family frame_bits highest interface micrometres millimetres
+VARIANT_NAMES = """bytes cls code decode decode_many degrees family frame_bits highest interface micrometres millimetres
     modulus parts self special special_code tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = """bit_fields check_width cls count decode encode frame_bits index is_as_documented limits reports self
-    usable_position variant verdict""".split()
+CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode frame_bits index is_as_documented limits reports
+    self usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits body cls computed data isinstance len number remainder self type values variant word".split(),
     *FUNCTIONS,

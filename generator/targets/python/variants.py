@@ -27,6 +27,7 @@ class FrameKind:
     dispatch: str
     union: str
     asked: Sequence[Asked] = ()
+    members: tuple[Coder, ...] = ()
 
     @property
     def in_bytes(self) -> bool:
