@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from importlib import import_module
 from typing import Any, Final, Literal, NamedTuple
@@ -187,8 +187,9 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     """The columns of ``frames``: see ``decode_many`` of a frame's class."""
     source, wrong = _bytes_of(frames, shape) if shape.length else _words_of(frames)
     count = len(source)
-    out = {name: np.empty(count, kind) for name, kind in _kinds(shape).items()}
-    fault = np.zeros(count, np.uint8)
+    out = _columns(count, {**_kinds(shape), "fault": "u1"})
+    fault = out.pop("fault")
+    fault[:] = 0
     for start in range(0, count, CHUNK):
         part = source[start : start + CHUNK]
         _decode(part, shape, {name: column[start : start + CHUNK] for name, column in out.items()}, fault[start:])
@@ -199,6 +200,17 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
         worth[wrong] = 0
     parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in _late(shape, join)}
     return Table(encoder, out, fault, worth, shape.position, parts)
+
+
+def _columns(count: int, kinds: Mapping[str, str]) -> dict[str, Any]:
+    """Columns side by side in one piece of memory, which the system hands out in larger pages than many small ones."""
+    size = {name: np.dtype(kind).itemsize for name, kind in kinds.items()}
+    space = np.empty(count * sum(size.values()), np.uint8)
+    columns, start = {}, 0
+    for name in sorted(kinds, key=lambda name: -size[name]):
+        end = start + count * size[name]
+        columns[name], start = space[start:end].view(kinds[name]), end
+    return {name: columns[name] for name in kinds}
 
 
 def _bytes_of(frames: object, shape: Shape) -> tuple[Any, Any]:
@@ -250,9 +262,20 @@ def _kinds(shape: Shape) -> dict[str, str]:
             found[item.name] = f"S{item.width // 8}"
         else:
             found[item.name] = "?" if item.kind.endswith("flag") else "u8" if item.width == 64 else "i8"
+            found |= {item.name: _smallest(item.width)} if item.kind == "choice" else {}
     found |= {join.name: "u8" if _width(shape, join) == 64 else "i8" for join in shape.joins}
-    found |= {"unused": "u8"} if shape.unused else {}
+    found |= {"unused": _smallest(_unused_bits(shape))} if shape.unused else {}
     return found | ({"verdict": "u1"} if shape.otherwise is not None else {})
+
+
+def _smallest(width: int) -> str:
+    """The smallest kind of number for bits that nobody reckons with."""
+    return "u1" if width <= 8 else "u2" if width <= 16 else "u4" if width <= 32 else "u8"
+
+
+def _unused_bits(shape: Shape) -> int:
+    """How many bits the number of all unused bits has."""
+    return max(item.place + item.width for item in shape.unused)
 
 
 def _width(shape: Shape, join: Join) -> int:
@@ -287,8 +310,10 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
     faults = [(kind, where) for kind, where in found if where.any()]
     if too_long is not None:
         faults.append((Fault.LENGTH, too_long))
+    found_here = fault[:count]
     for kind, where in sorted(faults, key=lambda item: -item[0]):
-        np.copyto(fault[:count], np.uint8(kind), where=where)
+        found_here *= (~where).view(np.uint8)
+        found_here += where.view(np.uint8) * np.uint8(kind)
     _write(chunk, shape, out)
     if shape.otherwise is not None:
         _judge(shape, out, fault[:count] if faults else None)
@@ -322,9 +347,12 @@ def _holds(chunk: Chunk, item: Check) -> Any:
     if item.limit is not None:
         return bits <= bits.dtype.type(item.limit)
     values = [value for value in item.values if not value >> item.width]
-    if len(values) == 1:
-        return bits == bits.dtype.type(values[0])
-    return np.isin(bits, np.array(values, bits.dtype))
+    if len(values) > 16:
+        return np.isin(bits, np.array(values, bits.dtype))
+    found = np.zeros(len(bits), bool)
+    for value in values:
+        found |= bits == bits.dtype.type(value)
+    return found
 
 
 def _crc_differs(chunk: Chunk, crc: CrcOf, bits: int) -> Any:
@@ -405,8 +433,7 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 
 def _unused(chunk: Chunk, shape: Shape) -> Any:
     """Unused bits that are not as the manual has them, in as few bytes as hold them."""
-    highest = max(item.place + item.width for item in shape.unused)
-    kind = np.uint8 if highest <= 8 else np.uint16 if highest <= 16 else np.uint32 if highest <= 32 else np.uint64
+    kind = np.dtype(_smallest(_unused_bits(shape))).type
     number = kind(0)
     for item in shape.unused:
         turned = chunk.take(item.low, item.width).astype(kind, copy=False)
@@ -420,7 +447,11 @@ def _write_column(chunk: Chunk, item: Column, out: Mapping[str, Any]) -> None:
     if item.kind in ("flag", "not_flag"):
         out[item.name][:] = chunk.flag(item.low, item.kind == "flag")
         return
-    bits = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
+    bits = chunk.take(item.low, item.width)
+    if item.kind == "choice":
+        out[item.name][:] = bits
+        return
+    bits = bits.astype(np.uint64, copy=False)
     if item.kind == "digits":
         for name, divisor, modulus in item.runs:
             out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
@@ -441,27 +472,32 @@ def _write_column(chunk: Chunk, item: Column, out: Mapping[str, Any]) -> None:
 
 
 def _judge(shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """What the position of each frame is worth; nothing is, in a frame with a fault."""
-    worth = out["verdict"]
-    worth[:] = VERDICTS.index(shape.otherwise)
+    """What the position of each frame is worth; nothing is, in a frame with a fault.
+
+    It is reckoned rather than chosen: that takes as long for frames that differ as for frames that do not.
+    """
+    otherwise = VERDICTS.index(shape.otherwise)
     spare = out.get("unused")
     turned = bool(shape.unused) and spare.any()
-    # The worst comes last, and stays.
-    for item in sorted(shape.speaks, key=lambda item: -VERDICTS.index(item.verdict)):
+    bits = 8 * spare.itemsize if turned else 0
+    speaking: dict[Verdict, Any] = {}
+    for item in shape.speaks:
         if not (item.flag or turned):
             continue
-        where = out[item.flag] if item.flag else spare & np.uint64(item.mask) != 0
+        where = out[item.flag] if item.flag else spare & spare.dtype.type(item.mask & ((1 << bits) - 1)) != 0
         if item.unless:
             where = where & ~np.logical_or.reduce([out[name] for name in item.unless])
-        np.copyto(worth, np.uint8(VERDICTS.index(item.verdict)), where=where)
+        speaking[item.verdict] = speaking[item.verdict] | where if item.verdict in speaking else where
+    worth = out["verdict"]
+    worth[:] = otherwise
+    if Verdict.USABLE_WITH_WARNING in speaking:
+        less = np.uint8(otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING))
+        worth -= speaking[Verdict.USABLE_WITH_WARNING].view(np.uint8) * less
+    if Verdict.NOT_USABLE in speaking:
+        worth *= (~speaking[Verdict.NOT_USABLE]).view(np.uint8)
     if fault is not None:
-        np.copyto(worth, np.uint8(0), where=fault != 0)
+        worth *= (fault == 0).view(np.uint8)
 
 
+#: The verdicts by what stands for them in a column: the worst is 0.
 VERDICTS: Final[list[Verdict | None]] = [*Verdict]
-
-
-def chunks(count: int) -> Iterator[slice]:
-    """Slices of so many frames as are worked on at once."""
-    for start in range(0, count, CHUNK):
-        yield slice(start, min(start + CHUNK, count))

@@ -80,8 +80,8 @@ VARIANT_NAMES = """bytes cls code decode decode_many degrees family frame_bits h
     modulus parts self special special_code tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode frame_bits index is_as_documented limits reports
-    self usable_position variant verdict""".split()
+CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode frame_bits index is_as_documented
+    limits reports self usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits body cls computed data isinstance len number remainder self type values variant word".split(),
     *FUNCTIONS,
