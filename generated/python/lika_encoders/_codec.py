@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from enum import Enum, IntEnum
+from functools import lru_cache
 from operator import index
 from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast
 
@@ -384,6 +386,25 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
     for byte in as_bytes(data):
         register ^= byte
     return register ^ xorout
+
+
+@lru_cache(maxsize=None)
+def crc_tables(crc: Callable[[int, int], int], covered: int, width: int, count: int) -> tuple[Sequence[int], ...]:
+    """Tables whose items for each 12 bits of a word, put together by XOR, are 0 where its CRC is right.
+
+    ``crc`` computes it over the first ``covered`` bits of the word, and ``width`` bits of it follow.
+    """
+    last = (1 << width) - 1
+    none = crc(0, covered)
+    changes = [crc(1 << place, covered) ^ none for place in range(covered)]
+    changes = [*(1 << place for place in range(width)), *changes, *([0] * (12 * count))]
+    tables: list[Sequence[int]] = []
+    for low in range(0, 12 * count, 12):
+        table = [none if low == 0 else 0]
+        for change in changes[low : low + 12]:
+            table += [item ^ change for item in table]
+        tables.append(bytes(table) if last < 256 else table)
+    return tuple(tables)
 
 
 def _reflected(value: int, width: int) -> int:

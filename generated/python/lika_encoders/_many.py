@@ -477,7 +477,7 @@ def _judge(shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
     It is reckoned rather than chosen: that takes as long for frames that differ as for frames that do not.
     """
     otherwise = VERDICTS.index(shape.otherwise)
-    spare = out.get("unused")
+    spare: Any = out.get("unused")
     turned = bool(shape.unused) and spare.any()
     bits = 8 * spare.itemsize if turned else 0
     speaking: dict[Verdict, Any] = {}

@@ -33,7 +33,7 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 from operator import index
 from types import MappingProxyType
@@ -59,6 +59,7 @@ from ._codec import (
     check_width,
     choice,
     crc_of_bits,
+    crc_tables,
     from_gray,
     made,
     text_number,
@@ -351,6 +352,11 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -386,6 +392,11 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -869,6 +880,61 @@ class SingleCycleData(NamedTuple):
             BitField("warning", 6, 1),
             BitField("crc", 0, 6),
         )
+
+
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.ssi_gray:
+        return careful
+    size_0 = variant.singleturn_bits + variant.multiturn_bits
+    size_1 = variant.singleturn_bits
+    ones_2 = (1 << variant.singleturn_bits) - 1
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word >> size_1,
+                word & ones_2,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.biss_gray:
+        return careful
+    size_0 = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
+    size_1 = variant.used_singleturn_bits + 8
+    ones_2 = (1 << variant.used_singleturn_bits) - 1
+    tables = crc_tables(crc_biss_6, variant.used_singleturn_bits + variant.used_multiturn_bits + 2, 6, 4)
+    table_0, table_1, table_2, table_3 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        if table_0[word & 0xFFF] ^ table_1[word >> 12 & 0xFFF] ^ table_2[word >> 24 & 0xFFF] ^ table_3[word >> 36]:
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> size_1,
+                word >> 8 & ones_2,
+                word >> 6 & 0x3 ^ 0x3,
+            ),
+        )
+
+    return decode
 
 
 #: Everything that an encoder of this family sends.

@@ -62,6 +62,7 @@ from ._codec import (
     choice,
     crc_by_xor,
     crc_of_bits,
+    crc_tables,
     decided,
     made,
     text_number,
@@ -310,6 +311,11 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -345,6 +351,11 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -382,6 +393,11 @@ class Rs485Encoder(Variant):
             TypeError: ``frame`` is of another type than the frames of this encoder, or needs an answer that is not
                 given.
         """
+        self.__dict__["decode"] = decode = _decode_reply_fast(self)
+        return decode(frame, eeprom_address=eeprom_address)
+
+    def _decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply:
+        """The same, but looks at what is wrong."""
         try:
             return decode_reply(frame, self, eeprom_address=eeprom_address)
         except FrameError as fault:
@@ -2325,6 +2341,195 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
     if data_id == 0xD:
         return EepromReadReply.decode(data, cast(EepromAddress, eeprom_address))
     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
+
+
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    size_0 = variant.singleturn_bits + variant.multiturn_bits
+    size_1 = variant.singleturn_bits
+    ones_2 = (1 << variant.singleturn_bits) - 1
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word >> size_1,
+                word & ones_2,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    size_0 = variant.singleturn_bits + variant.multiturn_bits + 8
+    size_1 = variant.singleturn_bits + 8
+    ones_2 = (1 << variant.singleturn_bits) - 1
+    tables = crc_tables(crc_biss_6, variant.singleturn_bits + variant.multiturn_bits + 2, 6, 4)
+    table_0, table_1, table_2, table_3 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        if table_0[word & 0xFFF] ^ table_1[word >> 12 & 0xFFF] ^ table_2[word >> 24 & 0xFFF] ^ table_3[word >> 36]:
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> size_1,
+                word >> 8 & ones_2,
+                not word & 0x80,
+                not word & 0x40,
+            ),
+        )
+
+    return decode
+
+
+def _fast_singleturn_reply(variant: Rs485Encoder) -> Callable[[bytes], SingleturnReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], SingleturnReply], variant._decode)
+    size_0 = variant.singleturn_bits
+    heads = {
+        0x02: DataId.SINGLETURN,
+        0x62: DataId.RESET_MULTITURN_AND_ERRORS,
+        0xBA: DataId.RESET_ERRORS,
+        0xC2: DataId.RESET_SINGLETURN_AND_MULTITURN,
+    }
+
+    def decode(data: bytes) -> SingleturnReply:
+        if len(data) != 6:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 or (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0:
+            return careful(data)
+        return made(
+            SingleturnReply,
+            (
+                variant,
+                heads[b0],
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_singleturn,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_multiturn_reply(variant: Rs485Encoder) -> Callable[[bytes], MultiturnReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], MultiturnReply], variant._decode)
+    size_0 = variant.multiturn_bits
+
+    def decode(data: bytes) -> MultiturnReply:
+        if len(data) != 6:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 or (of_multiturn := b2 | b3 << 8 | b4 << 16) >> size_0:
+            return careful(data)
+        return made(
+            MultiturnReply,
+            (
+                variant,
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_multiturn,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_encoder_id_reply(variant: Rs485Encoder) -> Callable[[bytes], EncoderIdReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], EncoderIdReply], variant._decode)
+
+    def decode(data: bytes) -> EncoderIdReply:
+        if len(data) != 4:
+            return careful(data)
+        b0, b1, b2, b3 = data
+        if b0 ^ b1 ^ b2 ^ b3:
+            return careful(data)
+        return made(
+            EncoderIdReply,
+            (
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                b2,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_complete_reply(variant: Rs485Encoder) -> Callable[[bytes], CompleteReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], CompleteReply], variant._decode)
+    size_0 = variant.singleturn_bits
+    size_1 = variant.multiturn_bits
+
+    def decode(data: bytes) -> CompleteReply:
+        if len(data) != 11:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10 = data
+        if (
+            b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9 ^ b10
+            or (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0
+            or (of_multiturn := b6 | b7 << 8 | b8 << 16) >> size_1
+        ):
+            return careful(data)
+        return made(
+            CompleteReply,
+            (
+                variant,
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_singleturn,
+                b5,
+                of_multiturn,
+                (b9 & 0x02) != 0,
+                (b9 & 0x04) != 0,
+                (b9 & 0x20) != 0,
+                (b9 & 0x40) != 0,
+                (b9 & 0x80) != 0,
+                b1 & 0xCF | (b9 & 0x19) << 8,
+            ),
+        )
+
+    return decode
+
+
+def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
+    """What decodes sound frames, told apart by their first byte; all else is left to what is careful."""
+    careful = variant._decode
+    kinds: dict[int, Callable[[bytes], Reply]] = {
+        **dict.fromkeys([0x02, 0x62, 0xBA, 0xC2], _fast_singleturn_reply(variant)),
+        **dict.fromkeys([0x8A], _fast_multiturn_reply(variant)),
+        **dict.fromkeys([0x92], _fast_encoder_id_reply(variant)),
+        **dict.fromkeys([0x1A], _fast_complete_reply(variant)),
+    }
+
+    def decode(frame: Any, *, eeprom_address: EepromAddress | None = None) -> Reply:
+        if type(frame) is bytes and frame:
+            fast = kinds.get(frame[0])
+            if fast is not None:
+                return fast(frame)
+        return careful(frame, eeprom_address=eeprom_address)
+
+    return decode
 
 
 #: Everything that an encoder of this family sends.

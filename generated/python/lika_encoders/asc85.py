@@ -34,7 +34,7 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 from operator import index
 from types import MappingProxyType
@@ -57,6 +57,7 @@ from ._codec import (
     check_width,
     choice,
     crc_of_bits,
+    crc_tables,
     from_gray,
     made,
     text_number,
@@ -273,6 +274,11 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -308,6 +314,11 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -689,6 +700,57 @@ class SingleCycleData(NamedTuple):
             BitField("warning", 6, 1),
             BitField("crc", 0, 6),
         )
+
+
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.ssi_gray:
+        return careful
+    size_0 = variant.position_bits
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    size_0 = variant.position_bits + 9
+    tables = crc_tables(crc_biss_6, variant.position_bits + 3, 6, 3)
+    table_0, table_1, table_2 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        if (
+            table_0[word & 0xFFF] ^ table_1[word >> 12 & 0xFFF] ^ table_2[word >> 24]
+            or word >> 8 & 0x1
+        ):
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> 9,
+                not word & 0x80,
+                not word & 0x40,
+            ),
+        )
+
+    return decode
 
 
 #: Everything that an encoder of this family sends.

@@ -39,7 +39,7 @@ from collections.abc import Callable, Mapping
 from enum import IntEnum
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, cast, overload
 
 from ._codec import (
     BitField,
@@ -64,6 +64,7 @@ from ._codec import (
     choice,
     crc_by_xor,
     crc_of_bits,
+    crc_tables,
     from_gray,
     made,
     signed,
@@ -379,6 +380,11 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -414,6 +420,11 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
@@ -446,6 +457,11 @@ class Rs485Encoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
+        self.__dict__["decode"] = decode = _decode_reply_fast(self)
+        return decode(frame)
+
+    def _decode(self, frame: Data) -> Reply:
+        """The same, but looks at what is wrong."""
         try:
             return decode_reply(frame, self)
         except FrameError as fault:
@@ -1751,6 +1767,177 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
     if data_id == 0xA:
         return IdentificationReply.decode(data, variant)
     raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
+
+
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.ssi_gray:
+        return careful
+    size_0 = variant.position_bits + 1
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word >> 1,
+                not word & 0x01,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.biss_gray:
+        return careful
+    size_0 = variant.position_bits + variant.scd_padding_bits + 8
+    size_1 = variant.scd_value_bits + 8
+    ones_2 = (1 << variant.scd_value_bits) - 1
+    tables = crc_tables(crc_biss_6, variant.position_bits + variant.scd_padding_bits + 2, 6, 3)
+    table_0, table_1, table_2 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        if (
+            table_0[word & 0xFFF] ^ table_1[word >> 12 & 0xFFF] ^ table_2[word >> 24]
+            or word >> size_1
+        ):
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> 8 & ones_2,
+                not word & 0x80,
+                not word & 0x40,
+            ),
+        )
+
+    return decode
+
+
+def _fast_position_reply(variant: Rs485Encoder) -> Callable[[bytes], PositionReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], PositionReply], variant._decode)
+    size_0 = variant.rs485_position_bits
+    heads = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
+
+    def decode(data: bytes) -> PositionReply:
+        if len(data) != 7:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 or (of_position := b2 | b3 << 8 | b4 << 16) >> size_0:
+            return careful(data)
+        return made(
+            PositionReply,
+            (
+                variant,
+                heads[b0],
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_position,
+                (b5 & 0x01) != 0,
+                (b5 & 0x02) != 0,
+                (b5 & 0x04) != 0,
+                (b5 & 0x08) != 0,
+                (b5 & 0x10) != 0,
+                (b5 & 0x20) != 0,
+                (b5 & 0x40) != 0,
+                (b5 & 0x80) != 0,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_wide_position_reply(variant: Rs485Encoder) -> Callable[[bytes], WidePositionReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], WidePositionReply], variant._decode)
+
+    def decode(data: bytes) -> WidePositionReply:
+        if len(data) != 9:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8:
+            return careful(data)
+        return made(
+            WidePositionReply,
+            (
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                signed(int.from_bytes(data[2:8], "little"), 48),
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_identification_reply(variant: Rs485Encoder) -> Callable[[bytes], IdentificationReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], IdentificationReply], variant._decode)
+    size_0 = variant.rs485_position_bits
+
+    def decode(data: bytes) -> IdentificationReply:
+        if len(data) != 9:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
+        if (
+            b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8
+            or (of_position := b2 | b3 << 8 | b4 << 16) >> size_0
+            or (b5) != 0x51
+            or b6
+        ):
+            return careful(data)
+        return made(
+            IdentificationReply,
+            (
+                variant,
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_position,
+                (b7 & 0x01) != 0,
+                (b7 & 0x02) != 0,
+                (b7 & 0x04) != 0,
+                (b7 & 0x08) != 0,
+                (b7 & 0x10) != 0,
+                (b7 & 0x20) != 0,
+                (b7 & 0x40) != 0,
+                (b7 & 0x80) != 0,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
+    """What decodes sound frames, told apart by their first byte; all else is left to what is careful."""
+    careful = variant._decode
+    kinds: dict[int, Callable[[bytes], Reply]] = {
+        **dict.fromkeys([0x7A, 0xA2, 0xDA], _fast_position_reply(variant)),
+        **dict.fromkeys([0x2A], _fast_wide_position_reply(variant)),
+        **dict.fromkeys([0x52], _fast_identification_reply(variant)),
+    }
+
+    def decode(frame: Any) -> Reply:
+        if type(frame) is bytes and frame:
+            fast = kinds.get(frame[0])
+            if fast is not None:
+                return fast(frame)
+        return careful(frame)
+
+    return decode
 
 
 #: Everything that an encoder of this family sends.

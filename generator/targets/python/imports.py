@@ -96,7 +96,10 @@ def _of_variants(codes: Variants) -> Iterator[str]:
     yield _if(codes.sent, "Any FrameError TypeAlias Union")
     yield _if(True in carried, "Data Rows")
     yield _if(False in carried, "Word Words")
-    yield _if(any(kind.dispatch for kind in codes.frame_kinds), "Callable")
+    yield _if(any(kind.dispatch or kind.fast for kind in codes.frame_kinds), "Callable")
+    fast = [item for kind in codes.frame_kinds for item in kind.fast]
+    yield _if(any(item.tables for item in fast), "crc_tables")
+    yield _if(any(item.plan.in_bytes for item in fast), "cast")
     yield _if(codes.steps_per_turn.cases or codes.step_um.cases, "index")
     yield _if(codes.modulus.cases, "unwrap")
     yield _if(codes.held, "TypeVar held_parameters held_text")
