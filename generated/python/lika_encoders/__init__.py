@@ -30,6 +30,7 @@ from ._codec import (
 from ._encoder import Encoder, Frame, PositionFrame
 from ._order_codes import OrderCodeError, checked, nearest
 from ._reports import Family, Movement, Report, Verdict
+from ._run import Bus, Line, Reading, StepError, run
 from ._steps import Modify, Poll, Read, Send, Step, Wait, Write
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BitField",
+    "Bus",
     "ConstantError",
     "CrcError",
     "Encoder",
@@ -53,6 +55,7 @@ __all__ = [
     "Interface",
     "InterfaceError",
     "LengthError",
+    "Line",
     "Modify",
     "Movement",
     "OrderCodeError",
@@ -60,9 +63,11 @@ __all__ = [
     "PositionFrame",
     "RangeError",
     "Read",
+    "Reading",
     "Report",
     "Send",
     "Step",
+    "StepError",
     "Verdict",
     "Wait",
     "Write",
@@ -73,6 +78,7 @@ __all__ = [
     "sma21",
     "identify",
     "lookup",
+    "run",
 ]
 
 #: The version of this package.

@@ -390,20 +390,24 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
 
 @lru_cache(maxsize=None)
 def crc_tables(crc: Callable[[int, int], int], covered: int, width: int, count: int) -> tuple[Sequence[int], ...]:
-    """Tables whose items for each 12 bits of a word, put together by XOR, are 0 where its CRC is right.
+    """Tables whose items for each 16 bits of a word, put together by XOR, are 0 where its CRC is right.
 
     ``crc`` computes it over the first ``covered`` bits of the word, and ``width`` bits of it follow.
     """
-    last = (1 << width) - 1
     none = crc(0, covered)
-    changes = [crc(1 << place, covered) ^ none for place in range(covered)]
-    changes = [*(1 << place for place in range(width)), *changes, *([0] * (12 * count))]
+    changes = [*(1 << place for place in range(width)), *(crc(1 << place, covered) ^ none for place in range(covered))]
+    changes += [0] * (16 * count - len(changes))
     tables: list[Sequence[int]] = []
-    for low in range(0, 12 * count, 12):
-        table = [none if low == 0 else 0]
-        for change in changes[low : low + 12]:
-            table += [item ^ change for item in table]
-        tables.append(bytes(table) if last < 256 else table)
+    for low in range(0, 16 * count, 16):
+        first = none if low == 0 else 0
+        table = [first]
+        small = bytes(table) if width <= 8 else b""
+        for change in changes[low : low + 16]:
+            if small:
+                small += small.translate(bytes(item ^ change for item in range(256)))
+            else:
+                table += [item ^ change for item in table]
+        tables.append(small or table)
     return tuple(tables)
 
 

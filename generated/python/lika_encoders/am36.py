@@ -352,7 +352,10 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_ssi_word(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
@@ -392,7 +395,10 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
@@ -915,14 +921,14 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
     size_0 = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
     size_1 = variant.used_singleturn_bits + 8
     ones_2 = (1 << variant.used_singleturn_bits) - 1
-    tables = crc_tables(crc_biss_6, variant.used_singleturn_bits + variant.used_multiturn_bits + 2, 6, 4)
-    table_0, table_1, table_2, table_3 = tables
+    tables = crc_tables(crc_biss_6, variant.used_singleturn_bits + variant.used_multiturn_bits + 2, 6, 3)
+    table_0, table_1, table_2 = tables
 
     def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
         if type(frame) is not int or bits is not None or frame >> size_0:
             return careful(frame, bits=bits)
         word = frame
-        if table_0[word & 0xFFF] ^ table_1[word >> 12 & 0xFFF] ^ table_2[word >> 24 & 0xFFF] ^ table_3[word >> 36]:
+        if table_0[word & 0xFFFF] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32]:
             return careful(frame)
         return made(
             SingleCycleData,

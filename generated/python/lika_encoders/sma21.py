@@ -380,7 +380,10 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_ssi_word(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
@@ -420,7 +423,10 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
         return decode(frame, bits=bits)
 
     def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
@@ -457,7 +463,10 @@ class Rs485Encoder(Variant):
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        self.__dict__["decode"] = decode = _decode_reply_fast(self)
+        decode: Callable[..., Reply] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _decode_reply_fast(self)
         return decode(frame)
 
     def _decode(self, frame: Data) -> Reply:
@@ -1808,7 +1817,7 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
             return careful(frame, bits=bits)
         word = frame
         if (
-            table_0[word & 0xFFF] ^ table_1[word >> 12 & 0xFFF] ^ table_2[word >> 24]
+            table_0[word & 0xFFFF] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32]
             or word >> size_1
         ):
             return careful(frame)

@@ -14,7 +14,7 @@ from .codec import Coder
 from .expr import Atom, Expr, Scope, coded, mask
 
 #: A CRC is looked up in tables of so many bits each.
-TABLE_BITS = 12
+TABLE_BITS = 16
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from ...plan.steps import (
     Given,
     Operation,
     Polls,
+    Stated,
     Undecodable,
     Writes,
     run_of,
@@ -83,6 +84,11 @@ class Steps:
             last = self.steps[end - 1]
             checked = [item for item in self.arguments if self.steps.index(item.written[0]) in range(start, end)]
             yield Segment(checked, self.steps[start:end], last if isinstance(last, Writes) and last.teaches else None)
+
+    def closes(self, op: Writes) -> bool:
+        """Whether a step writes something else into a register that opens others than what opens them."""
+        opened = {item.opened_by_value for item in self.context.device.registers if item.opened_by == op.register.name}
+        return bool(opened) and isinstance(op.value, Stated) and getattr(op.step, "value_name", "") not in opened
 
     # -- names
 
