@@ -79,6 +79,7 @@ __all__ = [
     "identify",
     "lookup",
     "run",
+    "why",
 ]
 
 #: The version of this package.
@@ -179,6 +180,16 @@ def _refuse(text: str) -> NoReturn:
                 raise
     codes = [code for module in modules for code in module.VARIANTS]
     raise OrderCodeError(text, "", "is no order code of these encoders", nearest(codes, text))
+
+
+def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
+    """What would make a sound frame of one with a fault, the most likely first; empty where nothing known does.
+
+    A CRC of few bits is right by chance now and then. Look at several frames: one mistake that explains all is yours.
+    """
+    from ._why import why
+
+    return why(encoder, frame)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from enum import Enum, IntEnum
 from functools import lru_cache
+from importlib import import_module
 from operator import index
 from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast
 
@@ -40,15 +41,24 @@ class Interface(Enum):
 class FrameError(ValueError):
     """A frame or register that cannot be decoded, or values that cannot be encoded.
 
-    An error of an encoder's ``decode`` has the ``frame`` as it was given, and the encoder's ``order_code``.
+    An error of an encoder's ``decode`` has the ``frame`` as it was given, the ``encoder`` and its ``order_code``.
     """
 
     frame: object = None
+    encoder: object = None
     order_code: str = ""
 
-    def add(self, frame: object, order_code: str) -> None:
+    def add(self, frame: object, encoder: object) -> None:
         """Tells which frame it was, and of which encoder."""
-        self.frame, self.order_code = frame, order_code
+        self.frame, self.encoder, self.order_code = frame, encoder, getattr(encoder, "code")
+
+    @property
+    def hint(self) -> str:
+        """Which mistake explains the frame, as far as one that is often made does; worked out when asked for."""
+        if self.encoder is None:
+            return ""
+        module = import_module(f"{__package__}._why")
+        return cast(str, module.hint(self.encoder, self.frame))
 
 
 class LengthError(FrameError):

@@ -35,6 +35,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
+from math import tau
 from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
@@ -298,6 +299,30 @@ class Variant(Encoder):
             return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
         return index(position) % (1 << self.used_singleturn_bits) * 360 / (1 << self.used_singleturn_bits)
 
+    def radians(self, position: int) -> float:
+        """``position``, in counts, as radians within one revolution."""
+        if self.interface is _SSI:
+            return index(position) % (1 << self.singleturn_bits) * tau / (1 << self.singleturn_bits)
+        return index(position) % (1 << self.used_singleturn_bits) * tau / (1 << self.used_singleturn_bits)
+
+    def from_turns(self, turns: float) -> int:
+        """The count nearest to so many revolutions."""
+        if self.interface is _SSI:
+            return round(turns * (1 << self.singleturn_bits))
+        return round(turns * (1 << self.used_singleturn_bits))
+
+    def from_degrees(self, degrees: float) -> int:
+        """The count nearest to so many degrees."""
+        if self.interface is _SSI:
+            return round(degrees * (1 << self.singleturn_bits) / 360)
+        return round(degrees * (1 << self.used_singleturn_bits) / 360)
+
+    def from_radians(self, radians: float) -> int:
+        """The count nearest to so many radians."""
+        if self.interface is _SSI:
+            return round(radians * (1 << self.singleturn_bits) / tau)
+        return round(radians * (1 << self.used_singleturn_bits) / tau)
+
     @property
     def modulus(self) -> int:
         """Counts after which ``position`` starts again: the highest one is 1 less."""
@@ -363,7 +388,7 @@ class SsiEncoder(Variant):
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
@@ -406,7 +431,7 @@ class BissEncoder(Variant):
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:

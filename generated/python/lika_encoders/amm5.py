@@ -36,6 +36,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
+from math import tau
 from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
@@ -256,6 +257,22 @@ class Variant(Encoder):
         """``position``, in counts, as degrees within one revolution."""
         return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
 
+    def radians(self, position: int) -> float:
+        """``position``, in counts, as radians within one revolution."""
+        return index(position) % (1 << self.singleturn_bits) * tau / (1 << self.singleturn_bits)
+
+    def from_turns(self, turns: float) -> int:
+        """The count nearest to so many revolutions."""
+        return round(turns * (1 << self.singleturn_bits))
+
+    def from_degrees(self, degrees: float) -> int:
+        """The count nearest to so many degrees."""
+        return round(degrees * (1 << self.singleturn_bits) / 360)
+
+    def from_radians(self, radians: float) -> int:
+        """The count nearest to so many radians."""
+        return round(radians * (1 << self.singleturn_bits) / tau)
+
     @property
     def modulus(self) -> int:
         """Counts after which ``position`` starts again: the highest one is 1 less."""
@@ -322,7 +339,7 @@ class SsiEncoder(Variant):
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
@@ -365,7 +382,7 @@ class BissEncoder(Variant):
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
@@ -410,7 +427,7 @@ class Rs485Encoder(Variant):
         try:
             return decode_reply(frame, self, eeprom_address=eeprom_address)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply | FrameError:

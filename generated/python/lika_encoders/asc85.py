@@ -36,6 +36,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
+from math import tau
 from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
@@ -225,6 +226,22 @@ class Variant(Encoder):
         """``position``, in counts, as degrees within one revolution."""
         return index(position) % (1 << self.position_bits) * 360 / (1 << self.position_bits)
 
+    def radians(self, position: int) -> float:
+        """``position``, in counts, as radians within one revolution."""
+        return index(position) % (1 << self.position_bits) * tau / (1 << self.position_bits)
+
+    def from_turns(self, turns: float) -> int:
+        """The count nearest to so many revolutions."""
+        return round(turns * (1 << self.position_bits))
+
+    def from_degrees(self, degrees: float) -> int:
+        """The count nearest to so many degrees."""
+        return round(degrees * (1 << self.position_bits) / 360)
+
+    def from_radians(self, radians: float) -> int:
+        """The count nearest to so many radians."""
+        return round(radians * (1 << self.position_bits) / tau)
+
     @property
     def modulus(self) -> int:
         """Counts after which ``position`` starts again: the highest one is 1 less."""
@@ -285,7 +302,7 @@ class SsiEncoder(Variant):
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
@@ -328,7 +345,7 @@ class BissEncoder(Variant):
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:

@@ -313,6 +313,14 @@ class Variant(Encoder):
         """``position``, in counts, as millimetres."""
         return index(position) * self.resolution_um / 1000
 
+    def metres(self, position: int) -> float:
+        """``position``, in counts, as metres."""
+        return index(position) * self.resolution_um / 1_000_000
+
+    def from_millimetres(self, millimetres: float) -> int:
+        """The count nearest to so many millimetres."""
+        return round(millimetres * 1000 / self.resolution_um)
+
     @property
     def modulus(self) -> int:
         """Counts after which ``position`` starts again: the highest one is 1 less."""
@@ -391,7 +399,7 @@ class SsiEncoder(Variant):
         try:
             return SsiWord.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
@@ -434,7 +442,7 @@ class BissEncoder(Variant):
         try:
             return SingleCycleData.decode(frame, self, bits=bits)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
@@ -474,7 +482,7 @@ class Rs485Encoder(Variant):
         try:
             return decode_reply(frame, self)
         except FrameError as fault:
-            fault.add(frame, self.code)
+            fault.add(frame, self)
             raise
 
     def try_decode(self, frame: Data) -> Reply | FrameError:

@@ -11,6 +11,7 @@ from ...model import Digits, Field, Layout, Register, RegisterMeaning
 STANDARD: Mapping[str, tuple[str, ...]] = {
     "collections.abc": ("Callable", "Mapping"),
     "enum": ("Enum", "IntEnum"),
+    "math": ("tau",),
     "operator": ("index",),
     "types": ("MappingProxyType",),
     "typing": (
@@ -58,7 +59,7 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 }
 
 #: What the package's modules are called that hold no device.
-SHARED = tuple("_codec _codes _encoder _facts _many _order_codes _registers _reports _run _steps _table".split())
+SHARED = tuple("_codec _codes _encoder _facts _many _order_codes _registers _reports _run _steps _table _why".split())
 #: The folders for what is loaded only when it is asked for, with a module for each device.
 FOLDERS = ("facts", "_shapes")
 #: The module for register access over BiSS, in packages with a family that speaks it.
@@ -67,7 +68,7 @@ BISS = "biss"
 #: Everything that a device module can import.
 IMPORTED = [name for module in (STANDARD, PACKAGE) for names in module.values() for name in names]
 #: The functions that a device module imports.
-FUNCTIONS = ("cast", "index", *(name for names in PACKAGE.values() for name in names if name.islower()))
+FUNCTIONS = ("cast", "index", "round", "tau", *(name for names in PACKAGE.values() for name in names if name.islower()))
 #: Names that every device module uses for itself, besides what it imports.
 MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTICS CONNECTORS CRCS DOCUMENTS
     ERRATA Ellipsis Exception FAMILY FRAMES Frame INPUTS LEDS LOST_FIGURES MANUAL NotImplemented
@@ -75,8 +76,9 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
     VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses for itself.
-VARIANT_NAMES = """bytes cls code decode decode_many degrees family frame_bits highest interface micrometres millimetres
-    modulus parts self special special_code tail try_decode turns unlisted unwrap with_registers
+VARIANT_NAMES = """bytes cls code decode decode_many degrees family frame_bits from_degrees from_millimetres
+    from_radians from_turns highest interface metres micrometres millimetres modulus parts
+    radians self special special_code tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes, and in them the methods, use for themselves.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode frame_bits index is_as_documented
