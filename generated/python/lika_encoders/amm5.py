@@ -2405,7 +2405,8 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
         if type(frame) is not int or bits is not None or frame >> size_0:
             return careful(frame, bits=bits)
         word = frame
-        if table_0[word & 0xFFFF] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32]:
+        low = word & 0xFFFF
+        if table_0[low] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32]:
             return careful(frame)
         return made(
             SingleCycleData,
@@ -2413,8 +2414,8 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
                 variant,
                 word >> size_1,
                 word >> 8 & ones_2,
-                not word & 0x80,
-                not word & 0x40,
+                not low & 0x80,
+                not low & 0x40,
             ),
         )
 

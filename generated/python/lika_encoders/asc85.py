@@ -758,18 +758,16 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
         if type(frame) is not int or bits is not None or frame >> size_0:
             return careful(frame, bits=bits)
         word = frame
-        if (
-            table_0[word & 0xFFFF] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32]
-            or word >> 8 & 0x1
-        ):
+        low = word & 0xFFFF
+        if table_0[low] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32] or word >> 8 & 0x1:
             return careful(frame)
         return made(
             SingleCycleData,
             (
                 variant,
                 word >> 9,
-                not word & 0x80,
-                not word & 0x40,
+                not low & 0x80,
+                not low & 0x40,
             ),
         )
 

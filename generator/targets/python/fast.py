@@ -146,6 +146,10 @@ class Fast:
             return "heads[b0]"
         if isinstance(part.field.kind, Flag):
             bit = self._text(self.read.bit(part.bits))
+            # The lowest bits have a number of their own, which is shorter.
+            low = part.bits.low
+            if self.tables and low.is_constant and low.constant < TABLE_BITS:
+                bit = re.sub(r"^word ", "low ", bit)
             return f"not {bit}" if part.field.kind.active_low else f"({bit}) != 0"
         padded = {item.field.name for item in self._checked if isinstance(item, ZerosAbove)}
         bits = self._local(part.field.name) if part.field.name in padded else self._text(self.read.bits(part.bits))
