@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from ...model import Choice, Decimal, Flag, Text
 from ...model.expressions import Expression
@@ -71,7 +72,7 @@ class Fast:
         pieces = [*item.bits.pieces, *(item.of_bits.pieces if isinstance(item, ParityIs) else ())]
         return bool(pieces) and all(piece.byte == 0 for piece in pieces)
 
-    @property
+    @cached_property
     def heads(self) -> list[tuple[int, int]]:
         """Every first byte that such a frame can have, and the selector in it."""
         checks = [item for item in self.plan.checks if self._in_head(item)]
@@ -116,7 +117,7 @@ class Fast:
         has_crc = self.plan.crc is not None and not self.plan.in_bytes
         return -(-self.coder.layout.widest // TABLE_BITS) if has_crc else 0
 
-    @property
+    @cached_property
     def conditions(self) -> list[str]:
         """What is true of a frame that has to be looked at more carefully."""
         return [*self._conditions()]
@@ -134,7 +135,7 @@ class Fast:
                 found = self._text(self.read.bits(item.bits))
                 yield f"({found}) != {mask(item.value)}" if item.value else found
 
-    @property
+    @cached_property
     def values(self) -> list[str]:
         """The attributes of the frame, in order."""
         given = ["variant"] if self.coder.takes_variant else []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 from ...model import Choice
 from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, kind_of, parities, worth
@@ -19,9 +20,12 @@ class Shape:
         self.coder, self.plan, self._judgement = coder, coder.plan, judgement
         self.name = f"shape_of_{coder.layout.name}"
 
-    @property
-    def rows(self) -> Iterator[tuple[str, list[Literal]]]:
+    @cached_property
+    def rows(self) -> list[tuple[str, list[Literal]]]:
         """The members that are tuples, by name."""
+        return [*self._rows()]
+
+    def _rows(self) -> Iterator[tuple[str, list[Literal]]]:
         yield "columns", [*self._columns()]
         yield "joins", [*self._joins()]
         yield "unused", [*self._unused()]
