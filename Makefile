@@ -5,7 +5,7 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate lint quick test verify bench house mutants check spec-page templates-page clean
+.PHONY: generate lint quick test verify bench bench-python house mutants check spec-page templates-page clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -37,6 +37,11 @@ verify-footprint: bench-packages
 # Size and speed of the C headers beside hand-written decoders and other generators; BENCH=--write writes docs/footprint.md too.
 bench: .venv/.installed tools bench-packages
 	@$(PY) benchmarks/footprint.py $(BENCH)
+
+# The Python package for one frame and for a million, beside code written by hand and beside peers that can be installed.
+bench-python: .venv/.installed
+	@$(PY) -m pip install --quiet --disable-pip-version-check bitstruct 'cantools>=41' construct kaitaistruct || echo "make: some peers cannot be had; they are left out"
+	@$(PY) benchmarks/python_speed.py
 
 # How the generator is built, in figures; HOUSE="--against COMMIT" puts an earlier commit beside it, HOUSE=--list names the places.
 house: .venv/.installed

@@ -138,6 +138,8 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
     """Writes the Python package of a library to a folder of its own and imports it; gives folder and package."""
     from codewheel.targets.python.files import generate
 
+    folders: dict[str, list[Path]] = {}
+
     def made(library: Library, package: str) -> tuple[Path, ModuleType]:
         folder = tmp_path_factory.mktemp("generated")
         for path, text in generate(library).items():
@@ -152,6 +154,13 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
             imported = importlib.import_module(package)
         finally:
             sys.path.remove(str(folder / "python"))
+        # Some modules are loaded when they are asked for: those of an older package of this name have to be found.
+        inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
+        for older in folders.setdefault(package, []):
+            imported.__path__.append(str(older))
+            for name, module in inner.items():
+                module.__path__.append(str(older / name))
+        folders[package].insert(0, folder / "python" / package)
         return folder / "python", imported
 
     return made

@@ -497,7 +497,7 @@ def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Devi
         for register in device.registers:
             made = module.REGISTERS[register.name]
             assert getattr(module.Address, register.name.upper()) == made.address == register.address
-            assert (made.length, made.access, made.byte_order, made.default) == (
+            assert (made.length, made.access.value, made.byte_order.value, made.default) == (
                 register.length,
                 register.access,
                 register.byte_order,
@@ -508,7 +508,7 @@ def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Devi
                 register.opened_by_field,
                 register.opened_by_value,
             )
-            assert (made.above_max, made.write_clears, made.reserved) == (
+            assert (made.above_max.value if made.above_max else "", made.write_clears, made.reserved) == (
                 register.above_max,
                 register.write_clears,
                 register.reserved,

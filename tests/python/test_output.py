@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import copy
+import importlib
 import json
 import subprocess
 import sys
@@ -139,7 +140,8 @@ def test_text_of_a_spec_stays_text(
     devices, report = load_library([tmp_path])
     assert not report, "\n".join(problem.format() for problem in report.problems)
     package: Any = import_generated(Library(devices), "hostile_encoders")[1]
-    modules = [package, package.amm5, package._codec, package._facts, package._order_codes]
+    names = ("_codec", "_facts", "_order_codes", "facts.amm5")
+    modules = [package, package.amm5, *(importlib.import_module(f"hostile_encoders.{name}") for name in names)]
     assert not any(hasattr(module, "BROKEN") for module in modules)
     assert package.amm5.ERRATA[0].printed == text
     assert package.lookup("AMM5A21/65KSC1").position_bits == 37

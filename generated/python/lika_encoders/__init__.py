@@ -4,16 +4,17 @@
 
 Each family has a module: am36, amm5, asc85, sma21. Start with lookup(), which takes what stands on the label.
 
+A family is loaded when it is asked for first, by its name or by lookup().
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Final, TypeAlias, Union
+from importlib import import_module
+from typing import TYPE_CHECKING, Final, NoReturn, cast, overload
 
-from . import am36, amm5, asc85, biss, sma21
 from ._codec import (
     BitField,
     ConstantError,
@@ -26,30 +27,47 @@ from ._codec import (
     LengthError,
     RangeError,
 )
-from ._facts import Family, Report, Verdict
+from ._encoder import Encoder, Frame, PositionFrame
 from ._order_codes import OrderCodeError, checked, nearest
+from ._reports import Family, Movement, Report, Verdict
+from ._run import Bus, Line, Reading, StepError, run
 from ._steps import Modify, Poll, Read, Send, Step, Wait, Write
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from . import _codes, am36, amm5, asc85, biss, sma21
+
+    #: Every family, in order of name.
+    FAMILIES: Final[tuple[Family, ...]] = ()
 
 __all__ = [
     "BitField",
+    "Bus",
     "ConstantError",
     "CrcError",
+    "Encoder",
     "FAMILIES",
     "Family",
     "FamilyError",
+    "Frame",
     "FrameError",
     "Interface",
     "InterfaceError",
     "LengthError",
+    "Line",
     "Modify",
+    "Movement",
     "OrderCodeError",
     "Poll",
+    "PositionFrame",
     "RangeError",
     "Read",
+    "Reading",
     "Report",
     "Send",
     "Step",
-    "Variant",
+    "StepError",
     "Verdict",
     "Wait",
     "Write",
@@ -60,20 +78,83 @@ __all__ = [
     "sma21",
     "identify",
     "lookup",
+    "run",
+    "why",
 ]
 
 #: The version of this package.
 __version__: Final = "0.1.0"
 
-#: An encoder of any family, as its order code describes it.
-Variant: TypeAlias = Union[am36.Variant, amm5.Variant, asc85.Variant, sma21.Variant]
+#: How the order codes of each family can begin, blanks left out; the module has the family's name.
+_BEGIN: Final = {
+    "am36": ("AM36", "AMC36"),
+    "amm5": ("AMM5",),
+    "asc85": ("ASC85",),
+    "sma21": ("SMA21-",),
+}
 
-#: Every family, in order of name.
-FAMILIES: Final[tuple[Family, ...]] = (am36.FAMILY, amm5.FAMILY, asc85.FAMILY, sma21.FAMILY,)
+#: All families, with special models and other editions.
+_FAMILIES: Final = ("am36", "amm5", "asc85", "sma21",)
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        if name == "FAMILIES":
+            return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
+        if name in __all__:
+            return import_module(f".{name}", __name__)
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})
 
 
-def lookup(label: str) -> Variant:
-    """The encoder with this label, of whatever family.
+@overload
+def lookup(label: _codes.Am36Ssi) -> am36.SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Am36Biss) -> am36.BissEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Amm5Ssi) -> amm5.SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Amm5Biss) -> amm5.BissEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Amm5Rs485) -> amm5.Rs485Encoder: ...
+
+
+@overload
+def lookup(label: _codes.Asc85Ssi) -> asc85.SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Asc85Biss) -> asc85.BissEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Sma21Ssi) -> sma21.SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Sma21Biss) -> sma21.BissEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Sma21Rs485) -> sma21.Rs485Encoder: ...
+
+
+@overload
+def lookup(label: str) -> Encoder: ...
+
+
+def lookup(label: str) -> Encoder:
+    """The encoder with this label, of whatever family; a type checker knows the class of each listed order code.
 
     Case does not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted.
 
@@ -82,23 +163,36 @@ def lookup(label: str) -> Variant:
         TypeError: ``label`` is no text.
     """
     text = checked(label)
-    families: tuple[Callable[[str], Variant], ...] = (am36.lookup, amm5.lookup, asc85.lookup, sma21.lookup,)
-    errors = []
-    for read in families:
+    for family, beginnings in _BEGIN.items():
+        if text.startswith(beginnings):
+            try:
+                return cast(Encoder, import_module(f".{family}", __name__).lookup(text))
+            except OrderCodeError:
+                pass
+    _refuse(text)
+
+
+def _refuse(text: str) -> NoReturn:
+    """Raises the error that says most about a label that is none: the part that is wrong, or the nearest codes."""
+    modules = [import_module(f".{family}", __name__) for family in _BEGIN]
+    for module in modules:
         try:
-            return read(text)
+            module.lookup(text)
         except OrderCodeError as error:
-            errors.append(error)
-    for found in errors:
-        if found.part:
-            raise found
-    codes = [
-        *am36.VARIANTS,
-        *amm5.VARIANTS,
-        *asc85.VARIANTS,
-        *sma21.VARIANTS,
-    ]
+            if error.part:
+                raise
+    codes = [code for module in modules for code in module.VARIANTS]
     raise OrderCodeError(text, "", "is no order code of these encoders", nearest(codes, text))
+
+
+def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
+    """What would make a sound frame of one with a fault, the most likely first; empty where nothing known does.
+
+    A CRC of few bits is right by chance now and then. Look at several frames: one mistake that explains all is yours.
+    """
+    from ._why import why
+
+    return why(encoder, frame)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -114,9 +208,9 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """
     codes: list[str] = []
     errors = []
-    for name_those_of in (am36.identify, amm5.identify, asc85.identify, sma21.identify,):
+    for family in ("am36", "amm5", "asc85", "sma21"):
         try:
-            codes += name_those_of(read)
+            codes += import_module(f".{family}", __name__).identify(read)
         except ValueError as error:
             errors.append(error)
     if len(errors) == 4:

@@ -4,17 +4,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from enum import Enum, IntEnum
+from functools import lru_cache
+from importlib import import_module
 from operator import index
-from typing import Final, NamedTuple, Protocol, SupportsIndex, TypeVar, Union, cast
+from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast
 
-from ._facts import Family
+from ._reports import Family
 
 #: A frame or register made of bytes. Any buffer of single bytes will do, such as one row of an array.
 Data = Union[bytes, bytearray, memoryview]
 
 #: A frame that is a string of bits: one number, the first bit sent most significant, or text of as many 0 and 1.
 Word = Union[SupportsIndex, str]
+
+#: Many frames of bytes: an array of uint8 with a row for each, the bytes of all in a row, or a list of frames.
+Rows: TypeAlias = Any
+
+#: Many frames that are numbers: an array of whole numbers, a list of them, or eight bytes each, the lowest first.
+Words: TypeAlias = Any
 
 _Answer = TypeVar("_Answer", bound=Enum)
 _Choice = TypeVar("_Choice", bound=IntEnum)
@@ -30,7 +39,26 @@ class Interface(Enum):
 
 
 class FrameError(ValueError):
-    """A frame or register that cannot be decoded, or values that cannot be encoded."""
+    """A frame or register that cannot be decoded, or values that cannot be encoded.
+
+    An error of an encoder's ``decode`` has the ``frame`` as it was given, the ``encoder`` and its ``order_code``.
+    """
+
+    frame: object = None
+    encoder: object = None
+    order_code: str = ""
+
+    def add(self, frame: object, encoder: object) -> None:
+        """Tells which frame it was, and of which encoder."""
+        self.frame, self.encoder, self.order_code = frame, encoder, getattr(encoder, "code")
+
+    @property
+    def hint(self) -> str:
+        """Which mistake explains the frame, as far as one that is often made does; worked out when asked for."""
+        if self.encoder is None:
+            return ""
+        module = import_module(f"{__package__}._why")
+        return cast(str, module.hint(self.encoder, self.frame))
 
 
 class LengthError(FrameError):
@@ -368,6 +396,29 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
     for byte in as_bytes(data):
         register ^= byte
     return register ^ xorout
+
+
+@lru_cache(maxsize=None)
+def crc_tables(crc: Callable[[int, int], int], covered: int, width: int, count: int) -> tuple[Sequence[int], ...]:
+    """Tables whose items for each 16 bits of a word, put together by XOR, are 0 where its CRC is right.
+
+    ``crc`` computes it over the first ``covered`` bits of the word, and ``width`` bits of it follow.
+    """
+    none = crc(0, covered)
+    changes = [*(1 << place for place in range(width)), *(crc(1 << place, covered) ^ none for place in range(covered))]
+    changes += [0] * (16 * count - len(changes))
+    tables: list[Sequence[int]] = []
+    for low in range(0, 16 * count, 16):
+        first = none if low == 0 else 0
+        table = [first]
+        small = bytes(table) if width <= 8 else b""
+        for change in changes[low : low + 16]:
+            if small:
+                small += small.translate(bytes(item ^ change for item in range(256)))
+            else:
+                table += [item ^ change for item in table]
+        tables.append(small or table)
+    return tuple(tables)
 
 
 def _reflected(value: int, width: int) -> int:

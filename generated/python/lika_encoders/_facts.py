@@ -8,87 +8,82 @@ say.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from enum import Enum
-from functools import cached_property
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
-_Value = TypeVar("_Value")
-
-
-class ReadOnly(Mapping[str, _Value]):
-    """A mapping that nobody can change; unlike a MappingProxyType it can be copied and pickled."""
-
-    __slots__ = ("_items",)
-
-    def __init__(self, items: Mapping[str, _Value]) -> None:
-        self._items = dict(items)
-
-    def __getitem__(self, key: str) -> _Value:
-        return self._items[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def __repr__(self) -> str:
-        return repr(self._items)
-
-
-class Verdict(Enum):
-    """What the position of a frame is worth, the worst first."""
-
-    NOT_USABLE = "not_usable"
-    """It is wrong, frozen, 0 or in doubt."""
-    USABLE_WITH_WARNING = "usable_with_warning"
-    """It can be used, but something wants attention."""
-    USABLE = "usable"
-    """The encoder reports nothing against it."""
-    NOT_TOLD = "not_told"
-    """Nothing in the frame tells."""
-
-
-class Report(NamedTuple):
-    """What an encoder reports by a frame: a flag is active, or unused bits are not as the manual has them.
-
-    ``makes_position`` is what the position of the frame is worth then, None where it comes with no position; a frame's
-    ``verdict`` weighs all its reports.
-    """
-
-    name: str
-    printed_name: str
-    meaning: str
-    remedy: str = ""
-    makes_position: Verdict | None = None
-    source: str = ""
-
-
-class Reports(Mapping[str, Report]):
-    """All that the frames of a family can report, by name; made at the first look, since most frames report nothing."""
-
-    def __init__(self, make: Callable[[], tuple[Report, ...]]) -> None:
-        self._make = make
-
-    @cached_property
-    def _items(self) -> dict[str, Report]:
-        return {item.name: item for item in self._make()}
-
-    def __getitem__(self, key: str) -> Report:
-        return self._items[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def __repr__(self) -> str:
-        return repr(self._items)
-
+from ._codec import Interface
+from ._reports import ReadOnly
 
 _NO_NAMES: ReadOnly[str] = ReadOnly({})
+
+
+class Access(Enum):
+    """What a master may do with a register."""
+
+    READ_ONLY = "read_only"
+    READ_WRITE = "read_write"
+    WRITE_ONLY = "write_only"
+
+
+class ByteOrder(Enum):
+    """Which byte of a number is at the lowest address."""
+
+    LOW_BYTE_FIRST = "low_byte_first"
+    HIGH_BYTE_FIRST = "high_byte_first"
+
+
+class AboveMax(Enum):
+    """What an encoder makes of a value above the highest."""
+
+    DEFAULT = "default"
+    REFUSED = "refused"
+
+
+class Alignment(Enum):
+    """Which end of an SSI word comes with the first clock: zeros follow it, or zeros come before it."""
+
+    MSB_LEFT = "msb_left"
+    LSB_RIGHT = "lsb_right"
+
+
+class TimeoutRule(Enum):
+    """Whether a time-out follows the clock."""
+
+    FOLLOWS_CLOCK = "follows_clock"
+    FIXED = "fixed"
+
+
+class Purpose(Enum):
+    """What a request does."""
+
+    CAPTURE = "capture"
+    WRITE = "write"
+    READ = "read"
+    RESET = "reset"
+
+
+class ConnectorKind(Enum):
+    """A connector with pins, or a cable with coloured wires."""
+
+    CONNECTOR = "connector"
+    CABLE = "cable"
+
+
+class Status(Enum):
+    """Whether an erratum is decided: by the manual's own evidence, or by nothing but hardware or the maker."""
+
+    SETTLED = "settled"
+    OPEN = "open"
+
+
+class Severity(Enum):
+    """What copying an erratum literally would do."""
+
+    WRONG_DATA = "wrong_data"
+    WRONG_LIMIT = "wrong_limit"
+    OMISSION = "omission"
+    WORDING = "wording"
 
 
 class Edition(NamedTuple):
@@ -128,15 +123,6 @@ class Document(NamedTuple):
     key: str
     title: str
     url: str = ""
-
-
-class Family(NamedTuple):
-    """An encoder family."""
-
-    name: str
-    title: str
-    movement: str
-    manufacturer: str
 
 
 class Crc(NamedTuple):
@@ -202,20 +188,18 @@ class RegisterMeaning(NamedTuple):
 class Register(NamedTuple):
     """A register of ``length`` bytes from ``address`` on.
 
-    ``access`` is ``read_only``, ``read_write`` or ``write_only``; ``byte_order`` says which byte is at the lowest
-    address, ``low_byte_first`` or ``high_byte_first``. Where ``opened_by`` names a register, that one has to hold its
-    value ``opened_by_value``, in its field ``opened_by_field`` where that is named, before this one can be written.
+    ``byte_order`` says which byte is at the lowest address. Where ``opened_by`` names a register, that one has to hold
+    its value ``opened_by_value``, in its field ``opened_by_field`` where that is named, before this one can be written.
     ``wait_ms`` is the time to wait after a write, at least. ``above_max`` says what the encoder makes of a value above
-    the highest, ``default`` or ``refused``; ``write_clears`` names registers that a write sets to zero; ``reserved``
-    says who alone may use it.
+    the highest; ``write_clears`` names registers that a write sets to zero; ``reserved`` says who alone may use it.
     """
 
     name: str
     printed_name: str
     address: int
     length: int
-    access: str
-    byte_order: str
+    access: Access
+    byte_order: ByteOrder
     default: bytes | None = None
     opened_by: str = ""
     opened_by_field: str = ""
@@ -224,7 +208,7 @@ class Register(NamedTuple):
     wait_ms: int = 0
     volatile: bool = False
     bank: int | None = None
-    above_max: str = ""
+    above_max: AboveMax | None = None
     write_clears: tuple[str, ...] = ()
     meanings: tuple[RegisterMeaning, ...] = ()
     reserved: str = ""
@@ -290,9 +274,9 @@ class PrintedTimeout(NamedTuple):
 
 
 class Timeout(NamedTuple):
-    """The time-out after a frame; ``rule`` is ``follows_clock`` or ``fixed``."""
+    """The time-out after a frame."""
 
-    rule: str
+    rule: TimeoutRule
     half_clock_periods: int | None = None
     at_most_ns: int | None = None
     typical_ns: int | None = None
@@ -303,7 +287,7 @@ class Timeout(NamedTuple):
         """The time-out at this clock, or None where the manual does not say how it follows the clock."""
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
-        if self.rule == "follows_clock":
+        if self.rule is TimeoutRule.FOLLOWS_CLOCK:
             return next((item.timeout_ns for item in self.printed if item.clock_hz == clock_hz), None)
         return self.typical_ns if self.typical_ns is not None else self.at_most_ns
 
@@ -329,12 +313,12 @@ class ControlField(NamedTuple):
 
 
 class DataIdFacts(NamedTuple):
-    """A data ID; ``control`` is the control field that is sent for it, ``purpose`` capture, write, read or reset."""
+    """A data ID; ``control`` is the control field that is sent for it."""
 
     name: str
     id: int
     control: int
-    purpose: str
+    purpose: Purpose
     meaning: str = ""
     source: str = ""
 
@@ -351,10 +335,10 @@ class MemoryAccess(NamedTuple):
 
 
 class SsiFacts(NamedTuple):
-    """The SSI interface. ``alignment`` is ``msb_left`` or ``lsb_right``."""
+    """The SSI interface."""
 
     clock: Clock
-    alignment: str
+    alignment: Alignment
     output_code: str = ""
     signals: str = ""
     cable_lengths: tuple[CableLength, ...] = ()
@@ -428,12 +412,12 @@ class Contact(NamedTuple):
 
 
 class Connector(NamedTuple):
-    """A connector or a cable, as ``kind`` says."""
+    """A connector or a cable."""
 
     name: str
-    kind: str
+    kind: ConnectorKind
     title: str
-    interfaces: tuple[str, ...]
+    interfaces: tuple[Interface, ...]
     contacts: tuple[Contact, ...]
     mating: str = ""
     note: str = ""
@@ -503,16 +487,14 @@ class Characteristic(NamedTuple):
 class Erratum(NamedTuple):
     """A place where the manual cannot be taken literally.
 
-    ``status`` is ``settled`` where the manual's own evidence decides and ``open`` where only hardware or the maker
-    could; ``severity`` is what copying it literally would do: ``wrong_data``, ``wrong_limit``, ``omission`` or
-    ``wording``.
+    ``status`` says whether the manual's own evidence decides it, ``severity`` what copying it literally would do.
     """
 
     name: str
     printed: str
     used: str
     why: str
-    status: str
-    severity: str
+    status: Status
+    severity: Severity
     affects: tuple[str, ...] = ()
     source: str = ""

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from ._facts import ReadOnly
+from ._reports import ReadOnly
 
 #: No label has more characters.
 LONGEST = 100

@@ -11,12 +11,13 @@ from ._codec import by_class
 
 @by_class
 class Write(NamedTuple):
-    """Write one byte to a register address."""
+    """Write one byte to a register address; ``closes`` says that it closes what an earlier step has opened."""
 
     address: int
     value: int
     register: str
     meaning: str = ""
+    closes: bool = False
 
 
 @by_class
@@ -86,6 +87,6 @@ class Poll(NamedTuple):
 Step = Union[Write, Wait, Send, Read, Modify, Poll]
 
 
-def writes(register: str, address: int, data: bytes, meaning: str = "") -> tuple[Write, ...]:
+def writes(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write, ...]:
     """Writes of ``data`` to ascending addresses."""
-    return tuple(Write(address + index, byte, register, meaning) for index, byte in enumerate(data))
+    return tuple(Write(address + index, byte, register, meaning, closes) for index, byte in enumerate(data))

@@ -12,6 +12,17 @@ am36=1.0`` makes files for such encoders.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+In here:
+    Encoders: lookup, SsiEncoder, BissEncoder, VARIANTS
+    SSI: SsiWord
+    BiSS C-mode: SingleCycleData
+    Registers: ProfileId, SerialNumber, Command, Configuration, InformationPerRevolution, NumberOfRevolutions, Preset,
+        DeviceType, SingleturnBitsUsed, MultiturnBitsUsed, DeviceId, ManufacturerId
+    Procedures: set_configuration, set_preset, store_preset, save_parameters, activate_preset, restore_defaults,
+        set_resolution, identify_steps
+    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, INPUTS, CHARACTERISTICS, LOST_FIGURES, ERRATA,
+        DOCUMENTS
+
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
     from lika_encoders import Verdict, lookup
@@ -26,21 +37,23 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
+from math import tau
 from operator import index
 from types import MappingProxyType
-from typing import ClassVar, Final, NamedTuple, TypeAlias, Union
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
     Data,
+    FrameError,
     Interface,
     LengthError,
     Word,
+    Words,
     as_bytes,
     as_word,
     by_class,
@@ -51,6 +64,7 @@ from ._codec import (
     check_width,
     choice,
     crc_of_bits,
+    crc_tables,
     from_gray,
     made,
     text_number,
@@ -60,44 +74,46 @@ from ._codec import (
     wrong_encoder,
     zero_for,
 )
-from ._facts import (
-    Alarm,
-    BissFacts,
-    CableLength,
-    Characteristic,
-    Clock,
-    Connector,
-    Contact,
-    ControlField,
-    Crc,
-    Document,
-    Erratum,
-    Family,
-    FieldFacts,
-    Input,
-    Led,
-    LostFigure,
-    Manual,
-    NamedValue,
-    Network,
-    ReadOnly,
-    Register,
-    Report,
-    Reports,
-    Revision,
-    SsiFacts,
-    Timeout,
-    Timing,
-    Verdict,
-)
-from ._order_codes import OrderCode, Part, PartValue, SpelledValue, Spelling
+from ._encoder import Encoder, fact
+from ._order_codes import checked
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from ._reports import Family, Movement, Report, Verdict
 from ._steps import Modify, Read, Step, Wait, writes
+
+if TYPE_CHECKING:
+    from . import _codes
+    from ._table import Table
+    from .facts.am36 import (
+        ALARMS,
+        BISS,
+        CHARACTERISTICS,
+        CONNECTORS,
+        CRCS,
+        DOCUMENTS,
+        ERRATA,
+        FRAMES,
+        INPUTS,
+        LEDS,
+        LOST_FIGURES,
+        MANUAL,
+        ORDER_CODE,
+        REGISTERS,
+        REPORTS,
+        SSI,
+        TIMINGS,
+    )
+else:
+
+    def __getattr__(name: str) -> object:
+        """The tables of facts are loaded when one is asked for."""
+        return fact(__name__, name, _FACTS)
+
 
 __all__ = [
     "ALARMS",
     "Address",
     "BISS",
+    "BissEncoder",
     "CHARACTERISTICS",
     "CONNECTORS",
     "CRCS",
@@ -130,6 +146,7 @@ __all__ = [
     "SerialNumber",
     "SingleCycleData",
     "SingleturnBitsUsed",
+    "SsiEncoder",
     "SsiWord",
     "TIMINGS",
     "VARIANTS",
@@ -148,121 +165,44 @@ __all__ = [
     "store_preset",
 ]
 
-FAMILY: Final = Family("am36", "AM36 and AMC36 absolute multiturn encoders", "rotary", "Lika Electronic")
-
-MANUAL: Final = Manual(
-    title="AM36 AMC36",
-    revision="1.0",
-    date="",
-    language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
-    history=(Revision("1.0", "First issue."),),
+_FACTS: Final = (
+    "ALARMS",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "DOCUMENTS",
+    "ERRATA",
+    "FRAMES",
+    "INPUTS",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ORDER_CODE",
+    "REGISTERS",
+    "REPORTS",
+    "SSI",
+    "TIMINGS",
 )
+
+FAMILY: Final = Family("am36", "AM36 and AMC36 absolute multiturn encoders", Movement.ROTARY, "Lika Electronic")
 
 _SSI: Final = Interface.SSI
 _BISS: Final = Interface.BISS
 
-# Order codes
-
-ORDER_CODE: Final = OrderCode(
-    pattern="{model}{singleturn}/{turns}-{output}",
-    parts=(
-        Part(
-            name="model",
-            meaning="Mechanical version",
-            values=(
-                PartValue(text="AM36", meaning="Solid shaft", source="3.1; 3.3"),
-                PartValue(text="AMC36", meaning="Hollow shaft", source="3.2; 3.4"),
-            ),
-            source="Preliminary information; 3.1; 3.2",
-        ),
-        Part(
-            name="singleturn",
-            meaning="Singleturn resolution in bits",
-            values=(
-                PartValue(text="16", meaning="65,536 counts per turn", source="5.2"),
-                PartValue(text="19", meaning="524,288 counts per turn", source="5.2"),
-            ),
-            open="[0-9]{2}",
-            open_only_with=ReadOnly({"output": ("I7",)}),
-            source="5.2; 6",
-        ),
-        Part(
-            name="turns",
-            meaning="Number of revolutions",
-            values=(PartValue(text="4096", meaning="Multiturn, 4,096 revolutions", source="5.2; 6.5 p.31"),),
-            open="[0-9]{1,5}",
-            open_only_with=ReadOnly({"output": ("I7",)}),
-            source="5; 5.2; 6; 6.5 p.31",
-        ),
-        Part(
-            name="output",
-            meaning="Interface and output code",
-            values=(
-                PartValue(
-                    text="I7",
-                    meaning="BiSS C-mode; output code by the Configuration register",
-                    source="6; 6.5 p.31",
-                ),
-                PartValue(text="BG", meaning="SSI, binary code", source="5"),
-                PartValue(text="GG", meaning="SSI, Gray code", source="5"),
-            ),
-            open="17",
-            source="5; 6; 6.5 p.31",
-        ),
-    ),
-    special=(
-        "An encoder whose order code ends in /Sxxx may differ from the standard mechanically and electrically, and "
-        "may come with documentation of its own for special connections (Technical Info)."
-    ),
-    note=(
-        "On the label a hyphen and further characters follow the output; the manual does not explain them. For BiSS "
-        "it prints AMx36xx/xxxx and, beside register 55h, AMx36xx/4096, without a value for the singleturn "
-        "resolution: the values listed are those of the SSI table, and others are accepted over BiSS as unlisted. "
-        "They change nothing there, since the frame's widths are read from registers 56h and 57h. Edition 1.1 writes "
-        "the codes without the hyphen, with SCx for BiSS; such labels are read as well. Order code and serial number "
-        "are on the label of the body and in the delivery document; Lika asks for both in every enquiry. Technical "
-        "data are in the catalogue."
-    ),
-    source="5; 5.2; 6; 6.5 p.31",
-    also_written=(
-        Spelling(
-            pattern="{model}{singleturn}/{turns}{output}",
-            where="edition 1.1 of the manual; what its last digit, printed as x, stands for is not known here",
-            values=(
-                SpelledValue("output", "SC", "I7"),
-                SpelledValue("output", "BG", "BG"),
-                SpelledValue("output", "GG", "GG"),
-            ),
-            then="[0-9]?",
-            source="am36_1_1_biss: p.21; am36_1_1: p.22",
-        ),
-        Spelling(
-            pattern="{model}{singleturn}/{turns}-{output}",
-            where=(
-                "edition 1.1 of the manual, with the hyphen of edition 1.0; what its last digit, printed as x, stands "
-                "for is not known here"
-            ),
-            values=(
-                SpelledValue("output", "SC", "I7"),
-                SpelledValue("output", "BG", "BG"),
-                SpelledValue("output", "GG", "GG"),
-            ),
-            then="[0-9]?",
-            source="am36_1_1_biss: p.21; 5; 6",
-        ),
-    ),
-)
+# Encoders
 
 
-@dataclasses.dataclass(frozen=True, slots=True, repr=False)
-class Variant:
-    """An encoder as its order code describes it.
+_Same = TypeVar("_Same", bound="Variant")
+
+
+class Variant(Encoder):
+    """An encoder as its order code describes it; that of each interface has a class of its own.
 
     Attributes:
         family: The encoder's family.
-        code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
+        code: Order code, without what may follow it on the label.
         parts: The parts of the order code: model, singleturn, turns, output.
         singleturn_bits: Singleturn resolution by the order code [5.2]. Unit: bits.
         multiturn_bits: Bits that count the revolutions of the order code [5.2]. Unit: bits.
@@ -292,10 +232,17 @@ class Variant:
     """
 
     family: ClassVar[Family] = FAMILY
+    _parameters = (
+        "singleturn_bits",
+        "multiturn_bits",
+        "ssi_gray",
+        "used_singleturn_bits",
+        "used_multiturn_bits",
+        "used_revolutions",
+        "used_information",
+        "output_code",
+    )
 
-    code: str
-    interface: Interface
-    parts: tuple[str, ...]
     singleturn_bits: int
     multiturn_bits: int
     ssi_gray: int
@@ -304,15 +251,6 @@ class Variant:
     used_revolutions: int
     used_information: int
     output_code: int
-    unlisted: tuple[str, ...] = ()
-    tail: str = dataclasses.field(default="", compare=False)
-    special_code: str = ""
-    written_as_in: str = dataclasses.field(default="", compare=False)
-
-    @property
-    def special(self) -> bool:
-        """Whether the label ends in /Sxxx."""
-        return bool(self.special_code)
 
     @property
     def position_bits(self) -> int:
@@ -340,7 +278,7 @@ class Variant:
         """Code of the position over BiSS, as set: 1 Gray, 0 binary [6.5 p.26]. Equals ``1 - output_code``."""
         return 1 - self.output_code
 
-    def with_registers(self, held: Mapping[int, int]) -> Variant:
+    def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:
         """The encoder as it is when its registers hold these bytes, by address.
 
         These change how a frame is read, or a limit: singleturn_bits_used at 56h, multiturn_bits_used at 57h,
@@ -351,15 +289,7 @@ class Variant:
             RangeError: A register holds a value that cannot be.
             ValueError: A register changes nothing for this encoder.
         """
-        found = held_parameters(_HELD, held, self)
-        return dataclasses.replace(
-            self,
-            used_singleturn_bits=found.get("used_singleturn_bits", self.used_singleturn_bits),
-            used_multiturn_bits=found.get("used_multiturn_bits", self.used_multiturn_bits),
-            used_revolutions=found.get("used_revolutions", self.used_revolutions),
-            used_information=found.get("used_information", self.used_information),
-            output_code=found.get("output_code", self.output_code),
-        )
+        return self._replaced(**held_parameters(_HELD, held, self))
 
     def turns(self, position: int) -> float:
         """``position``, in counts, as revolutions."""
@@ -372,6 +302,30 @@ class Variant:
         if self.interface is _SSI:
             return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
         return index(position) % (1 << self.used_singleturn_bits) * 360 / (1 << self.used_singleturn_bits)
+
+    def radians(self, position: int) -> float:
+        """``position``, in counts, as radians within one revolution."""
+        if self.interface is _SSI:
+            return index(position) % (1 << self.singleturn_bits) * tau / (1 << self.singleturn_bits)
+        return index(position) % (1 << self.used_singleturn_bits) * tau / (1 << self.used_singleturn_bits)
+
+    def from_turns(self, turns: float) -> int:
+        """The count nearest to so many revolutions."""
+        if self.interface is _SSI:
+            return round(turns * (1 << self.singleturn_bits))
+        return round(turns * (1 << self.used_singleturn_bits))
+
+    def from_degrees(self, degrees: float) -> int:
+        """The count nearest to so many degrees."""
+        if self.interface is _SSI:
+            return round(degrees * (1 << self.singleturn_bits) / 360)
+        return round(degrees * (1 << self.used_singleturn_bits) / 360)
+
+    def from_radians(self, radians: float) -> int:
+        """The count nearest to so many radians."""
+        if self.interface is _SSI:
+            return round(radians * (1 << self.singleturn_bits) / tau)
+        return round(radians * (1 << self.used_singleturn_bits) / tau)
 
     @property
     def modulus(self) -> int:
@@ -398,7 +352,24 @@ class Variant:
             return self.singleturn_bits + self.multiturn_bits
         return self.used_singleturn_bits + self.used_multiturn_bits + 8
 
-    def decode(self, frame: Word, *, bits: int | None = None) -> Frame:
+    def decode(self, frame: Any) -> Frame:
+        """What the encoder sent; the class of its interface says in which form."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
+
+    def try_decode(self, frame: Any) -> Frame | FrameError:
+        """As ``decode``, but gives the fault instead of raising it."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
+
+    def __repr__(self) -> str:
+        return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
+
+
+class SsiEncoder(Variant):
+    """An encoder with SSI: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _SSI
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
         """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
 
         A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
@@ -410,17 +381,89 @@ class Variant:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        if self.interface is _SSI:
-            return SsiWord.decode(frame, self, bits=bits)
-        return SingleCycleData.decode(frame, self, bits=bits)
+        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
 
-    def __repr__(self) -> str:
-        held = held_text(_HELD, self)
-        return f"<{self.code}{self.special_code}{held}>"
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
+        try:
+            return SsiWord.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SsiWord.decode_many(frames, self)
+
+
+class BissEncoder(Variant):
+    """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _BISS
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
+
+        Raises:
+            FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
+        """
+        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
+        try:
+            return SingleCycleData.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SingleCycleData.decode_many(frames, self)
+
+
+@overload
+def lookup(label: _codes.Am36Ssi) -> SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Am36Biss) -> BissEncoder: ...
+
+
+@overload
+def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """The encoder with this label.
+    """The encoder with this label; a type checker knows the class of each listed order code.
 
     Case and blanks do not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
     ``Variant.tail`` and ``Variant.special`` tell of them. Values of a part that the manual leaves open are accepted;
@@ -432,12 +475,17 @@ def lookup(label: str) -> Variant:
             codes.
         TypeError: ``label`` is no text.
     """
-    found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
-    variant = _BY_PARTS[found.listed]
+    text = checked(label)
+    if text in VARIANTS:
+        return VARIANTS[text]
+    from .facts.am36 import ORDER_CODE
+
+    parts = {code: variant.parts for code, variant in VARIANTS.items()}
+    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
+    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
     if not (found.unlisted or found.tail or found.special or found.written_as_in):
         return variant
-    return dataclasses.replace(
-        variant,
+    return variant._replaced(
         code=found.code,
         parts=found.parts,
         unlisted=found.unlisted,
@@ -448,39 +496,6 @@ def lookup(label: str) -> Variant:
 
 
 # CRCs
-
-CRCS: Final[tuple[Crc, ...]] = (
-    Crc(
-        name="biss_6",
-        width=6,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x3F,
-        polynomial="x^6 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit "
-            "first, and the range (position, error and warning bit) are those of public BiSS documents."
-        ),
-        source="6.3.1 p.22; prot: p.7-8; renishaw: data sheet; icmu: p.30",
-    ),
-    Crc(
-        name="biss_4",
-        width=4,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x0F,
-        polynomial="x^4 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those "
-            "of public BiSS documents."
-        ),
-        source="6.4; prot: p.9-14; icmu: p.30",
-    ),
-)
 
 
 def crc_biss_6(number: int, bits: int) -> int:
@@ -566,67 +581,16 @@ class EnablePreset(IntEnum):
 
 
 # SSI
-#
-# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
-# 3 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3]
-#
-# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3
-# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 3
-# MHz. [5.3]
-#
-# Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12
-# µs (Tp > 12 µs). Used: At least 12 µs; take more. [5.1; 5.3; amm5: 5.3]
-#
-# Edition 1.1: order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi: not known. Why: No
-# page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more. [am36_1_1_biss:
-# p.21]
-
-SSI: Final = SsiFacts(
-    clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
-    alignment="msb_left",
-    output_code="by_order_code",
-    signals="EIA RS-422; clock and data have a logic level of typically 5 V",
-    cable_lengths=(
-        CableLength(shorter_than_m=50, below_hz=400_000, source="5.3"),
-        CableLength(shorter_than_m=100, below_hz=300_000, source="5.3"),
-        CableLength(shorter_than_m=200, below_hz=200_000, source="5.3"),
-        CableLength(shorter_than_m=400, below_hz=100_000, source="5.3"),
-    ),
-    alignment_source="5.2",
-    output_code_source="5.2",
-    timings=(
-        Timing(
-            name="monoflop",
-            meaning=(
-                "From the end of the clock signal until the encoder is ready for the next transmission and sets the "
-                "data line high"
-            ),
-            typical_us=12,
-            symbol="Tm",
-            source="5.1",
-        ),
-        Timing(
-            name="pause",
-            meaning="Between two clock sequences; printed Tp > 12 µs, so that exactly 12 µs are no margin",
-            at_least_us=12,
-            symbol="Tp",
-            source="5.3",
-        ),
-    ),
-    note=(
-        "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
-        "all. The first falling edge of the clock stores the position; the rising edge that follows starts the "
-        "transmission with the MSB, and each further one brings a bit down to the LSB. The last rising edge ends the "
-        "cycle, so that a word of n bits takes up to n + 1 rising edges (13 bits: 14 edges). After the word the time "
-        "Tm may follow at once."
-    ),
-    source="5",
-)
 
 
 @by_class
 class SsiWord(NamedTuple):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        multiturn: Number of revolutions. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
 
     In the manual: Structure of the position information.
 
@@ -653,14 +617,9 @@ class SsiWord(NamedTuple):
     Erratum position_order (open, omission): Printed: Only the length of the position; no words on which of singleturn
     and multiturn comes first. Used: Multiturn first, as the more significant part; singleturn after it; in Gray code
     both as one word. [5.2; 6.3.1 p.21; 6.5 p.29]
-
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions. Unit: revolutions.
-        singleturn: Position within one revolution. Unit: counts.
     """
 
-    variant: Variant
+    variant: SsiEncoder
     multiturn: int
     singleturn: int
 
@@ -668,6 +627,11 @@ class SsiWord(NamedTuple):
     def verdict(self) -> Verdict:
         """Nothing in this frame tells what the position is worth."""
         return Verdict.NOT_TOLD
+
+    @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
 
     @property
     def reports(self) -> tuple[Report, ...]:
@@ -678,12 +642,12 @@ class SsiWord(NamedTuple):
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
-    def from_position(cls, variant: Variant, position: int) -> SsiWord:
+    def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
         check_encoder(variant, Variant, _SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -694,13 +658,13 @@ class SsiWord(NamedTuple):
         )
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: SsiEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _SSI)
         return variant.singleturn_bits + variant.multiturn_bits
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+    def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -711,7 +675,7 @@ class SsiWord(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.singleturn_bits + variant.multiturn_bits, bits)
@@ -726,6 +690,16 @@ class SsiWord(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._many import decode_many
+        from ._shapes.am36 import shape_of_ssi_word
+
+        return decode_many(frames, shape_of_ssi_word(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -733,7 +707,7 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
@@ -743,7 +717,7 @@ class SsiWord(NamedTuple):
         return number
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _SSI)
         return (
@@ -753,85 +727,18 @@ class SsiWord(NamedTuple):
 
 
 # BiSS C-mode
-#
-# Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock, 10 µs max. Used: At
-# most 10 µs, without a rule. [6.6 p.32; prot: p.18]
-#
-# Edition 1.1: The spec has interfaces.biss.note; there it is The range of the clock is that of edition 1.0, not known
-# of 1.1. The encoder is always a slave, alone with one master. It must never be installed in a network of several
-# slaves. Why: Section 6.6 with the clock is not on a public page. [am36_1_1_biss: p.21]
-#
-# Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-# interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-# these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause after
-# it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
-
-BISS: Final = BissFacts(
-    clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.6 p.32"),
-    profile="Standard encoder profile",
-    signals="EIA RS-422 for Clock IN (MA) and Data OUT (SLO)",
-    network=Network(topology="point_to_point", multiple_slaves=False, source="6"),
-    timeout=Timeout(rule="follows_clock", at_most_ns=10_000, source="6.6 p.32"),
-    control_data=(
-        ControlField(
-            name="register_address",
-            bits=7,
-            meaning="Register to read or to write",
-            printed_name="Register address",
-            source="6.4 p.22",
-        ),
-        ControlField(
-            name="rw",
-            bits=2,
-            meaning="Direction of the access",
-            printed_name="RW",
-            values=(
-                NamedValue("write", 1, meaning="Write the register"),
-                NamedValue("read", 2, meaning="Read the register"),
-            ),
-            source="6.4 p.22",
-        ),
-        ControlField(
-            name="data",
-            bits=8,
-            meaning="Value to write, from the master, or value read, from the encoder; most significant bit first",
-            printed_name="DATA",
-            source="6.4 p.22",
-        ),
-        ControlField(
-            name="crc",
-            bits=4,
-            meaning="Check of the transmission, sent inverted",
-            crc="biss_4",
-            printed_name="CRC",
-            source="6.4 p.22",
-        ),
-    ),
-    control_data_note=(
-        "One bit per frame, for reading and writing the registers. The manual describes the main fields and refers to "
-        "the BiSS C protocol description for the whole structure."
-    ),
-    description_file="idbiss4C69.xml",
-    timings=(
-        Timing(
-            name="eeprom_write",
-            meaning="From a write to the Command register to the next function, while the EEPROM is written",
-            at_least_us=30_000,
-            source="6.5 p.24",
-        ),
-    ),
-    note=(
-        "The encoder is always a slave, alone with one master. It must never be installed in a network of several "
-        "slaves. For all that the manual leaves out it refers to www.biss-interface.com."
-    ),
-    source="6",
-)
 
 
 @by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
     most significant first [6.3 p.21; 6.3.1 p.21].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        multiturn: Number of revolutions. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
     In the manual: Single Cycle Data SCD.
 
@@ -863,12 +770,6 @@ class SingleCycleData(NamedTuple):
     with either at 0 is decoded and reports it. The position is not usable with nE at 0, and usable with a warning with
     nW at 0. [6.3.1 p.21; prot: p.3-5]
 
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions. Unit: revolutions.
-        singleturn: Position within one revolution. Unit: counts.
-        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
-
     Bits of unused:
         bit 0, warning: Warning, nW: Not used, always 1; at 0 it is the warning of the BiSS protocol. Unused, 1 in the
             manual. With other bits here the rest is decoded all the same, and the position is usable, with a warning.
@@ -879,7 +780,7 @@ class SingleCycleData(NamedTuple):
         crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: Variant
+    variant: BissEncoder
     multiturn: int
     singleturn: int
     unused: int = 0
@@ -899,8 +800,15 @@ class SingleCycleData(NamedTuple):
         return Verdict.NOT_TOLD
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: unused bits that are not as the manual has them."""
+        from .facts.am36 import REPORTS
+
         told = {
             "warning": self.unused & 0x1,
             "error": self.unused & 0x2,
@@ -911,12 +819,12 @@ class SingleCycleData(NamedTuple):
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         return index(self.multiturn) << variant.used_singleturn_bits | index(self.singleturn)
 
     @classmethod
-    def from_position(cls, variant: Variant, position: int, unused: int = 0) -> SingleCycleData:
+    def from_position(cls, variant: BissEncoder, position: int, unused: int = 0) -> SingleCycleData:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.used_singleturn_bits + variant.used_multiturn_bits)
@@ -928,13 +836,13 @@ class SingleCycleData(NamedTuple):
         )
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: BissEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _BISS)
         return variant.used_singleturn_bits + variant.used_multiturn_bits + 8
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+    def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -946,7 +854,7 @@ class SingleCycleData(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.used_singleturn_bits + variant.used_multiturn_bits + 8, bits)
@@ -964,6 +872,16 @@ class SingleCycleData(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._many import decode_many
+        from ._shapes.am36 import shape_of_single_cycle_data
+
+        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -971,7 +889,7 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
@@ -987,7 +905,7 @@ class SingleCycleData(NamedTuple):
         return number | _remainder_biss_6_44(number) ^ 0x3F
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (
@@ -999,71 +917,67 @@ class SingleCycleData(NamedTuple):
         )
 
 
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.ssi_gray:
+        return careful
+    size_0 = variant.singleturn_bits + variant.multiturn_bits
+    size_1 = variant.singleturn_bits
+    ones_2 = (1 << variant.singleturn_bits) - 1
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word >> size_1,
+                word & ones_2,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.biss_gray:
+        return careful
+    size_0 = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
+    size_1 = variant.used_singleturn_bits + 8
+    ones_2 = (1 << variant.used_singleturn_bits) - 1
+    tables = crc_tables(crc_biss_6, variant.used_singleturn_bits + variant.used_multiturn_bits + 2, 6, 3)
+    table_0, table_1, table_2 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        low = word & 0xFFFF
+        if table_0[low] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32]:
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> size_1,
+                word >> 8 & ones_2,
+                word >> 6 & 0x3 ^ 0x3,
+            ),
+        )
+
+    return decode
+
+
 #: Everything that an encoder of this family sends.
 Frame: TypeAlias = Union[
     SsiWord,
     SingleCycleData,
 ]
-
-#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
-REPORTS: Final[Mapping[str, Report]] = Reports(
-    lambda: (
-        Report(
-            name="error",
-            printed_name="Error, nE",
-            meaning=(
-                "differs from the manual, which has 1 in these unused bits. Not used, always 1; at 0 it is the error "
-                "of the BiSS protocol."
-            ),
-            makes_position=Verdict.NOT_USABLE,
-            source="6.3.1 p.21",
-        ),
-        Report(
-            name="warning",
-            printed_name="Warning, nW",
-            meaning=(
-                "differs from the manual, which has 1 in these unused bits. Not used, always 1; at 0 it is the "
-                "warning of the BiSS protocol."
-            ),
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="6.3.1 p.21",
-        ),
-    )
-)
-
-#: What the manual says of each field of the frames, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
-    {
-        "ssi_word": (
-            FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
-            FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
-        ),
-        "single_cycle_data": (
-            FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
-            FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
-            FieldFacts(
-                name="error",
-                printed_name="Error, nE",
-                meaning="Not used, always 1; at 0 it is the error of the BiSS protocol",
-                unused=1,
-                source="6.3.1 p.21",
-            ),
-            FieldFacts(
-                name="warning",
-                printed_name="Warning, nW",
-                meaning="Not used, always 1; at 0 it is the warning of the BiSS protocol",
-                unused=1,
-                source="6.3.1 p.21",
-            ),
-            FieldFacts(
-                name="crc",
-                printed_name="CRC",
-                meaning="Check of the transmission, sent inverted",
-                source="6.3.1 p.22",
-            ),
-        ),
-    }
-)
 
 
 # Registers
@@ -1086,272 +1000,12 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-#: Every register by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
-    {
-        "profile_id": Register(
-            name="profile_id",
-            printed_name="Profile ID",
-            address=0x42,
-            length=2,
-            access="read_only",
-            byte_order="high_byte_first",
-            default=b"\x00\x00",
-            fields=(FieldFacts(name="profile", meaning="Printed as 00 00 for AMx36"),),
-            meaning="Identification code of the profile",
-            note="The manual refers to \"Standard encoder profile\", \"data format\", \"Variant 0-24\" beside it.",
-            source="6.5 p.24",
-        ),
-        "serial_number": Register(
-            name="serial_number",
-            printed_name="Serial number",
-            address=0x44,
-            length=4,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(name="year", meaning="Year of production, register 44h"),
-                FieldFacts(name="week", meaning="Week of production, register 45h"),
-                FieldFacts(name="number", meaning="Serial number in ascending order, registers 46h and 47h"),
-            ),
-            meaning="Year and week of production and a running number, \"in hexadecimal notation\"",
-            source="6.5 p.24",
-        ),
-        "command": Register(
-            name="command",
-            printed_name="Command",
-            address=0x48,
-            length=1,
-            access="write_only",
-            byte_order="high_byte_first",
-            default=b"\x00",
-            clears_itself=True,
-            wait_ms=30,
-            fields=(FieldFacts(name="function"),),
-            meaning="Saves the parameters, activates the preset, or restores the defaults",
-            note=(
-                "After a command the register goes back to 00 by itself. If a new resolution and a new preset are set "
-                "together, Save parameters and activate Preset stores the resolution but sets the preset to zero, "
-                "which then has to be written again."
-            ),
-            source="6.5 p.24; 7 p.33",
-        ),
-        "configuration": Register(
-            name="configuration",
-            printed_name="Configuration",
-            address=0x49,
-            length=1,
-            access="read_write",
-            byte_order="high_byte_first",
-            default=b"\x20",
-            volatile=True,
-            fields=(
-                FieldFacts(
-                    name="zero_above_counting_direction",
-                    meaning="always zero",
-                    constant=0,
-                    source="6.5 p.26; 4.5 p.15; 7 p.33",
-                ),
-                FieldFacts(
-                    name="counting_direction",
-                    printed_name="Counting direction",
-                    meaning=(
-                        "Rotation with which the position counts up, seen from the shaft, while the Counting "
-                        "direction input is at 0VDC"
-                    ),
-                    default=0,
-                    note=(
-                        "A high level at the Counting direction input turns the meaning round. After a change a new "
-                        "preset has to be set."
-                    ),
-                    source="6.5 p.26; 4.5 p.15; 7 p.33",
-                ),
-                FieldFacts(
-                    name="output_code",
-                    printed_name="Output code",
-                    meaning="Code of the position",
-                    default=1,
-                    source="6.5 p.26; 7 p.33",
-                ),
-                FieldFacts(name="zero_below_output_code", meaning="always zero", constant=0, source="6.5 p.26; 7 p.33"),
-                FieldFacts(
-                    name="enable_preset",
-                    printed_name="Enable preset",
-                    meaning=(
-                        "Whether the Preset registers can be written and the preset activated, by command or by the "
-                        "Zero setting/Preset input"
-                    ),
-                    default=0,
-                    source="6.5 p.25; 4.4 p.15; 7 p.33",
-                ),
-                FieldFacts(
-                    name="zero_below_enable_preset",
-                    meaning="always zero",
-                    constant=0,
-                    source="6.5 p.25; 4.4 p.15; 7 p.33",
-                ),
-            ),
-            meaning="Preset function, output code and counting direction",
-            note=(
-                "A new value takes effect at once; Save parameters on EEPROM keeps it. Bits 0, 1, 3, 4 and 7 are not "
-                "used; by the list of defaults they are 0."
-            ),
-            source="6.5 p.25; 7 p.33",
-        ),
-        "information_per_revolution": Register(
-            name="information_per_revolution",
-            printed_name="Information per revolution",
-            address=0x4B,
-            length=3,
-            access="read_write",
-            byte_order="high_byte_first",
-            default=b"\x10\x00\x00",
-            volatile=True,
-            above_max="default",
-            write_clears=("preset",),
-            fields=(FieldFacts(name="steps", meaning="Positions per revolution", unit="counts", power_of_two=True),),
-            meaning="Singleturn resolution",
-            note=(
-                "A new value takes effect at once, also on the length of the frame, and sets the preset to zero; Save "
-                "parameters on EEPROM keeps it. Only powers of two are accepted. The number of bits that result is in "
-                "register 56h."
-            ),
-            source="6.5 p.27; 7 p.33",
-        ),
-        "number_of_revolutions": Register(
-            name="number_of_revolutions",
-            printed_name="Number of revolutions",
-            address=0x4E,
-            length=2,
-            access="read_write",
-            byte_order="high_byte_first",
-            default=b"\x00\x00",
-            volatile=True,
-            write_clears=("preset",),
-            fields=(
-                FieldFacts(
-                    name="revolutions",
-                    meaning="Revolutions counted; 00 00 stands for 65,536",
-                    unit="revolutions",
-                    zero_means=65_536,
-                ),
-            ),
-            meaning="Multiturn resolution",
-            note=(
-                "Any number from 1 to 65,536, powers of two or not. A new value takes effect at once, also on the "
-                "length of the frame, and sets the preset to zero; Save parameters on EEPROM keeps it. The number of "
-                "bits that result is in register 57h. With more than 4,096 revolutions set, the shaft of an encoder "
-                "that is switched off must not turn by more than 2,047 revolutions either way, or the absolute "
-                "position is lost."
-            ),
-            source="6.5 p.28; 7 p.33",
-        ),
-        "preset": Register(
-            name="preset",
-            printed_name="Preset",
-            address=0x50,
-            length=5,
-            access="read_write",
-            byte_order="high_byte_first",
-            default=b"\x00\x00\x00\x00\x00",
-            opened_by="configuration",
-            opened_by_field="enable_preset",
-            opened_by_value="enable",
-            volatile=True,
-            fields=(
-                FieldFacts(name="zero_above_position", meaning="always zero", constant=0),
-                FieldFacts(
-                    name="position",
-                    meaning="Position as one number, revolutions above the singleturn position",
-                    unit="counts",
-                ),
-            ),
-            meaning=(
-                "Position that the encoder shows, from the activation on, at the place where its shaft stands at that "
-                "moment"
-            ),
-            note=(
-                "The printed maximum, 0F FF FF FF FF, is that of the defaults. Set the bit Enable preset to 0 "
-                "(enable) before writing. The value is saved without effect by Save parameters on EEPROM, and saved "
-                "and activated by Save parameters and activate Preset, or activated by the Zero setting/Preset input; "
-                "at a standstill, the manual suggests. To be set again after a change of the counting direction, of "
-                "Information per revolution or of Number of revolutions. It serves, for instance, to bring the zero "
-                "points of encoder and application together."
-            ),
-            source="6.5 p.29; 7 p.33",
-        ),
-        "device_type": Register(
-            name="device_type",
-            printed_name="Device type",
-            address=0x55,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            default=b"\x02",
-            meaning="Type of the device",
-            source="6.5 p.31",
-        ),
-        "singleturn_bits_used": Register(
-            name="singleturn_bits_used",
-            printed_name="N° of bits used for singleturn resolution",
-            address=0x56,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            default=b"\x14",
-            fields=(FieldFacts(name="bits", meaning="Width of the singleturn part of the position", unit="bits"),),
-            meaning="Bits of the singleturn resolution, as set by Information per revolution",
-            source="6.5 p.31",
-        ),
-        "multiturn_bits_used": Register(
-            name="multiturn_bits_used",
-            printed_name="N° of bits used for multiturn resolution",
-            address=0x57,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            default=b"\x10",
-            fields=(FieldFacts(name="bits", meaning="Width of the multiturn part of the position", unit="bits"),),
-            meaning="Bits of the multiturn resolution, as set by Number of revolutions",
-            source="6.5 p.31",
-        ),
-        "device_id": Register(
-            name="device_id",
-            printed_name="Device ID",
-            address=0x78,
-            length=6,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(name="model", meaning="Encoder model, AMx36; 41 4D in hexadecimal"),
-                FieldFacts(name="interface_code", meaning="Interface, BiSS C; 49 37 in hexadecimal"),
-                FieldFacts(name="enclosure", meaning="Enclosure of 36 mm diameter; 32 in hexadecimal"),
-                FieldFacts(name="software_version", meaning="Software version, printed as XX"),
-            ),
-            meaning=(
-                "Encoder model, interface, enclosure and software version; the manual refers to the order code beside "
-                "it"
-            ),
-            source="6.5 p.31",
-        ),
-        "manufacturer_id": Register(
-            name="manufacturer_id",
-            printed_name="Manufacturer ID",
-            address=0x7E,
-            length=2,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(FieldFacts(name="name", meaning="Lika Electronic, 4C 69 in hexadecimal"),),
-            meaning="Manufacturer",
-            source="6.5 p.32",
-        ),
-    }
-)
-
-
 @by_class
 class ProfileId(NamedTuple):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
+
+    Attributes:
+        profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder; decoding accepts any value.
 
     Identification code of the profile.
 
@@ -1368,9 +1022,6 @@ class ProfileId(NamedTuple):
     interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
     these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
     after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
-
-    Attributes:
-        profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder; decoding accepts any value.
     """
 
     profile: int
@@ -1415,6 +1066,11 @@ class ProfileId(NamedTuple):
 class SerialNumber(NamedTuple):
     """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
 
+    Attributes:
+        year: Year of production, register 44h.
+        week: Week of production, register 45h.
+        number: Serial number in ascending order, registers 46h and 47h.
+
     Year and week of production and a running number, "in hexadecimal notation".
 
     Byte order: high byte first, at 44h.
@@ -1430,11 +1086,6 @@ class SerialNumber(NamedTuple):
     interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
     these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
     after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
-
-    Attributes:
-        year: Year of production, register 44h.
-        week: Week of production, register 45h.
-        number: Serial number in ascending order, registers 46h and 47h.
     """
 
     year: int
@@ -1539,6 +1190,14 @@ class Command(IntEnum):
 class Configuration(NamedTuple):
     """Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25; 7 p.33].
 
+    Attributes:
+        counting_direction: Counting direction: Rotation with which the position counts up, seen from the shaft, while
+            the Counting direction input is at 0VDC. Default: 0. A high level at the Counting direction input turns the
+            meaning round. After a change a new preset has to be set.
+        output_code: Output code: Code of the position. Default: 1.
+        enable_preset: Enable preset: Whether the Preset registers can be written and the preset activated, by command
+            or by the Zero setting/Preset input. Default: 0.
+
     Preset function, output code and counting direction.
 
     Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
@@ -1564,14 +1223,6 @@ class Configuration(NamedTuple):
     its bits has to be 1 before a preset can be entered, which 1.0 has as well and which is an erratum there. The
     meaning of its bits is that of edition 1.0; the code of the position hangs on one of them. Why: The page that
     describes it is not public. [am36_1_1: p.24; am36_1_1: p.30]
-
-    Attributes:
-        counting_direction: Counting direction: Rotation with which the position counts up, seen from the shaft, while
-            the Counting direction input is at 0VDC. Default: 0. A high level at the Counting direction input turns the
-            meaning round. After a change a new preset has to be set.
-        output_code: Output code: Code of the position. Default: 1.
-        enable_preset: Enable preset: Whether the Preset registers can be written and the preset activated, by command
-            or by the Zero setting/Preset input. Default: 0.
 
     Checked by decode():
         zero_above_counting_direction: always zero.
@@ -1641,6 +1292,9 @@ class Configuration(NamedTuple):
 class InformationPerRevolution(NamedTuple):
     """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
 
+    Attributes:
+        steps: Positions per revolution. Unit: counts. Takes powers of two only.
+
     Singleturn resolution.
 
     Byte order: high byte first, at 4Bh. Default: ``10 00 00``. Limits: 1 to 1,048,576 for ``steps``. Save the
@@ -1666,9 +1320,6 @@ class InformationPerRevolution(NamedTuple):
     Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately after transmission;
     values that are no power of two cannot be accepted. Used: The bytes are written in ascending order of address,
     nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
-
-    Attributes:
-        steps: Positions per revolution. Unit: counts. Takes powers of two only.
     """
 
     steps: int
@@ -1715,6 +1366,9 @@ class InformationPerRevolution(NamedTuple):
 class NumberOfRevolutions(NamedTuple):
     """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28; 7 p.33].
 
+    Attributes:
+        revolutions: Revolutions counted; 00 00 stands for 65,536. Unit: revolutions. Bits of 0 stand for 65,536.
+
     Multiturn resolution.
 
     Byte order: high byte first, at 4Eh. Default: ``00 00``. Limits: 1 to 65,536 for ``revolutions``. Save the
@@ -1739,9 +1393,6 @@ class NumberOfRevolutions(NamedTuple):
     Erratum resolution_byte_by_byte (open, omission): Printed: A new value is active immediately after transmission;
     values that are no power of two cannot be accepted. Used: The bytes are written in ascending order of address,
     nothing in between. [6.5 p.27; 6.5 p.28; prot: p.9-14]
-
-    Attributes:
-        revolutions: Revolutions counted; 00 00 stands for 65,536. Unit: revolutions. Bits of 0 stand for 65,536.
     """
 
     revolutions: int
@@ -1787,6 +1438,10 @@ class NumberOfRevolutions(NamedTuple):
 class Preset(NamedTuple):
     """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29; 7 p.33].
 
+    Attributes:
+        variant: The encoder that the register belongs to.
+        position: Position as one number, revolutions above the singleturn position. Unit: counts.
+
     Position that the encoder shows, from the activation on, at the place where its shaft stands at that moment.
 
     Byte order: high byte first, at 50h. Default: ``00 00 00 00 00``. Limits: 0 to ``used_information * used_revolutions
@@ -1814,19 +1469,15 @@ class Preset(NamedTuple):
     Why: The register has five bytes, 50h to 54h; the list of defaults and both limits have five. The byte after them is
     Device type. [6.5 p.29; 7 p.33]
 
-    Attributes:
-        variant: The encoder that the register belongs to.
-        position: Position as one number, revolutions above the singleturn position. Unit: counts.
-
     Checked by decode():
         zero_above_position: always zero.
     """
 
-    variant: Variant
+    variant: BissEncoder
     position: int
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> Preset:
+    def decode(cls, data: Data, variant: BissEncoder) -> Preset:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
@@ -1835,7 +1486,7 @@ class Preset(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -1856,14 +1507,14 @@ class Preset(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         position = check_width("position", self.position, 36)
         check_limits("position", self.position, self.limits(variant))
         return position.to_bytes(5, "big")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (
@@ -1872,7 +1523,7 @@ class Preset(NamedTuple):
         )
 
     @staticmethod
-    def limits(variant: Variant) -> tuple[int, int]:
+    def limits(variant: BissEncoder) -> tuple[int, int]:
         """Lowest and highest value of ``position`` that may be written."""
         check_encoder(variant, Variant, _BISS)
         return 0, variant.used_information * variant.used_revolutions - 1
@@ -1882,6 +1533,10 @@ class Preset(NamedTuple):
 class DeviceType(NamedTuple):
     """Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
 
+    Attributes:
+        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
+            decoding accepts any value.
+
     Type of the device.
 
     Default: ``02``.
@@ -1890,10 +1545,6 @@ class DeviceType(NamedTuple):
     interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
     these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
     after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
-
-    Attributes:
-        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
-            decoding accepts any value.
     """
 
     device_type: int
@@ -1938,6 +1589,9 @@ class DeviceType(NamedTuple):
 class SingleturnBitsUsed(NamedTuple):
     """N° of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
 
+    Attributes:
+        bits: Width of the singleturn part of the position. Unit: bits.
+
     Bits of the singleturn resolution, as set by Information per revolution.
 
     Default: ``14``.
@@ -1951,9 +1605,6 @@ class SingleturnBitsUsed(NamedTuple):
     Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
     of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the
     moment that a resolution is written. [6.3.1 p.21; 6.5 p.31]
-
-    Attributes:
-        bits: Width of the singleturn part of the position. Unit: bits.
     """
 
     bits: int
@@ -1993,6 +1644,9 @@ class SingleturnBitsUsed(NamedTuple):
 class MultiturnBitsUsed(NamedTuple):
     """N° of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
 
+    Attributes:
+        bits: Width of the multiturn part of the position. Unit: bits.
+
     Bits of the multiturn resolution, as set by Number of revolutions.
 
     Default: ``10``.
@@ -2007,9 +1661,6 @@ class MultiturnBitsUsed(NamedTuple):
 
     Erratum revolution_bits_rounding (open, omission): Printed: Number of revolutions may be any number; register 57h
     shows the bits used for it. Used: Register 57h is read, not computed. [6.5 p.28; 6.5 p.31]
-
-    Attributes:
-        bits: Width of the multiturn part of the position. Unit: bits.
     """
 
     bits: int
@@ -2049,6 +1700,15 @@ class MultiturnBitsUsed(NamedTuple):
 class DeviceId(NamedTuple):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
 
+    Attributes:
+        model: Encoder model, AMx36; 41 4D in hexadecimal. ASCII text. Holds ``AM``, which identifies the encoder;
+            decoding accepts any value.
+        interface_code: Interface, BiSS C; 49 37 in hexadecimal. ASCII text. Holds ``I7``, which identifies the encoder;
+            decoding accepts any value.
+        enclosure: Enclosure of 36 mm diameter; 32 in hexadecimal. ASCII text. Holds ``2``, which identifies the
+            encoder; decoding accepts any value.
+        software_version: Software version, printed as XX. ASCII text.
+
     Encoder model, interface, enclosure and software version; the manual refers to the order code beside it.
 
     Byte order: high byte first, at 78h.
@@ -2063,15 +1723,6 @@ class DeviceId(NamedTuple):
     interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
     these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
     after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
-
-    Attributes:
-        model: Encoder model, AMx36; 41 4D in hexadecimal. ASCII text. Holds ``AM``, which identifies the encoder;
-            decoding accepts any value.
-        interface_code: Interface, BiSS C; 49 37 in hexadecimal. ASCII text. Holds ``I7``, which identifies the encoder;
-            decoding accepts any value.
-        enclosure: Enclosure of 36 mm diameter; 32 in hexadecimal. ASCII text. Holds ``2``, which identifies the
-            encoder; decoding accepts any value.
-        software_version: Software version, printed as XX. ASCII text.
     """
 
     model: str
@@ -2132,6 +1783,10 @@ class DeviceId(NamedTuple):
 class ManufacturerId(NamedTuple):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
 
+    Attributes:
+        name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
+            accepts any value.
+
     Manufacturer.
 
     Byte order: high byte first, at 7Eh.
@@ -2140,10 +1795,6 @@ class ManufacturerId(NamedTuple):
     interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
     these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
     after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
-
-    Attributes:
-        name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
-            accepts any value.
     """
 
     name: str
@@ -2254,15 +1905,17 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     Raises:
         ValueError: There is no such register, or it has another length.
     """
+    from .facts.am36 import REGISTERS
+
     held = held_bytes(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if variant.interface is Interface.BISS and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
     )
 
 
-def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
+def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
     return (
         agrees(held, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
         and agrees(held, Address.DEVICE_TYPE, 1, lambda data: DeviceType.decode(data).is_as_documented)
@@ -2274,7 +1927,7 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 # Procedures
 
 
-def set_configuration(configuration: Configuration | int, *, variant: Variant | None = None) -> tuple[Step, ...]:
+def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Set and save the configuration [6.5 p.25].
 
     Result: Preset function, output code and counting direction are set and saved.
@@ -2307,7 +1960,7 @@ def set_configuration(configuration: Configuration | int, *, variant: Variant | 
     )
 
 
-def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
+def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set, save and activate a preset [6.5 p.29].
 
     Before: Suggested with the shaft at a standstill.
@@ -2346,7 +1999,7 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     )
 
 
-def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
+def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set and save a preset without activating it [6.5 p.29; 4.4 p.15].
 
     Result: The preset is saved; the position is the same as before. The Zero setting/Preset input or activate_preset
@@ -2379,7 +2032,7 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     )
 
 
-def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
+def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the parameters [6.5 p.24].
 
     Result: Newly set register values are saved.
@@ -2399,7 +2052,7 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
+def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the parameters and activate the preset that is set [6.5 p.24; 6.5 p.25].
 
     Before: Bit Enable preset at 0 (enable), as delivered. Suggested with the shaft at a standstill.
@@ -2421,7 +2074,7 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
+def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Load and save the default parameters [6.5 p.24; 7 p.33].
 
     Result: All parameters have their defaults, which are active and saved; what was set before is lost, the preset
@@ -2447,7 +2100,7 @@ def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
 
 
 def set_resolution(
-    variant: Variant,
+    variant: BissEncoder,
     information_per_revolution: int,
     number_of_revolutions: int,
     position: int,
@@ -2526,7 +2179,7 @@ def set_resolution(
     )
 
 
-def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
+def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Read what identifies the encoder [6.5].
 
     Result: AM36 and AMC36, and all resolutions, answer alike but for the last two registers, which hold what is set,
@@ -2551,969 +2204,14 @@ def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
         Read(Address.MULTITURN_BITS_USED, 1, "multiturn_bits_used", "multiturn bits of the frame"),
     )
 
-
-# Facts
-
-#: Errors and warnings: what they mean, whether they latch, how they are cleared.
-ALARMS: Final[tuple[Alarm, ...]] = ()
-
-#: Times that belong to the encoder as a whole.
-TIMINGS: Final[tuple[Timing, ...]] = ()
-
-#: Connectors and cables, contact by contact.
-CONNECTORS: Final[tuple[Connector, ...]] = (
-    Connector(
-        name="m12_connector",
-        kind="connector",
-        title="M12 8-pin connector, A coding, male",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("1", "0VDC"),
-            Contact("2", "+10VDC +30VDC"),
-            Contact("3", "Clock IN +"),
-            Contact("4", "Clock IN -"),
-            Contact("5", "Data OUT +"),
-            Contact("6", "Data OUT -"),
-            Contact("7", "Zero setting/Preset"),
-            Contact("8", "Counting direction"),
-            Contact("Case", "Shield"),
-        ),
-        note="Over BiSS, Clock IN is MA and Data OUT is SLO (section 6).",
-        source="4; 4.1",
-    ),
-    Connector(
-        name="m8_type_cable",
-        kind="cable",
-        title="M8 type cable, LIKA HI-FLEX SENSOR CABLE",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("Black", "0VDC"),
-            Contact("Red", "+10VDC +30VDC"),
-            Contact("Yellow", "Clock IN +"),
-            Contact("Blue", "Clock IN -"),
-            Contact("Green", "Data OUT +"),
-            Contact("Orange", "Data OUT -"),
-            Contact("White", "Zero setting/Preset"),
-            Contact("Grey", "Counting direction"),
-            Contact("Shield", "Shield"),
-        ),
-        note="Over BiSS, Clock IN is MA and Data OUT is SLO (section 6).",
-        source="4; 4.2",
-    ),
-)
-
-#: Lights and what their states mean.
-LEDS: Final[tuple[Led, ...]] = ()
-
-#: Hardware inputs.
-INPUTS: Final[tuple[Input, ...]] = (
-    Input(
-        name="zero_setting_preset",
-        meaning=(
-            "Sets the position to 0 (SSI) or activates the preset value of the Preset registers (BiSS) by a signal of "
-            "a PLC or another controller"
-        ),
-        printed_name="Zero setting/Preset",
-        low="0VDC: normal level, nothing happens",
-        high="+VDC: zero setting or preset is activated",
-        pulse_at_least_us=100,
-        needs="configuration.enable_preset",
-        when_unused="0VDC",
-        note=(
-            "Connect to +VDC for at least 100 µs, then disconnect. The bit Enable preset has to be 0 (enable), else "
-            "the input is dead; that holds over BiSS only. To be set after the counting direction, and preferably "
-            "with the shaft at a standstill. Over BiSS the Command register does the same."
-        ),
-        source="4.4 p.15; Electrical safety p.8",
-    ),
-    Input(
-        name="counting_direction",
-        meaning=(
-            "Sets whether the position counts up with clockwise (CW) or with counter-clockwise (CCW) rotation, seen "
-            "from the shaft end"
-        ),
-        printed_name="Counting direction (Complementary input)",
-        low="0VDC: counts up clockwise (CW); over BiSS as the bit Counting direction says",
-        high="+VDC: counts up counter-clockwise (CCW); over BiSS contrary to what the bit Counting direction says",
-        inverts="configuration.counting_direction",
-        when_unused="0VDC",
-        note=(
-            "Low is 0VDC, high is +VDC. Over BiSS, bit 0 (CW) and low level count up clockwise, 0 and high "
-            "counter-clockwise, 1 (CCW) and low counter-clockwise, 1 and high clockwise. After a change of the "
-            "direction a new zero or preset has to be set."
-        ),
-        source="4.5 p.15; Electrical safety p.8; 6.5 p.26",
-    ),
-)
-
-#: Further facts of the manual, as text.
-CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
-    Characteristic(
-        name="personnel",
-        value=(
-            "Installation and maintenance by qualified personnel only, with the power supply disconnected and the "
-            "mechanical parts at rest, and under the accident prevention rules of the country. Use only for the "
-            "purpose of its design; high current, voltage and moving parts can injure or kill."
-        ),
-        source="Safety p.8; 3 p.11",
-    ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="Safety p.8"),
-    Characteristic(
-        name="emc_directive",
-        value="Directive 2004/108/EC on electromagnetic compatibility",
-        source="Electrical safety p.8",
-    ),
-    Characteristic(
-        name="emc_precautions",
-        value=(
-            "Discharge body and tools before handling. Stabilised supply free of noise, with EMC filters where "
-            "needed. Shielded cables, twisted pairs where possible, no longer than necessary, away from high-voltage "
-            "power cables. Mount away from capacitive and inductive noise sources or shield the device from them. No "
-            "strong magnets on or near the unit."
-        ),
-        source="Electrical safety p.8",
-    ),
-    Characteristic(
-        name="shield_connection",
-        value=(
-            "Connect the shield, the connector housing or the frame, or several of them, to a ground free of noise, "
-            "on the device's side or on the user's; which is best is for the user to find out."
-        ),
-        source="Electrical safety p.8; 4.3",
-    ),
-    Characteristic(
-        name="mechanical_safety",
-        value=(
-            "Do not disassemble the encoder, nor machine it or its shaft; no knocks or shocks on device or shaft. "
-            "Keep to the ambient conditions that the manufacturer states."
-        ),
-        source="Mechanical safety p.9",
-    ),
-    Characteristic(
-        name="solid_shaft_coupling",
-        value=(
-            "A flexible coupling between the encoder and the shaft of the installation is recommended for the sake of "
-            "long-term reliability; keep to its misalignment tolerances."
-        ),
-        only="AM36...",
-        source="Mechanical safety p.9; 3.3",
-    ),
-    Characteristic(
-        name="solid_shaft_mounting",
-        value=(
-            "Mount the flexible coupling (1) on the encoder shaft; fix the encoder to the flange (2) with the screws "
-            "(3); fix the flange to the motor or to the mounting support; mount the coupling on the motor shaft; keep "
-            "to the misalignment tolerances of the coupling."
-        ),
-        only="AM36...",
-        source="3.3",
-    ),
-    Characteristic(
-        name="hollow_shaft_fit",
-        value=(
-            "Can be mounted directly on a shaft whose diameter keeps to the technical characteristics stated in the "
-            "purchase order; clamped by the collar, and by the fixing plate into which an anti-rotation pin has to be "
-            "inserted."
-        ),
-        only="AMC36...",
-        source="Mechanical safety p.9",
-    ),
-    Characteristic(
-        name="hollow_shaft_mounting",
-        value=(
-            "Mount the encoder on the motor shaft without forcing the encoder shaft; fasten the fixing plate (4) to "
-            "the rear of the motor with a cylindrical-head screw M3 (5); fix the collar (3) to the encoder shaft with "
-            "its screw."
-        ),
-        only="AMC36...",
-        source="3.4",
-    ),
-    Characteristic(
-        name="wiring",
-        value=(
-            "Supply off while wiring. Cut the wires of unused signals to different lengths and insulate each; if they "
-            "touch, the device may be damaged beyond repair."
-        ),
-        source="Electrical safety p.8; 4",
-    ),
-    Characteristic(name="supply", value="+10 V DC to +30 V DC", source="4"),
-    Characteristic(
-        name="supply_class",
-        value=(
-            "To be supplied from a Class 2 circuit, or from limited energy at low voltage, or from an energy source, "
-            "of no more than 30 V DC. For the supply voltage the order code is referred to."
-        ),
-        source="Back cover",
-    ),
-    Characteristic(name="cable_model", value="LIKA HI-FLEX SENSOR CABLE (M8 type cable)", source="4.2"),
-    Characteristic(name="cable_cross_section", value="6 × 0.14 mm² + 2 × 0.22 mm² (26/24 AWG)", source="4.2"),
-    Characteristic(name="cable_shield", value="Tinned copper braid", source="4.2"),
-    Characteristic(name="cable_diameter", value="5.3 mm to 5.6 mm", source="4.2"),
-    Characteristic(name="cable_resistance", value="148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)", source="4.2"),
-    Characteristic(name="cable_bending_radius", value="7.5 × outer diameter at least", source="4.2"),
-    Characteristic(
-        name="description_file",
-        value=(
-            "The BiSS encoders come with the file idbiss4C69.xml, to be installed in the BiSS master; to be had from "
-            "www.lika.it > Rotary encoders > Absolute encoders > SSI and BiSS interface."
-        ),
-        only="...-I7-...",
-        source="6.1",
-    ),
-)
-
-#: What only figures show that the text at hand does not contain.
-LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure("Drawings with the encumbrance sizes of AM36 and AMC36.", source="3.1; 3.2"),
-    LostFigure("Picture with coupling (1), flange (2) and screws (3).", source="3.3"),
-    LostFigure("Picture with collar (3), fixing plate (4) and screw (5).", source="3.4"),
-    LostFigure("Frontal view of the connector with its pin numbers.", source="4.1"),
-    LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm, described in words as well.",
-        source="5.1",
-    ),
-    LostFigure("What stands after the pause Tp, probably its picture.", source="5.3"),
-    LostFigure("Recommended SSI input circuit.", source="5.4"),
-    LostFigure(
-        "Logic circuit of the 6-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.3.1 p.22",
-    ),
-    LostFigure(
-        "Logic circuit of the 4-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.4",
-    ),
-    LostFigure("Recommended BiSS input circuit.", source="6.7 p.32"),
-)
-
-#: Where the manual cannot be taken literally, and what is used instead.
-ERRATA: Final[tuple[Erratum, ...]] = (
-    Erratum(
-        name="emc_directive_superseded",
-        printed="In compliance with the 2004/108/EC norm on electromagnetic compatibility",
-        used="As printed",
-        why=(
-            "Directive 2014/30/EU has taken the place of 2004/108/EC since 20 April 2016; the manual is of 2014. "
-            "Which one is declared for an encoder made later, only the maker can say."
-        ),
-        status="open",
-        severity="wording",
-        affects=("characteristics.emc_directive",),
-        source="Electrical safety p.8",
-    ),
-    Erratum(
-        name="do_not_tool",
-        printed="Do not tool the encoder or its shaft.",
-        used="Neither is to be machined.",
-        why="To tool something is to work it with a tool.",
-        status="settled",
-        severity="wording",
-        affects=("characteristics.mechanical_safety",),
-        source="Mechanical safety p.9",
-    ),
-    Erratum(
-        name="input_levels",
-        printed="The inputs are connected to 0VDC or +VDC, low and high logic level.",
-        used="0VDC is low, +VDC is high.",
-        why=(
-            "The table of connections has +10VDC +30VDC and no +VDC. That the supply is meant is likely; threshold "
-            "voltages, the current of the inputs and whether they stand an open wire are not said."
-        ),
-        status="open",
-        severity="omission",
-        affects=("inputs.zero_setting_preset", "inputs.counting_direction"),
-        source="Electrical safety p.8; 4; 4.4 p.15; 4.5 p.15",
-    ),
-    Erratum(
-        name="order_code_17",
-        printed="AMx36xx/xxxx-17-... and AMx36xx/4096-17-...",
-        used="I7; 17 is accepted as well and shown as unlisted.",
-        why=(
-            "Registers 7Ah and 7Bh of the Device ID, which the manual relates to the order code, hold 49h 37h, and "
-            "the words beside them are \"I7 = BiSS C interface\". The text is an optical reading, which elsewhere too "
-            "takes I and 1 for each other."
-        ),
-        status="settled",
-        severity="wrong_limit",
-        affects=("order_code", "registers.device_id"),
-        source="6; 6.5 p.31",
-    ),
-    Erratum(
-        name="order_code_edition_1_1",
-        printed=(
-            "Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1: AMx36xx/4096SCx-..., in a table "
-            "AMM3616/4096SCx..."
-        ),
-        used=(
-            "Labels of both are read, SCx as I7, and BG and GG without the hyphen and with a digit after them as "
-            "well."
-        ),
-        why=(
-            "Of edition 1.1 only the pages on BiSS are at hand; the series under which that manual is listed is AM "
-            "3616/4096BG, without the hyphen. What the digit x stands for is not known; in other families it is the "
-            "supply. AMM is taken for a misprint of AM."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=("order_code",),
-        source="5; 6; am36_1_1_biss: p.21; am36_1_1: p.22",
-    ),
-    Erratum(
-        name="output_letters",
-        printed=(
-            "AMx36xx/4096-BG-... and AMx36xx/4096-GG-...; the output code can be Gray or Binary, see the order code"
-        ),
-        used="BG is binary, GG is Gray.",
-        why=(
-            "Which is which is printed nowhere. The AMM5 manual calls the output of its BG1 models binary; the SMA21 "
-            "manual calls that of its G1x models Gray and has BG and GG beside them. That the letters mean the same "
-            "here is an inference. Turn the shaft slowly: if neighbouring positions jump, the code is the other one."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("order_code", "parameters.ssi_gray", "interfaces.ssi.ssi_word"),
-        source="5; 5.1; 5.2; amm5: 5 p.27; amm5: 5.2",
-    ),
-    Erratum(
-        name="biss_singleturn_resolution",
-        printed=(
-            "AMx36xx/xxxx for BiSS, without a value of xx; 20 bits in all BiSS models as default and maximum of "
-            "registers 4Bh and 56h"
-        ),
-        used="Widths by registers 56h and 57h, with their printed defaults, whatever the order code says",
-        why=(
-            "The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists just "
-            "these for BiSS too, as frames of 16 + 12 and 19 + 12 bits, and keeps the default of 20 bits all the "
-            "same."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=(
-            "order_code",
-            "registers.information_per_revolution",
-            "registers.singleturn_bits_used",
-            "interfaces.biss.single_cycle_data",
-        ),
-        source="6; 6.5 p.27; 6.5 p.31; am36_1_1: p.22; am36_1_1: p.29",
-    ),
-    Erratum(
-        name="revolutions_4096",
-        printed=(
-            "Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: with more than "
-            "4,096 set, at most 2,047 revolutions either way while switched off"
-        ),
-        used="65,536 for the registers and the frame; 4096 as what the label says",
-        why=(
-            "An encoder that holds 65,536 revolutions could be turned by 32,767 while off. 2,047 is half of 4,096 "
-            "less one, so that perhaps only the 4,096 revolutions of the order code are told apart without power, and "
-            "the others are counted; the manual does not say so."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=("order_code", "registers.number_of_revolutions", "registers.multiturn_bits_used"),
-        source="6.5 p.28; 6.5 p.31",
-    ),
-    Erratum(
-        name="supply_by_order_code",
-        printed=(
-            "For the supply voltage refer to the ordering code; the connections have +10VDC +30VDC without a "
-            "condition"
-        ),
-        used="+10 V to +30 V for all models",
-        why="No part of the order codes that the manual prints is about the supply.",
-        status="open",
-        severity="omission",
-        affects=("characteristics.supply", "characteristics.supply_class"),
-        source="Back cover; 4",
-    ),
-    Erratum(
-        name="cable_impedance",
-        printed="Impedance: 148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)",
-        used="Resistance of a conductor",
-        why=(
-            "Ohms per kilometre, by cross-section of the conductor, are a resistance; an impedance does not depend on "
-            "the length. The ASC85 manual prints the same numbers as conductor resistance."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("characteristics.cable_resistance",),
-        source="4.2; asc85: 4.3",
-    ),
-    Erratum(
-        name="ssi_positions_28_bits",
-        printed="AMx3616/4096: 28 bits, 268,425,456",
-        used="268,435,456",
-        why="2^28 is 268,435,456; 2^31 in the next row is right.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("parameters.positions",),
-        source="5.2",
-    ),
-    Erratum(
-        name="ssi_bit_numbers",
-        printed="SSI word with bits 28 ... 1 and 31 ... 1",
-        used="Bits 27:0 and 30:0",
-        why="The table counts from 1; in section 6 the same manual counts from 0, as this spec does everywhere.",
-        status="settled",
-        severity="wrong_data",
-        affects=("interfaces.ssi.ssi_word",),
-        source="5.2; 6.3.1 p.21",
-    ),
-    Erratum(
-        name="ssi_clock_count",
-        printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
-        used="Neither is enforced; n + 1 clocks satisfy both.",
-        why="With the word aligned to the left, a clock too many brings a zero after it, one too few may lose the LSB.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2",
-    ),
-    Erratum(
-        name="position_order",
-        printed="Only the length of the position; no words on which of singleturn and multiturn comes first",
-        used="Multiturn first, as the more significant part; singleturn after it; in Gray code both as one word",
-        why=(
-            "The preset, which becomes the position, is one number from 0 to Information per revolution × Number of "
-            "revolutions − 1. Figures that might show the order are lost."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.ssi.ssi_word", "interfaces.biss.single_cycle_data"),
-        source="5.2; 6.3.1 p.21; 6.5 p.29",
-    ),
-    Erratum(
-        name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 3 MHz",
-        used="Both as printed",
-        why="From 200 m on the table leaves no clock within the range.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3",
-    ),
-    Erratum(
-        name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 3 MHz",
-        used="Both as printed",
-        why="50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 3 MHz.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3",
-    ),
-    Erratum(
-        name="ssi_pause",
-        printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs)",
-        used="At least 12 µs; take more.",
-        why=(
-            "\"At least\" allows 12 µs, the sign \">\" does not. A pause of just 12 µs leaves no margin anyway: a "
-            "typical time has longer ones beside it, and an encoder with a Tm above 12 µs is not ready then. The AMM5 "
-            "manual, with the same Tm, asks for 20 µs."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.pause", "interfaces.ssi.monoflop"),
-        source="5.1; 5.3; amm5: 5.3",
-    ),
-    Erratum(
-        name="biss_documents",
-        printed=(
-            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.4: \"BiSS C Protocol "
-            "Description\""
-        ),
-        used="The BiSS C protocol description of iC-Haus",
-        why=(
-            "The manuals of the same maker name the document differently. The protocol description is the public one "
-            "that their terms come from."
-        ),
-        status="open",
-        severity="wording",
-        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6; 6.4 p.22; prot",
-    ),
-    Erratum(
-        name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
-        used="Start value 0",
-        why=(
-            "Public BiSS documents begin with 0 unless something else is stated, and BiSS devices may have another. "
-            "With another start value every frame fails its CRC, with or without errors on the line."
-        ),
-        status="open",
-        severity="omission",
-        affects=("crcs.biss_6", "crcs.biss_4"),
-        source="6.3.1 p.22; 6.4; prot: p.7-8; renishaw: data sheet; icmu: p.30",
-    ),
-    Erratum(
-        name="command_default",
-        printed="Register 48h is write only (wo); default = 00, and the list of defaults has it",
-        used="Write only; 00 is what the register goes back to.",
-        why=(
-            "A default of what cannot be read shows to nobody. Whether 48h answers a read, with 00 or at all, is not "
-            "said."
-        ),
-        status="open",
-        severity="wording",
-        affects=("registers.command",),
-        source="6.5 p.24; 7 p.33",
-    ),
-    Erratum(
-        name="control_data_bit",
-        printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="Nothing; no layout of the control frame is made from it.",
-        why=(
-            "By the BiSS protocol description, to which 6.4 refers, the encoder's bit comes before the data, and only "
-            "the master's follows, during the time-out."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("interfaces.biss.control_data",),
-        source="6.2; prot: p.3-5",
-    ),
-    Erratum(
-        name="scd_length_at_run_time",
-        printed="Position has a variable length according to the resolution of the encoder, 36 bits at the most",
-        used=(
-            "The position has as many bits as registers 56h and 57h say, from the moment that a resolution is "
-            "written."
-        ),
-        why=(
-            "56h and 57h show the bits used for the current resolution, and a new resolution is active at once; that "
-            "the frame becomes shorter then, rather than holding zeros, is not said outright."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "interfaces.biss.single_cycle_data",
-            "parameters.used_singleturn_bits",
-            "parameters.used_multiturn_bits",
-            "registers.information_per_revolution",
-            "registers.number_of_revolutions",
-            "registers.singleturn_bits_used",
-            "registers.multiturn_bits_used",
-            "procedures.set_resolution",
-            "procedures.restore_defaults",
-        ),
-        source="6.3.1 p.21; 6.5 p.31",
-    ),
-    Erratum(
-        name="revolution_bits_rounding",
-        printed="Number of revolutions may be any number; register 57h shows the bits used for it",
-        used="Register 57h is read, not computed.",
-        why=(
-            "For numbers that are no power of two the manual gives no number of bits; for 2,000, 11 would be the "
-            "least that hold 0 to 1,999."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.multiturn_bits_used", "parameters.used_multiturn_bits"),
-        source="6.5 p.28; 6.5 p.31",
-    ),
-    Erratum(
-        name="profile_id_variant",
-        printed="Profile ID 00 00; see Standard encoder profile, Variant 0-24",
-        used="00 00, and no data length from it",
-        why=(
-            "By the BiSS protocol description 0000 stands for no profile; the SMA21 and ASC85 manuals have 28xx, with "
-            "the data length in the low byte, for variants 0-24 and the like. Nor does a position of up to 36 bits "
-            "fit 24."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.profile_id",),
-        source="6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4",
-    ),
-    Erratum(
-        name="serial_number_coding",
-        printed="In hexadecimal notation; register 44: year, register 45: week, registers 46 and 47: serial number",
-        used="Plain binary numbers, the year as it stands in its byte; of the serial number 46h is the high byte.",
-        why=(
-            "Whether year and week are binary or packed decimal digits, where the year counts from, and which of 46h "
-            "and 47h is the high byte is not said, and there is no example. The same registers hold decimal digits of "
-            "one number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36 manual "
-            "prints the AMM5's example with its four bytes in reverse."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.serial_number",),
-        source="6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38",
-    ),
-    Erratum(
-        name="preset_cleared_when",
-        printed=(
-            "4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution "
-            "and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the "
-            "preset"
-        ),
-        used="set_resolution saves the resolution first, and only then writes and activates the preset.",
-        why=(
-            "By the first a preset written after the resolution would stay, by the second it is lost in the command. "
-            "What Save parameters on EEPROM does to such a preset is not said."
-        ),
-        status="open",
-        severity="omission",
-        affects=("procedures.set_resolution", "registers.preset", "registers.command"),
-        source="6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29",
-    ),
-    Erratum(
-        name="enable_preset_polarity",
-        printed=(
-            "Enable preset: \"set to 1 the bit 2\" to enable. Preset: values can be entered only if the bit is \"1\". "
-            "The table of Configuration: 0 is Enable, 1 is Disable"
-        ),
-        used="0 enables, 1 disables.",
-        why=(
-            "Table, default (0 = Enable), 4.4, both examples and the list of defaults have 0 for enable, and so has "
-            "the same bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.configuration.enable_preset", "registers.preset", "inputs.zero_setting_preset"),
-        source="6.5 p.25; 6.5 p.29; 4.4 p.15; 7 p.33; sma21: 6.4; am36_1_1: p.30",
-    ),
-    Erratum(
-        name="example_bit_8",
-        printed="Bit 8 Counting direction, in the list of the configuration example",
-        used="Bit 6",
-        why=(
-            "It stands between bits 5 and 7, the register has 8 bits, the table has bit 6, and the result 60h = "
-            "01100000 has bit 6 set."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.configuration.counting_direction", "examples.configuration_register"),
-        source="6.5 p.25; 6.5",
-    ),
-    Erratum(
-        name="italian_words",
-        printed="\"non usato\" in the configuration example, \"e seg.\" in the index",
-        used="\"Not used\"; \"and the following page\"",
-        why="Words of the Italian edition that were left; the table of the register has Not used for the same bits.",
-        status="settled",
-        severity="wording",
-        affects=("registers.configuration",),
-        source="6.5; Subject Index",
-    ),
-    Erratum(
-        name="resolution_byte_order",
-        printed="10 00 00h for 4B ... 4D, 00 01h and the like for 4E - 4F, without a table of the bytes",
-        used="High byte first",
-        why=(
-            "Only Preset has such a table, with its MSB in the first register; the BiSS protocol description puts the "
-            "most significant byte at the lowest address."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.information_per_revolution", "registers.number_of_revolutions"),
-        source="6.5 p.27; 6.5 p.28; 6.5 p.29; prot: p.14-15",
-    ),
-    Erratum(
-        name="resolution_byte_by_byte",
-        printed=(
-            "A new value is active immediately after transmission; values that are no power of two cannot be "
-            "accepted."
-        ),
-        used="The bytes are written in ascending order of address, nothing in between.",
-        why=(
-            "The registers are written byte by byte. From 10 00 00h to 00 10 00h the first byte alone makes 00 00 "
-            "00h, which is no power of two; when a value of several bytes counts as transmitted is not said."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "registers.information_per_revolution",
-            "registers.number_of_revolutions",
-            "procedures.set_resolution",
-        ),
-        source="6.5 p.27; 6.5 p.28; prot: p.9-14",
-    ),
-    Erratum(
-        name="revolutions_above_max",
-        printed="A value greater than the maximum allowed value is forced to the default value.",
-        used="Nothing; every value of the register is allowed.",
-        why="The two bytes hold 1 to 65,535 and, as 00 00h, the maximum 65,536; there is no greater value to enter.",
-        status="settled",
-        severity="wording",
-        affects=("registers.number_of_revolutions",),
-        source="6.5 p.28",
-    ),
-    Erratum(
-        name="preset_default_length",
-        printed="Default = 00 00 00 00 00 00h",
-        used="Five bytes of 00",
-        why=(
-            "The register has five bytes, 50h to 54h; the list of defaults and both limits have five. The byte after "
-            "them is Device type."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.preset",),
-        source="6.5 p.29; 7 p.33",
-    ),
-    Erratum(
-        name="error_and_warning_unused",
-        printed="Error and warning: not used, always 1",
-        used=(
-            "A frame with either at 0 is decoded and reports it. The position is not usable with nE at 0, and usable "
-            "with a warning with nW at 0."
-        ),
-        why=(
-            "What an encoder that sends 0 means is not said. Over BiSS both are active at 0, and another encoder or a "
-            "later firmware may use them."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.biss.single_cycle_data.error", "interfaces.biss.single_cycle_data.warning"),
-        source="6.3.1 p.21; prot: p.3-5",
-    ),
-    Erratum(
-        name="device_id_shared",
-        printed="One device ID, AM I7 2 with the software version, for all models",
-        used="As printed",
-        why=(
-            "BiSS asks for another device ID where the data length differs. Here the length follows the resolution "
-            "that is set, and the device ID stays; a master has to read 56h and 57h to know it."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.device_id",),
-        source="6.5 p.31; prot: p.14-15",
-    ),
-    Erratum(
-        name="biss_timeout_length",
-        printed="BiSS time-out self-adaptable to the clock, 10 µs max.",
-        used="At most 10 µs, without a rule",
-        why=(
-            "How the time follows the clock is not printed. The BiSS protocol description has 1.5 periods for the "
-            "shortest adaptive time-out, 7.5 µs at 200 kHz, which agrees with the bound."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.biss.timeout",),
-        source="6.6 p.32; prot: p.18",
-    ),
-    Erratum(
-        name="preset_example_bit",
-        printed="Table of the preset example: address 49, bit 2, data 0",
-        used="20h in register 49h: bit 2 at 0, the other bits at their defaults",
-        why="A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).",
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.configuration.enable_preset", "procedures.set_preset", "procedures.store_preset"),
-        source="6.5",
-    ),
-    Erratum(
-        name="insulating",
-        printed="Possibility of insulting the circuits galvanically",
-        used="Nothing; the sentence is not taken over.",
-        why="The sentence is about optocouplers, which insulate circuits.",
-        status="settled",
-        severity="wording",
-        source="5.1",
-    ),
-    Erratum(
-        name="edition_1_1_1",
-        printed=(
-            "order_code.parts.singleturn.open, order_code.parts.singleturn.open_only_with, "
-            "order_code.parts.turns.open, order_code.parts.turns.open_only_with"
-        ),
-        used="left out",
-        why="The table of the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other resolutions.",
-        status="settled",
-        severity="wrong_limit",
-        affects=(
-            "order_code.singleturn.open",
-            "order_code.singleturn.open_only_with",
-            "order_code.turns.open",
-            "order_code.turns.open_only_with",
-        ),
-        source="am36_1_1: p.22",
-    ),
-    Erratum(
-        name="edition_1_1_2",
-        printed="order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi",
-        used="not known",
-        why="No page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more.",
-        status="open",
-        severity="wrong_limit",
-        affects=("order_code.output", "interfaces.ssi"),
-        source="am36_1_1_biss: p.21",
-    ),
-    Erratum(
-        name="edition_1_1_3",
-        printed="order_code.also_written[1].values.output, order_code.also_written[2].values.output",
-        used="{'SC': 'I7'}",
-        why="The labels of the SSI models are known no better than these.",
-        status="settled",
-        severity="wording",
-        affects=("order_code.also_written",),
-        source="am36_1_1_biss: p.21",
-    ),
-    Erratum(
-        name="edition_1_1_4",
-        printed="configuration.note",
-        used=(
-            "Of edition 1.1 only its address is known, and that one of its bits has to be 1 before a preset can be "
-            "entered, which 1.0 has as well and which is an erratum there. The meaning of its bits is that of edition "
-            "1.0; the code of the position hangs on one of them."
-        ),
-        why="The page that describes it is not public.",
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.configuration.note",),
-        source="am36_1_1: p.24; am36_1_1: p.30",
-    ),
-    Erratum(
-        name="edition_1_1_5",
-        printed="interfaces.biss.note",
-        used=(
-            "The range of the clock is that of edition 1.0, not known of 1.1. The encoder is always a slave, alone "
-            "with one master. It must never be installed in a network of several slaves."
-        ),
-        why="Section 6.6 with the clock is not on a public page.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("interfaces.biss.note",),
-        source="am36_1_1_biss: p.21",
-    ),
-    Erratum(
-        name="edition_1_1_6",
-        printed=(
-            "profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults, "
-            "interfaces.biss.timings and 2 more"
-        ),
-        used="not known",
-        why=(
-            "Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is "
-            "known that 01 in 48h stores a resolution; its other values, and the pause after it, are not. No "
-            "procedure is known to be right."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=(
-            "registers.profile_id",
-            "registers.serial_number",
-            "registers.command",
-            "registers.device_type",
-            "registers.device_id",
-            "registers.manufacturer_id",
-            "printed_defaults",
-            "interfaces.biss",
-            "interfaces.biss.timeout",
-            "procedures",
-        ),
-        source="am36_1_1: p.24; am36_1_1: p.29",
-    ),
-    Erratum(
-        name="edition_1_1_7",
-        printed=(
-            "examples.configuration_register, examples.configuration_default, examples.configuration_procedure, "
-            "examples.preset_register, examples.preset_maximum, examples.preset_procedure, "
-            "examples.preset_stored_procedure, examples.device_id, examples.manufacturer_id"
-        ),
-        used="not known",
-        why="The pages with the worked examples are not public.",
-        status="open",
-        severity="wording",
-        affects=(
-            "examples.configuration_register",
-            "examples.configuration_default",
-            "examples.configuration_procedure",
-            "examples.preset_register",
-            "examples.preset_maximum",
-            "examples.preset_procedure",
-            "examples.preset_stored_procedure",
-            "examples.device_id",
-            "examples.manufacturer_id",
-        ),
-        source="am36_1_1: p.30",
-    ),
-    Erratum(
-        name="edition_1_1_8",
-        printed="connectors, inputs, supply",
-        used="not known",
-        why="No page on connections is public.",
-        status="open",
-        severity="wrong_data",
-        affects=("connectors", "inputs", "supply"),
-        source="am36_1_1_biss: p.21",
-    ),
-    Erratum(
-        name="edition_1_1_9",
-        printed=(
-            "characteristics.personnel, characteristics.explosive_areas, characteristics.emc_directive, "
-            "characteristics.emc_precautions, characteristics.shield_connection, characteristics.mechanical_safety, "
-            "characteristics.solid_shaft_coupling, characteristics.solid_shaft_mounting and 11 more"
-        ),
-        used="not known",
-        why="No page on safety, mounting and cables is public.",
-        status="open",
-        severity="wording",
-        affects=(
-            "characteristics.personnel",
-            "characteristics.explosive_areas",
-            "characteristics.emc_directive",
-            "characteristics.emc_precautions",
-            "characteristics.shield_connection",
-            "characteristics.mechanical_safety",
-            "characteristics.solid_shaft_coupling",
-            "characteristics.solid_shaft_mounting",
-            "characteristics.hollow_shaft_fit",
-            "characteristics.hollow_shaft_mounting",
-            "characteristics.wiring",
-            "characteristics.supply",
-            "characteristics.supply_class",
-            "characteristics.cable_model",
-            "characteristics.cable_cross_section",
-            "characteristics.cable_shield",
-            "characteristics.cable_diameter",
-            "characteristics.cable_resistance",
-            "characteristics.cable_bending_radius",
-        ),
-        source="am36_1_1_biss: p.21",
-    ),
-)
-
-#: Documents that sources cite by their key.
-DOCUMENTS: Final[tuple[Document, ...]] = (
-    Document("prot", "BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus"),
-    Document("renishaw", "L-9709-9005-03-F, BiSS data sheet, Renishaw"),
-    Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
-    Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
-    Document(
-        "ti_sdk",
-        "TexasInstruments/motor-control-sdk, T-format and BiSS drivers",
-        url="https://github.com/TexasInstruments/motor-control-sdk",
-    ),
-    Document(
-        "am36_1_1",
-        "AMx36 manual, English edition 1.1, Lika Electronic; single pages of it",
-        url="https://manualshive.com/ru/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-22.html",
-    ),
-    Document(
-        "am36_1_1_biss",
-        "AMx36 manual, English edition 1.1, Lika Electronic; the page that begins the BiSS section",
-        url="https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html",
-    ),
-    Document(
-        "amm36",
-        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
-        url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
-    ),
-    Document("amm5", "AMM5A AMM5B manual, English edition 1.9, Lika Electronic"),
-    Document("asc85", "ASC85 manual, English edition 1.0, Lika Electronic"),
-    Document("sma21", "SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic"),
-)
-
 # Every order code that the manual lists
 
 VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
     {
         variant.code: variant
         for variant in (
-            Variant(
+            BissEncoder(
                 "AM3616/4096-I7",
-                Interface.BISS,
                 ("AM36", "16", "4096", "I7"),
                 singleturn_bits=16,
                 multiturn_bits=12,
@@ -3524,9 +2222,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AM3616/4096-BG",
-                Interface.SSI,
                 ("AM36", "16", "4096", "BG"),
                 singleturn_bits=16,
                 multiturn_bits=12,
@@ -3537,9 +2234,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AM3616/4096-GG",
-                Interface.SSI,
                 ("AM36", "16", "4096", "GG"),
                 singleturn_bits=16,
                 multiturn_bits=12,
@@ -3550,9 +2246,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            BissEncoder(
                 "AM3619/4096-I7",
-                Interface.BISS,
                 ("AM36", "19", "4096", "I7"),
                 singleturn_bits=19,
                 multiturn_bits=12,
@@ -3563,9 +2258,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AM3619/4096-BG",
-                Interface.SSI,
                 ("AM36", "19", "4096", "BG"),
                 singleturn_bits=19,
                 multiturn_bits=12,
@@ -3576,9 +2270,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AM3619/4096-GG",
-                Interface.SSI,
                 ("AM36", "19", "4096", "GG"),
                 singleturn_bits=19,
                 multiturn_bits=12,
@@ -3589,9 +2282,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            BissEncoder(
                 "AMC3616/4096-I7",
-                Interface.BISS,
                 ("AMC36", "16", "4096", "I7"),
                 singleturn_bits=16,
                 multiturn_bits=12,
@@ -3602,9 +2294,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AMC3616/4096-BG",
-                Interface.SSI,
                 ("AMC36", "16", "4096", "BG"),
                 singleturn_bits=16,
                 multiturn_bits=12,
@@ -3615,9 +2306,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AMC3616/4096-GG",
-                Interface.SSI,
                 ("AMC36", "16", "4096", "GG"),
                 singleturn_bits=16,
                 multiturn_bits=12,
@@ -3628,9 +2318,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            BissEncoder(
                 "AMC3619/4096-I7",
-                Interface.BISS,
                 ("AMC36", "19", "4096", "I7"),
                 singleturn_bits=19,
                 multiturn_bits=12,
@@ -3641,9 +2330,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AMC3619/4096-BG",
-                Interface.SSI,
                 ("AMC36", "19", "4096", "BG"),
                 singleturn_bits=19,
                 multiturn_bits=12,
@@ -3654,9 +2342,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 used_information=1_048_576,
                 output_code=1,
             ),
-            Variant(
+            SsiEncoder(
                 "AMC3619/4096-GG",
-                Interface.SSI,
                 ("AMC36", "19", "4096", "GG"),
                 singleturn_bits=19,
                 multiturn_bits=12,
@@ -3670,6 +2357,3 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
         )
     }
 )
-
-_PARTS: Final = {code: variant.parts for code, variant in VARIANTS.items()}
-_BY_PARTS: Final = {variant.parts: variant for variant in VARIANTS.values()}

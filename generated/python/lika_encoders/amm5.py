@@ -15,6 +15,17 @@ it took and when, is not said. [Document release]
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+In here:
+    Encoders: lookup, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS
+    SSI: SsiWord
+    BiSS C-mode: SingleCycleData
+    RS-485: DataRequest, EepromWriteRequest, EepromReadRequest, SingleturnReply, MultiturnReply, EncoderIdReply,
+        CompleteReply, EepromWriteReply, EepromReadReply, decode_request, decode_reply
+    Registers: Preset, PresetSettingEnable, SerialNumber, Command, DeviceId, ManufacturerId
+    Procedures: set_preset, store_preset, save_parameters, activate_preset, reset_singleturn_and_multiturn,
+        reset_multiturn_and_errors, reset_errors
+    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, CHARACTERISTICS, LOST_FIGURES, ERRATA, DOCUMENTS
+
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
     from lika_encoders import Verdict, lookup
@@ -29,22 +40,25 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
+from math import tau
 from operator import index
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, cast, overload
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
     Data,
+    FrameError,
     Interface,
     LengthError,
     RangeError,
+    Rows,
     Word,
+    Words,
     as_bytes,
     as_word,
     by_class,
@@ -55,6 +69,7 @@ from ._codec import (
     choice,
     crc_by_xor,
     crc_of_bits,
+    crc_tables,
     decided,
     made,
     text_number,
@@ -63,50 +78,46 @@ from ._codec import (
     whole_number,
     wrong_encoder,
 )
-from ._facts import (
-    Alarm,
-    BissFacts,
-    CableLength,
-    Characteristic,
-    Clock,
-    Connector,
-    Contact,
-    ControlField,
-    Crc,
-    DataIdFacts,
-    Document,
-    Edition,
-    Erratum,
-    Family,
-    FieldFacts,
-    Led,
-    LedState,
-    LostFigure,
-    Manual,
-    MemoryAccess,
-    NamedValue,
-    Network,
-    Port,
-    PrintedTimeout,
-    ReadOnly,
-    Register,
-    Report,
-    Reports,
-    Revision,
-    Rs485Facts,
-    SsiFacts,
-    Timeout,
-    Timing,
-    Verdict,
-)
-from ._order_codes import OrderCode, Part, PartValue
+from ._encoder import Encoder, fact
+from ._order_codes import checked
 from ._registers import agrees, held_bytes
+from ._reports import Family, Movement, Report, Verdict
 from ._steps import Send, Step, Wait, writes
+
+if TYPE_CHECKING:
+    from . import _codes
+    from ._table import Table
+    from .facts.amm5 import (
+        ALARMS,
+        BISS,
+        CHARACTERISTICS,
+        CONNECTORS,
+        CRCS,
+        DOCUMENTS,
+        ERRATA,
+        FRAMES,
+        LEDS,
+        LOST_FIGURES,
+        MANUAL,
+        ORDER_CODE,
+        REGISTERS,
+        REPORTS,
+        RS485,
+        SSI,
+        TIMINGS,
+    )
+else:
+
+    def __getattr__(name: str) -> object:
+        """The tables of facts are loaded when one is asked for."""
+        return fact(__name__, name, _FACTS)
+
 
 __all__ = [
     "ALARMS",
     "Address",
     "BISS",
+    "BissEncoder",
     "CHARACTERISTICS",
     "CONNECTORS",
     "CRCS",
@@ -139,10 +150,12 @@ __all__ = [
     "RS485",
     "Reply",
     "Request",
+    "Rs485Encoder",
     "SSI",
     "SerialNumber",
     "SingleCycleData",
     "SingleturnReply",
+    "SsiEncoder",
     "SsiWord",
     "TIMINGS",
     "VARIANTS",
@@ -163,113 +176,42 @@ __all__ = [
     "store_preset",
 ]
 
-FAMILY: Final = Family("amm5", "AMM5A and AMM5B absolute kit encoders", "rotary", "Lika Electronic")
-
-MANUAL: Final = Manual(
-    title="AMM5A AMM5B",
-    revision="1.9",
-    date="2021-12-09",
-    language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
-    editions=(Edition("it", "AMM5A AMM5B", "1.9", date="2021-12-09"),),
-    history=(
-        Revision("1.0", "First issue.", date="2018-08-10"),
-        Revision("1.1", "Mounting instructions and LED information updated.", date="2018-10-31"),
-        Revision("1.2", "Cable information and battery replacement.", date="2019-01-18"),
-        Revision("1.3", "Marks for information still to come removed.", date="2019-06-10"),
-        Revision(
-            "1.4",
-            (
-                "Counting direction information updated, register 3Bh (Counting direction) removed, Command register "
-                "updated."
-            ),
-            date="2019-07-31",
-        ),
-        Revision("1.5", "Pin 1 connected to ground.", date="2020-01-15"),
-        Revision("1.6", "SSI and RS-485 versions and the Italian edition added.", date="2020-04-03"),
-        Revision("1.7", "BiSS registers 44h to 47h and 78h to 7Dh updated.", date="2020-05-06"),
-        Revision(
-            "1.8",
-            "AMM5B introduced: mounting information, mounting flange, encumbrance sizes.",
-            date="2021-04-21",
-        ),
-        Revision("1.9", "Drawings of the encumbrance sizes updated.", date="2021-12-09"),
-    ),
+_FACTS: Final = (
+    "ALARMS",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "DOCUMENTS",
+    "ERRATA",
+    "FRAMES",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ORDER_CODE",
+    "REGISTERS",
+    "REPORTS",
+    "RS485",
+    "SSI",
+    "TIMINGS",
 )
+
+FAMILY: Final = Family("amm5", "AMM5A and AMM5B absolute kit encoders", Movement.ROTARY, "Lika Electronic")
 
 _SSI: Final = Interface.SSI
 _BISS: Final = Interface.BISS
 _RS485: Final = Interface.RS485
 
-# Order codes
-
-ORDER_CODE: Final = OrderCode(
-    pattern="AMM5{mount}{singleturn}/{turns}{interface}",
-    parts=(
-        Part(
-            name="mount",
-            meaning="Mechanical version",
-            values=(
-                PartValue(text="A", meaning="AMM5A; sizes in Figure 3", source="3.2.1 p.14"),
-                PartValue(
-                    text="B",
-                    meaning="AMM5B, introduced with manual 1.8; sizes in Figure 4",
-                    source="3.2.2 p.14",
-                ),
-            ),
-            source="3.2 p.14",
-        ),
-        Part(
-            name="singleturn",
-            meaning="Singleturn resolution in bits",
-            values=(
-                PartValue(text="17", meaning="131,072 counts per turn"),
-                PartValue(text="21", meaning="2,097,152 counts per turn"),
-                PartValue(text="23", meaning="8,388,608 counts per turn"),
-            ),
-            source="Preliminary information p.7",
-        ),
-        Part(
-            name="turns",
-            meaning="Number of revolutions",
-            values=(
-                PartValue(text="1", meaning="Singleturn"),
-                PartValue(text="65K", meaning="Multiturn, 65,536 revolutions, with a battery", source="4.3 p.23"),
-            ),
-            source="Preliminary information p.7",
-        ),
-        Part(
-            name="interface",
-            meaning="Interface and additional signals",
-            values=(
-                PartValue(text="BG1", meaning="SSI with 1 Vpp sine and cosine", source="5 p.27"),
-                PartValue(text="SC1", meaning="BiSS C-mode with 1 Vpp sine and cosine", source="6 p.31"),
-                PartValue(text="JP1", meaning="RS-485 serial interface", source="7 p.41"),
-            ),
-            source="5 p.27; 6 p.31; 7 p.41; 8 p.49",
-        ),
-    ),
-    special=(
-        "An encoder whose order code ends in /Sxxx may differ from the standard mechanically and electrically, and "
-        "may come with documentation of its own for special connections (Technical Info)."
-    ),
-    note=(
-        "On the label a hyphen and further characters follow the interface; the manual does not explain them. Order "
-        "code and serial number are on the label of the body and in the delivery document; Lika asks for both in "
-        "every enquiry. Technical data are in the catalogue."
-    ),
-    source="Cover; 5 p.27; 6 p.31; 7 p.41",
-)
+# Encoders
 
 
-@dataclasses.dataclass(frozen=True, slots=True, repr=False)
-class Variant:
-    """An encoder as its order code describes it.
+class Variant(Encoder):
+    """An encoder as its order code describes it; that of each interface has a class of its own.
 
     Attributes:
         family: The encoder's family.
-        code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
+        code: Order code, without what may follow it on the label.
         parts: The parts of the order code: mount, singleturn, turns, interface.
         singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
         multiturn_bits: Bits that count revolutions; 0 in singleturn models [Preliminary information p.7]. Unit: bits.
@@ -282,21 +224,10 @@ class Variant:
     """
 
     family: ClassVar[Family] = FAMILY
+    _parameters = ("singleturn_bits", "multiturn_bits")
 
-    code: str
-    interface: Interface
-    parts: tuple[str, ...]
     singleturn_bits: int
     multiturn_bits: int
-    unlisted: tuple[str, ...] = ()
-    tail: str = dataclasses.field(default="", compare=False)
-    special_code: str = ""
-    written_as_in: str = dataclasses.field(default="", compare=False)
-
-    @property
-    def special(self) -> bool:
-        """Whether the label ends in /Sxxx."""
-        return bool(self.special_code)
 
     @property
     def position_bits(self) -> int:
@@ -332,6 +263,22 @@ class Variant:
         """``position``, in counts, as degrees within one revolution."""
         return index(position) % (1 << self.singleturn_bits) * 360 / (1 << self.singleturn_bits)
 
+    def radians(self, position: int) -> float:
+        """``position``, in counts, as radians within one revolution."""
+        return index(position) % (1 << self.singleturn_bits) * tau / (1 << self.singleturn_bits)
+
+    def from_turns(self, turns: float) -> int:
+        """The count nearest to so many revolutions."""
+        return round(turns * (1 << self.singleturn_bits))
+
+    def from_degrees(self, degrees: float) -> int:
+        """The count nearest to so many degrees."""
+        return round(degrees * (1 << self.singleturn_bits) / 360)
+
+    def from_radians(self, radians: float) -> int:
+        """The count nearest to so many radians."""
+        return round(radians * (1 << self.singleturn_bits) / tau)
+
     @property
     def modulus(self) -> int:
         """Counts after which ``position`` starts again: the highest one is 1 less."""
@@ -361,20 +308,112 @@ class Variant:
             return self.singleturn_bits + self.multiturn_bits + 8
         raise ValueError(f"no frame bits over {self.interface.name}: frames are made of bytes")
 
-    @overload
-    def decode(self, frame: Word, *, bits: int | None = None) -> Frame: ...
+    def decode(self, frame: Any) -> Frame:
+        """What the encoder sent; the class of its interface says in which form."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
 
-    @overload
-    def decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Frame: ...
+    def try_decode(self, frame: Any) -> Frame | FrameError:
+        """As ``decode``, but gives the fault instead of raising it."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
 
-    def decode(self, frame: Any, *, bits: int | None = None, eeprom_address: EepromAddress | None = None) -> Frame:
-        """What the encoder sent: bytes, or where the line carries bits a number whose most significant bit was sent
-        first, or text of 0 and 1.
+
+class SsiEncoder(Variant):
+    """An encoder with SSI: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _SSI
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
 
         A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
 
         Args:
             bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
+
+        Raises:
+            FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
+        """
+        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
+        try:
+            return SsiWord.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SsiWord.decode_many(frames, self)
+
+
+class BissEncoder(Variant):
+    """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _BISS
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
+
+        Raises:
+            FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
+        """
+        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
+        try:
+            return SingleCycleData.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SingleCycleData.decode_many(frames, self)
+
+
+class Rs485Encoder(Variant):
+    """An encoder with RS-485: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _RS485
+
+    def decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply:
+        """What the encoder sent, as bytes.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
+
+        Args:
             eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address. Only the frames that
                 depend on it need it.
 
@@ -383,20 +422,61 @@ class Variant:
             TypeError: ``frame`` is of another type than the frames of this encoder, or needs an answer that is not
                 given.
         """
-        if self.interface is _SSI:
-            return SsiWord.decode(frame, self, bits=bits)
-        if self.interface is _BISS:
-            return SingleCycleData.decode(frame, self, bits=bits)
-        if bits is not None:
-            raise TypeError("this encoder's frame is made of bytes: bits= is for frames that are strings of bits")
-        return decode_reply(frame, self, eeprom_address=eeprom_address)
+        decode: Callable[..., Reply] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _decode_reply_fast(self)
+        return decode(frame, eeprom_address=eeprom_address)
 
-    def __repr__(self) -> str:
-        return f"<{self.code}{self.special_code}>"
+    def _decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply:
+        """The same, but looks at what is wrong."""
+        try:
+            return decode_reply(frame, self, eeprom_address=eeprom_address)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, eeprom_address=eeprom_address)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Rows, kind: type[Reply], *, eeprom_address: EepromAddress | None = None) -> Table:
+        """Many frames of one ``kind`` at once, as columns; a frame with a fault raises nothing. Needs NumPy."""
+        if kind is SingleturnReply:
+            return SingleturnReply.decode_many(frames, self)
+        if kind is MultiturnReply:
+            return MultiturnReply.decode_many(frames, self)
+        if kind is CompleteReply:
+            return CompleteReply.decode_many(frames, self)
+        if kind is EepromWriteReply:
+            return EepromWriteReply.decode_many(frames, cast(EepromAddress, eeprom_address))
+        if kind is EepromReadReply:
+            return EepromReadReply.decode_many(frames, cast(EepromAddress, eeprom_address))
+        many: Callable[[Rows], Table] = getattr(kind, "decode_many")
+        return many(frames)
+
+
+@overload
+def lookup(label: _codes.Amm5Ssi) -> SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Amm5Biss) -> BissEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Amm5Rs485) -> Rs485Encoder: ...
+
+
+@overload
+def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """The encoder with this label.
+    """The encoder with this label; a type checker knows the class of each listed order code.
 
     Case and blanks do not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
     ``Variant.tail`` and ``Variant.special`` tell of them. Values of a part that the manual leaves open are accepted;
@@ -408,12 +488,17 @@ def lookup(label: str) -> Variant:
             codes.
         TypeError: ``label`` is no text.
     """
-    found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
-    variant = _BY_PARTS[found.listed]
+    text = checked(label)
+    if text in VARIANTS:
+        return VARIANTS[text]
+    from .facts.amm5 import ORDER_CODE
+
+    parts = {code: variant.parts for code, variant in VARIANTS.items()}
+    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
+    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
     if not (found.unlisted or found.tail or found.special or found.written_as_in):
         return variant
-    return dataclasses.replace(
-        variant,
+    return variant._replaced(
         code=found.code,
         parts=found.parts,
         unlisted=found.unlisted,
@@ -424,55 +509,6 @@ def lookup(label: str) -> Variant:
 
 
 # CRCs
-
-CRCS: Final[tuple[Crc, ...]] = (
-    Crc(
-        name="biss_6",
-        width=6,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x3F,
-        polynomial="x^6 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit "
-            "first, and the range (position, error and warning bit) are those of public BiSS documents."
-        ),
-        source="6.2.1 p.33; prot: p.7-8; renishaw: data sheet; icmu: p.30",
-    ),
-    Crc(
-        name="biss_4",
-        width=4,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x0F,
-        polynomial="x^4 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those "
-            "of public BiSS documents."
-        ),
-        source="6.3 p.34; prot: p.9-14; icmu: p.30",
-    ),
-    Crc(
-        name="rs485_8",
-        width=8,
-        poly=0x01,
-        init=0x00,
-        refin=True,
-        refout=True,
-        xorout=0x00,
-        polynomial="x^8 + 1",
-        note=(
-            "Over all bytes sent before it, start bits and delimiters left out, least significant bit first. That is "
-            "the XOR of the bytes: it does not notice bytes that changed places. Start value 0 is set in the printed "
-            "code."
-        ),
-        source="7.6 p.47",
-    ),
-)
 
 
 def crc_biss_6(number: int, bits: int) -> int:
@@ -599,62 +635,17 @@ class EepromAddress(Enum):
 
 
 # SSI
-#
-# Erratum ssi_output_code (settled, wrong data): Printed: 5.1: the output code can be Binary or Gray, see the order
-# code. 5.2: the output code is BINARY, see the order code. Used: Binary. Why: 5.1 describes SSI in general, 5.2 this
-# encoder; the order code has no place for a code and only one SSI variant, BG1. [5.1; 5.2]
-#
-# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
-# 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3]
-#
-# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4
-# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
-# MHz. [5.3]
-#
-# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
-# this revision; before, all were BiSS. [Document release]
-
-SSI: Final = SsiFacts(
-    clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
-    alignment="msb_left",
-    output_code="binary",
-    signals="EIA RS-422; clock and data have a logic level of typically 5 V",
-    cable_lengths=(
-        CableLength(shorter_than_m=50, below_hz=400_000, source="5.3"),
-        CableLength(shorter_than_m=100, below_hz=300_000, source="5.3"),
-        CableLength(shorter_than_m=200, below_hz=200_000, source="5.3"),
-        CableLength(shorter_than_m=400, below_hz=100_000, source="5.3"),
-    ),
-    alignment_source="5.2 p.28",
-    output_code_source="5.2 p.28",
-    timings=(
-        Timing(
-            name="monoflop",
-            meaning=(
-                "From the end of the clock signal until the encoder is ready for the next transmission and sets the "
-                "data line high"
-            ),
-            typical_us=12,
-            symbol="Tm",
-            source="5.1",
-        ),
-        Timing(name="pause", meaning="Between two clock sequences", at_least_us=20, symbol="Tp", source="5.3"),
-    ),
-    note=(
-        "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
-        "all. The first falling edge of the clock stores the position; the rising edge that follows starts the "
-        "transmission with the MSB, and each further one brings a bit down to the LSB. The last rising edge ends the "
-        "cycle, so that a word of n bits takes up to n + 1 rising edges (13 bits: 14 edges). After the word the time "
-        "Tm may follow at once."
-    ),
-    source="5 p.27",
-)
 
 
 @by_class
 class SsiWord(NamedTuple):
     """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2
     p.28].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
 
     In the manual: Structure of the position information.
 
@@ -678,14 +669,9 @@ class SsiWord(NamedTuple):
     Erratum position_order (open, omission): Printed: Only "17 + 16 bits" and the like; no words on which of singleturn
     and multiturn comes first in the position. Used: Multiturn first, as the more significant part; singleturn after it.
     [5.2; 6.2.1 p.32; 6.4]
-
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
-        singleturn: Position within one revolution. Unit: counts.
     """
 
-    variant: Variant
+    variant: SsiEncoder
     multiturn: int
     singleturn: int
 
@@ -693,6 +679,11 @@ class SsiWord(NamedTuple):
     def verdict(self) -> Verdict:
         """Nothing in this frame tells what the position is worth."""
         return Verdict.NOT_TOLD
+
+    @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
 
     @property
     def reports(self) -> tuple[Report, ...]:
@@ -703,12 +694,12 @@ class SsiWord(NamedTuple):
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
-    def from_position(cls, variant: Variant, position: int) -> SsiWord:
+    def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
         check_encoder(variant, Variant, _SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -719,13 +710,13 @@ class SsiWord(NamedTuple):
         )
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: SsiEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _SSI)
         return variant.singleturn_bits + variant.multiturn_bits
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+    def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -736,7 +727,7 @@ class SsiWord(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.singleturn_bits + variant.multiturn_bits, bits)
@@ -749,6 +740,16 @@ class SsiWord(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_ssi_word
+
+        return decode_many(frames, shape_of_ssi_word(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -756,14 +757,14 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _SSI)
         return (
@@ -773,88 +774,24 @@ class SsiWord(NamedTuple):
 
 
 # BiSS C-mode
-#
-# Erratum profile_id_missing (open, omission): Printed: The encoder complies with the "Standard encoder profile"; no
-# register 42h to 43h is listed. Used: No profile ID. [6 p.31; 6.4 p.35; prot: p.14-15]
-#
-# Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz
-# as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40; prot: p.18]
-#
-# Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
-# procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
-# older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known to
-# be right there. [Document release]
-
-BISS: Final = BissFacts(
-    clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
-    profile="Standard encoder profile",
-    signals="EIA RS-422 for Clock IN (MA) and Data OUT (SLO)",
-    network=Network(topology="point_to_point", multiple_slaves=False, source="6 p.31"),
-    timeout=Timeout(
-        rule="follows_clock",
-        half_clock_periods=3,
-        printed=(PrintedTimeout(50_000, 30_000), PrintedTimeout(200_000, 7500), PrintedTimeout(10_000_000, 150)),
-        source="6.5 p.40",
-    ),
-    control_data=(
-        ControlField(
-            name="register_address",
-            bits=7,
-            meaning="Register to read or to write",
-            printed_name="Register address",
-            source="6.3 p.34",
-        ),
-        ControlField(
-            name="rw",
-            bits=2,
-            meaning="Direction of the access",
-            printed_name="RW",
-            values=(
-                NamedValue("write", 1, meaning="Write the register"),
-                NamedValue("read", 2, meaning="Read the register"),
-            ),
-            source="6.3 p.34",
-        ),
-        ControlField(
-            name="data",
-            bits=8,
-            meaning="Value to write, from the master, or value read, from the encoder; most significant bit first",
-            printed_name="DATA",
-            source="6.3 p.34",
-        ),
-        ControlField(
-            name="crc",
-            bits=4,
-            meaning="Check of the transmission, sent inverted",
-            crc="biss_4",
-            printed_name="CRC",
-            source="6.3 p.34",
-        ),
-    ),
-    control_data_note=(
-        "One bit per frame, for reading and writing the registers. The manual describes the main fields and refers to "
-        "the BiSS C protocol description for the whole structure."
-    ),
-    timings=(
-        Timing(
-            name="eeprom_write",
-            meaning="From a write to the Command register to the next function, while the EEPROM is written",
-            at_least_us=30_000,
-            source="6.4 p.39",
-        ),
-    ),
-    note=(
-        "The encoder is always a slave, alone with one master. It must never be installed in a network of several "
-        "slaves. For all that the manual leaves out it refers to www.biss-interface.com."
-    ),
-    source="6 p.31",
-)
 
 
 @by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``singleturn_bits + multiturn_bits + 8`` bits, most
     significant first [6.2.1 p.32].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
+        error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
+            circuitry not installed properly), or that the battery is spent; the encoder cannot operate then and the
+            battery has to be replaced (4.3.2). True at 0: error active in the system. False at 1: no active error.
+            While it is True, the position is not usable.
+        warning: Warning, nW: Reports an error in the magnetic multiturn system, or that the battery is low; the battery
+            has to be replaced as soon as possible then (4.3.1). True at 0: warning active in the system. False at 1: no
+            active warning. While it is True, the position is usable, with a warning.
 
     In the manual: Single Cycle Data SCD.
 
@@ -883,23 +820,11 @@ class SingleCycleData(NamedTuple):
     MT error, makes it not usable, unless the frame carries these four as well (data ID 3): then they decide. [6.2.1
     p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44]
 
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
-        singleturn: Position within one revolution. Unit: counts.
-        error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
-            circuitry not installed properly), or that the battery is spent; the encoder cannot operate then and the
-            battery has to be replaced (4.3.2). True at 0: error active in the system. False at 1: no active error.
-            While it is True, the position is not usable.
-        warning: Warning, nW: Reports an error in the magnetic multiturn system, or that the battery is low; the battery
-            has to be replaced as soon as possible then (4.3.1). True at 0: warning active in the system. False at 1: no
-            active warning. While it is True, the position is usable, with a warning.
-
     Checked by decode():
         crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: Variant
+    variant: BissEncoder
     multiturn: int
     singleturn: int
     error: bool = False
@@ -915,8 +840,15 @@ class SingleCycleData(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active."""
+        from .facts.amm5 import REPORTS
+
         told = {
             "error": self.error,
             "warning": self.warning,
@@ -927,14 +859,14 @@ class SingleCycleData(NamedTuple):
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(
         cls,
-        variant: Variant,
+        variant: BissEncoder,
         position: int,
         error: bool = False,
         warning: bool = False,
@@ -951,13 +883,13 @@ class SingleCycleData(NamedTuple):
         )
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: BissEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _BISS)
         return variant.singleturn_bits + variant.multiturn_bits + 8
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+    def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -969,7 +901,7 @@ class SingleCycleData(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.singleturn_bits + variant.multiturn_bits + 8, bits)
@@ -986,6 +918,16 @@ class SingleCycleData(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_single_cycle_data
+
+        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -993,7 +935,7 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
@@ -1006,7 +948,7 @@ class SingleCycleData(NamedTuple):
         return number | _remainder_biss_6_47(number) ^ 0x3F
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (
@@ -1019,172 +961,14 @@ class SingleCycleData(NamedTuple):
 
 
 # RS-485
-#
-# Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the encoder
-# ID should be; a frame with another one is decoded, and the other one reported. Why: T-format encoders of 23 bits
-# usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID 0x17. The 23h may be a decimal 23 that was
-# taken for hexadecimal, and the value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1 p.42;
-# 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
-#
-# Erratum data_id_8_scope (open, wrong data): Printed: Table: Data ID 8 resets singleturn and multiturn data. Note:
-# singleturn data resetting after Data ID 8. Used: The table, singleturn and multiturn. Why: The table says it twice,
-# the note only in passing. But public T-format documents know three resets, of the data in one revolution, of the
-# multiturn data, and of errors; with C and 7 taken, the first is left for this request. [7.4.2 p.45; ti_sdk:
-# docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]
-#
-# Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or more.
-# Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
-# 7.4.2 p.45]
-#
-# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
-# this revision; before, all were BiSS. [Document release]
-
-RS485: Final = Rs485Facts(
-    port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
-    data_ids=(
-        DataIdFacts(
-            name="singleturn",
-            id=0x00,
-            control=0x02,
-            purpose="capture",
-            meaning="Singleturn position",
-            source="7.3.1 p.42",
-        ),
-        DataIdFacts(
-            name="multiturn",
-            id=0x01,
-            control=0x8A,
-            purpose="capture",
-            meaning="Multiturn data",
-            source="7.3.1 p.42",
-        ),
-        DataIdFacts(
-            name="encoder_id",
-            id=0x02,
-            control=0x92,
-            purpose="capture",
-            meaning="Encoder ID, printed as the fixed value 23h",
-            source="7.3.1 p.42",
-        ),
-        DataIdFacts(
-            name="all_data",
-            id=0x03,
-            control=0x1A,
-            purpose="capture",
-            meaning="Singleturn, encoder ID, multiturn and alarms",
-            source="7.3.1 p.42; 7.4 p.43",
-        ),
-        DataIdFacts(
-            name="eeprom_write",
-            id=0x06,
-            control=0x32,
-            purpose="write",
-            meaning="Write one byte of the EEPROM",
-            source="7.3.1 p.42",
-        ),
-        DataIdFacts(
-            name="eeprom_read",
-            id=0x0D,
-            control=0xEA,
-            purpose="read",
-            meaning="Read one byte of the EEPROM",
-            source="7.3.1 p.42",
-        ),
-        DataIdFacts(
-            name="reset_errors",
-            id=0x07,
-            control=0xBA,
-            purpose="reset",
-            meaning="Reset all errors; the reply carries the singleturn position",
-            source="7.3.1 p.42; 7.4.2 p.45",
-        ),
-        DataIdFacts(
-            name="reset_singleturn_and_multiturn",
-            id=0x08,
-            control=0xC2,
-            purpose="reset",
-            meaning="Reset singleturn and multiturn data to 0; the reply carries the singleturn position",
-            source="7.3.1 p.42; 7.4.2 p.45",
-        ),
-        DataIdFacts(
-            name="reset_multiturn_and_errors",
-            id=0x0C,
-            control=0x62,
-            purpose="reset",
-            meaning="Reset multiturn data and all errors; the reply carries the singleturn position",
-            source="7.3.1 p.42; 7.4.2 p.45",
-        ),
-    ),
-    memory_access=(
-        MemoryAccess(
-            access="read",
-            busy=False,
-            address="that of the request",
-            data="the EEPROM's data",
-            meaning="The byte was read",
-            source="7.5 p.46",
-        ),
-        MemoryAccess(
-            access="read",
-            busy=True,
-            address="that of the request",
-            data="00h",
-            meaning=(
-                "The memory is busy, reading by the table, writing by the sentence below it; the request is invalid"
-            ),
-            source="7.5 p.46",
-        ),
-        MemoryAccess(
-            access="write",
-            busy=False,
-            address="that of the request",
-            data="that of the request",
-            meaning="The request was accepted",
-            source="7.5 p.46",
-        ),
-        MemoryAccess(
-            access="write",
-            busy=True,
-            address="that of the request",
-            data="00h",
-            meaning="A write is being carried out, the request is invalid and not executed",
-            source="7.5 p.46",
-        ),
-    ),
-    timings=(
-        Timing(
-            name="reset_interval",
-            meaning="Between the ten requests of a reset",
-            at_least_us=40,
-            source="7.4.2 p.45",
-        ),
-        Timing(
-            name="busy_after_reset",
-            meaning="BUSY flag after the tenth request with data ID 7 or C",
-            at_most_us=2000,
-            source="7.4.2",
-        ),
-        Timing(
-            name="data_reset",
-            meaning="Execution after the tenth request with data ID 8, EEPROM writing included",
-            at_most_us=18_000,
-            source="7.4.2",
-        ),
-    ),
-    note=(
-        "Each byte goes over the line between a start bit and a delimiter, its least significant bit first (7.6): ten "
-        "bits, as a serial port with one stop bit sends them. Of a number the low byte comes first, in binary code "
-        "(7.4). The master asks, the encoder answers with the control field it received. Whether a byte has really "
-        "been written to the EEPROM is checked by reading it back with data ID D. The manual gives no time for "
-        "writing it over this interface; MEM BUSY tells."
-    ),
-    source="7 p.41",
-)
 
 
 @by_class
 class DataRequest(NamedTuple):
     """Data request, sent by the master over RS-485: 1 byte [7.2.1 p.41].
+
+    Attributes:
+        data_id: Data ID: What the request asks for; a reply repeats it.
 
     In the manual: Master → Encoder: CF.
 
@@ -1194,9 +978,6 @@ class DataRequest(NamedTuple):
     One byte, without a CRC.
 
     Of its parts, see ERRATA: control_field_structure.
-
-    Attributes:
-        data_id: Data ID: What the request asks for; a reply repeats it.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1229,6 +1010,14 @@ class DataRequest(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_data_request
+
+        return decode_many(frames, shape_of_data_request(), None)
+
     def encode(self) -> bytes:
         """The bytes.
 
@@ -1255,6 +1044,11 @@ class DataRequest(NamedTuple):
 class EepromWriteRequest(NamedTuple):
     """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5 p.46].
 
+    Attributes:
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address.
+        data: EDF: Byte to write.
+
     In the manual: Master → Encoder: CF ADF EDF CRC.
 
     Carries ``data_id`` 6 (eeprom_write).
@@ -1271,11 +1065,6 @@ class EepromWriteRequest(NamedTuple):
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
-
-    Attributes:
-        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
-        address: ADD6 ... ADD0: EEPROM address.
-        data: EDF: Byte to write.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1327,6 +1116,15 @@ class EepromWriteRequest(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_write_request
+
+        return decode_many(frames, shape_of_eeprom_write_request(eeprom_address), None)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1359,6 +1157,10 @@ class EepromWriteRequest(NamedTuple):
 class EepromReadRequest(NamedTuple):
     """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42; 7.5 p.46].
 
+    Attributes:
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address.
+
     In the manual: Master → Encoder: CF ADF CRC.
 
     Carries ``data_id`` D (eeprom_read).
@@ -1375,10 +1177,6 @@ class EepromReadRequest(NamedTuple):
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
-
-    Attributes:
-        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
-        address: ADD6 ... ADD0: EEPROM address.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1428,6 +1226,15 @@ class EepromReadRequest(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_read_request
+
+        return decode_many(frames, shape_of_eeprom_read_request(eeprom_address), None)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1458,6 +1265,20 @@ class EepromReadRequest(NamedTuple):
 class SingleturnReply(NamedTuple):
     """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        data_id: Data ID: What the request asks for; a reply repeats it.
+        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
+            position is not usable.
+        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
+            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
+            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
+            usable.
+        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
+            above it.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
     Carries ``data_id`` 0 (singleturn), 7 (reset_errors), 8 (reset_singleturn_and_multiturn) or C
@@ -1476,20 +1297,6 @@ class SingleturnReply(NamedTuple):
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
 
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        data_id: Data ID: What the request asks for; a reply repeats it.
-        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
-        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
-            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
-            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
-            usable.
-        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
-            above it.
-        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
-
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
             rest is decoded all the same, and the position is usable, with a warning.
@@ -1502,7 +1309,7 @@ class SingleturnReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Variant
+    variant: Rs485Encoder
     data_id: DataId
     status_st_error: bool
     status_other_error: bool
@@ -1526,6 +1333,8 @@ class SingleturnReply(NamedTuple):
     @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        from .facts.amm5 import REPORTS
+
         told = {
             "status_st_error": self.status_st_error,
             "status_other_error": self.status_other_error,
@@ -1535,7 +1344,7 @@ class SingleturnReply(NamedTuple):
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> SingleturnReply:
+    def decode(cls, data: Data, variant: Rs485Encoder) -> SingleturnReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1546,7 +1355,7 @@ class SingleturnReply(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -1573,6 +1382,16 @@ class SingleturnReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_singleturn_reply
+
+        return decode_many(frames, shape_of_singleturn_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1580,7 +1399,7 @@ class SingleturnReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         data_id = whole_number("data_id", self.data_id)
         if data_id not in (0, 7, 8, 0xC):
@@ -1601,7 +1420,7 @@ class SingleturnReply(NamedTuple):
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _RS485)
         return (
@@ -1622,18 +1441,6 @@ class SingleturnReply(NamedTuple):
 class MultiturnReply(NamedTuple):
     """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
-    In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
-
-    Carries ``data_id`` 1 (multiturn).
-
-    In singleturn models no bit of the three bytes is used; unused high bits are 0.
-
-    Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT
-    error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.
-    [7.3.2 p.42; 7.4.1 p.44]
-
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
-
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
@@ -1647,6 +1454,18 @@ class MultiturnReply(NamedTuple):
             Right-aligned in 24 bits, zeros above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
+    In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
+
+    Carries ``data_id`` 1 (multiturn).
+
+    In singleturn models no bit of the three bytes is used; unused high bits are 0.
+
+    Erratum busy_and_errors_in_one_bit (open, omission): Printed: EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT
+    error. Used: One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.
+    [7.3.2 p.42; 7.4.1 p.44]
+
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure.
+
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
             rest is decoded all the same, and the position is usable, with a warning.
@@ -1659,7 +1478,7 @@ class MultiturnReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Variant
+    variant: Rs485Encoder
     status_st_error: bool
     status_other_error: bool
     multiturn: int
@@ -1687,6 +1506,8 @@ class MultiturnReply(NamedTuple):
     @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        from .facts.amm5 import REPORTS
+
         told = {
             "status_st_error": self.status_st_error,
             "status_other_error": self.status_other_error,
@@ -1696,7 +1517,7 @@ class MultiturnReply(NamedTuple):
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> MultiturnReply:
+    def decode(cls, data: Data, variant: Rs485Encoder) -> MultiturnReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1707,7 +1528,7 @@ class MultiturnReply(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -1733,6 +1554,16 @@ class MultiturnReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_multiturn_reply
+
+        return decode_many(frames, shape_of_multiturn_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1740,7 +1571,7 @@ class MultiturnReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         unused = check_bits("unused", self.unused, 0xCF)
@@ -1756,7 +1587,7 @@ class MultiturnReply(NamedTuple):
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _RS485)
         return (
@@ -1777,6 +1608,18 @@ class MultiturnReply(NamedTuple):
 class EncoderIdReply(NamedTuple):
     """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
+    Attributes:
+        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
+            position is not usable.
+        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
+            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
+            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
+            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
+            usable.
+        encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
+            the encoder; decoding accepts any value.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
+
     In the manual: Encoder → Master: CF SF DF0 CRC.
 
     Carries ``data_id`` 2 (encoder_id).
@@ -1789,18 +1632,6 @@ class EncoderIdReply(NamedTuple):
 
     Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
     busy_and_errors_in_one_bit.
-
-    Attributes:
-        status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
-        status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
-            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
-            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
-            usable.
-        encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
-            the encoder; decoding accepts any value.
-        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
@@ -1832,6 +1663,8 @@ class EncoderIdReply(NamedTuple):
     @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        from .facts.amm5 import REPORTS
+
         told = {
             "status_st_error": self.status_st_error,
             "status_other_error": self.status_other_error,
@@ -1870,6 +1703,14 @@ class EncoderIdReply(NamedTuple):
             data[1] & 0xCF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_encoder_id_reply
+
+        return decode_many(frames, shape_of_encoder_id_reply(), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1910,21 +1751,6 @@ class EncoderIdReply(NamedTuple):
 class CompleteReply(NamedTuple):
     """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
 
-    In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
-
-    Carries ``data_id`` 3 (all_data).
-
-    ``position`` is made of ``multiturn`` and ``singleturn``, most significant first.
-
-    Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the
-    encoder ID should be; a frame with another one is decoded, and the other one reported. Why: T-format encoders of 23
-    bits usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID 0x17. The 23h may be a decimal 23 that
-    was taken for hexadecimal, and the value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1
-    p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
-
-    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear.
-
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
@@ -1952,6 +1778,21 @@ class CompleteReply(NamedTuple):
             the position is usable, with a warning.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
+    In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
+
+    Carries ``data_id`` 3 (all_data).
+
+    ``position`` is made of ``multiturn`` and ``singleturn``, most significant first.
+
+    Erratum encoder_id_23h (open, wrong data): Printed: ENID: encoder ID, fixed value = 23h. Used: 23h is what the
+    encoder ID should be; a frame with another one is decoded, and the other one reported. Why: T-format encoders of 23
+    bits usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID 0x17. The 23h may be a decimal 23 that
+    was taken for hexadecimal, and the value says nothing about the frame: sync code, data ID, length and CRC do. [7.3.1
+    p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst]
+
+    Of its parts, see ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
+    busy_and_errors_in_one_bit, battery_alarm_reset, busy_clear.
+
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, 0 in the manual. With other bits here the
             rest is decoded all the same, and the position is usable, with a warning.
@@ -1968,7 +1809,7 @@ class CompleteReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Variant
+    variant: Rs485Encoder
     status_st_error: bool
     status_other_error: bool
     singleturn: int
@@ -2008,8 +1849,15 @@ class CompleteReply(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        from .facts.amm5 import REPORTS
+
         told = {
             "status_st_error": self.status_st_error,
             "status_other_error": self.status_other_error,
@@ -2029,14 +1877,14 @@ class CompleteReply(NamedTuple):
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
     def from_position(
         cls,
-        variant: Variant,
+        variant: Rs485Encoder,
         position: int,
         status_st_error: bool = False,
         status_other_error: bool = False,
@@ -2067,7 +1915,7 @@ class CompleteReply(NamedTuple):
         )
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> CompleteReply:
+    def decode(cls, data: Data, variant: Rs485Encoder) -> CompleteReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -2078,7 +1926,7 @@ class CompleteReply(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -2113,6 +1961,16 @@ class CompleteReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_complete_reply
+
+        return decode_many(frames, shape_of_complete_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -2120,7 +1978,7 @@ class CompleteReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         encoder_id = check_width("encoder_id", self.encoder_id, 8)
@@ -2147,7 +2005,7 @@ class CompleteReply(NamedTuple):
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _RS485)
         return (
@@ -2178,6 +2036,12 @@ class CompleteReply(NamedTuple):
 class EepromWriteReply(NamedTuple):
     """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41; 7.5 p.46].
 
+    Attributes:
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address of the request.
+        mem_busy: MEM BUSY. True at 1: writing, request not executed. False at 0: request accepted.
+        data: EDF: Byte of the request, or 00h while busy.
+
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
     Carries ``data_id`` 6 (eeprom_write).
@@ -2194,12 +2058,6 @@ class EepromWriteReply(NamedTuple):
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
-
-    Attributes:
-        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
-        address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True at 1: writing, request not executed. False at 0: request accepted.
-        data: EDF: Byte of the request, or 00h while busy.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2220,6 +2078,8 @@ class EepromWriteReply(NamedTuple):
     @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active."""
+        from .facts.amm5 import REPORTS
+
         told = {
             "eeprom_write_reply_mem_busy": self.mem_busy,
         }
@@ -2258,6 +2118,15 @@ class EepromWriteReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_write_reply
+
+        return decode_many(frames, shape_of_eeprom_write_reply(eeprom_address), None)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -2295,6 +2164,12 @@ class EepromWriteReply(NamedTuple):
 class EepromReadReply(NamedTuple):
     """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42; 7.5 p.46].
 
+    Attributes:
+        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
+        address: ADD6 ... ADD0: EEPROM address of the request.
+        mem_busy: MEM BUSY. True at 1: memory busy, request not executed. False at 0: byte read.
+        data: EDF: Byte read, or 00h while busy.
+
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
     Carries ``data_id`` D (eeprom_read).
@@ -2311,12 +2186,6 @@ class EepromReadReply(NamedTuple):
     ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c]
 
     Of its parts, see ERRATA: control_field_structure.
-
-    Attributes:
-        eeprom_address: Where the byte ADF of an EEPROM access over RS-485 has the address.
-        address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True at 1: memory busy, request not executed. False at 0: byte read.
-        data: EDF: Byte read, or 00h while busy.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2337,6 +2206,8 @@ class EepromReadReply(NamedTuple):
     @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active."""
+        from .facts.amm5 import REPORTS
+
         told = {
             "eeprom_read_reply_mem_busy": self.mem_busy,
         }
@@ -2374,6 +2245,15 @@ class EepromReadReply(NamedTuple):
             number >> 16 & 0xFF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        decided(EepromAddress, eeprom_address)
+        from ._many import decode_many
+        from ._shapes.amm5 import shape_of_eeprom_read_reply
+
+        return decode_many(frames, shape_of_eeprom_read_reply(eeprom_address), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -2415,7 +2295,7 @@ Request: TypeAlias = Union[
 ]
 
 
-def decode_request(data: Data, variant: Variant, *, eeprom_address: EepromAddress | None = None) -> Request:
+def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAddress | None = None) -> Request:
     """The request in ``data``, told by its Data ID.
 
     Args:
@@ -2431,7 +2311,7 @@ def decode_request(data: Data, variant: Variant, *, eeprom_address: EepromAddres
         InterfaceError: The encoder has another interface.
         TypeError: The request needs an answer that is not given.
     """
-    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+    if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
     if type(data) is not bytes:
         data = as_bytes(data)
@@ -2457,7 +2337,7 @@ Reply: TypeAlias = Union[
 ]
 
 
-def decode_reply(data: Data, variant: Variant, *, eeprom_address: EepromAddress | None = None) -> Reply:
+def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAddress | None = None) -> Reply:
     """The reply in ``data``, told by its Data ID.
 
     Args:
@@ -2473,7 +2353,7 @@ def decode_reply(data: Data, variant: Variant, *, eeprom_address: EepromAddress 
         InterfaceError: The encoder has another interface.
         TypeError: The reply needs an answer that is not given.
     """
-    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+    if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
     if type(data) is not bytes:
         data = as_bytes(data)
@@ -2495,6 +2375,196 @@ def decode_reply(data: Data, variant: Variant, *, eeprom_address: EepromAddress 
     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
 
 
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    size_0 = variant.singleturn_bits + variant.multiturn_bits
+    size_1 = variant.singleturn_bits
+    ones_2 = (1 << variant.singleturn_bits) - 1
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word >> size_1,
+                word & ones_2,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    size_0 = variant.singleturn_bits + variant.multiturn_bits + 8
+    size_1 = variant.singleturn_bits + 8
+    ones_2 = (1 << variant.singleturn_bits) - 1
+    tables = crc_tables(crc_biss_6, variant.singleturn_bits + variant.multiturn_bits + 2, 6, 3)
+    table_0, table_1, table_2 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        low = word & 0xFFFF
+        if table_0[low] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32]:
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> size_1,
+                word >> 8 & ones_2,
+                not low & 0x80,
+                not low & 0x40,
+            ),
+        )
+
+    return decode
+
+
+def _fast_singleturn_reply(variant: Rs485Encoder) -> Callable[[bytes], SingleturnReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], SingleturnReply], variant._decode)
+    size_0 = variant.singleturn_bits
+    heads = {
+        0x02: DataId.SINGLETURN,
+        0x62: DataId.RESET_MULTITURN_AND_ERRORS,
+        0xBA: DataId.RESET_ERRORS,
+        0xC2: DataId.RESET_SINGLETURN_AND_MULTITURN,
+    }
+
+    def decode(data: bytes) -> SingleturnReply:
+        if len(data) != 6:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 or (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0:
+            return careful(data)
+        return made(
+            SingleturnReply,
+            (
+                variant,
+                heads[b0],
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_singleturn,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_multiturn_reply(variant: Rs485Encoder) -> Callable[[bytes], MultiturnReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], MultiturnReply], variant._decode)
+    size_0 = variant.multiturn_bits
+
+    def decode(data: bytes) -> MultiturnReply:
+        if len(data) != 6:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 or (of_multiturn := b2 | b3 << 8 | b4 << 16) >> size_0:
+            return careful(data)
+        return made(
+            MultiturnReply,
+            (
+                variant,
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_multiturn,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_encoder_id_reply(variant: Rs485Encoder) -> Callable[[bytes], EncoderIdReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], EncoderIdReply], variant._decode)
+
+    def decode(data: bytes) -> EncoderIdReply:
+        if len(data) != 4:
+            return careful(data)
+        b0, b1, b2, b3 = data
+        if b0 ^ b1 ^ b2 ^ b3:
+            return careful(data)
+        return made(
+            EncoderIdReply,
+            (
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                b2,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_complete_reply(variant: Rs485Encoder) -> Callable[[bytes], CompleteReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], CompleteReply], variant._decode)
+    size_0 = variant.singleturn_bits
+    size_1 = variant.multiturn_bits
+
+    def decode(data: bytes) -> CompleteReply:
+        if len(data) != 11:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10 = data
+        if (
+            b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9 ^ b10
+            or (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0
+            or (of_multiturn := b6 | b7 << 8 | b8 << 16) >> size_1
+        ):
+            return careful(data)
+        return made(
+            CompleteReply,
+            (
+                variant,
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_singleturn,
+                b5,
+                of_multiturn,
+                (b9 & 0x02) != 0,
+                (b9 & 0x04) != 0,
+                (b9 & 0x20) != 0,
+                (b9 & 0x40) != 0,
+                (b9 & 0x80) != 0,
+                b1 & 0xCF | (b9 & 0x19) << 8,
+            ),
+        )
+
+    return decode
+
+
+def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
+    """What decodes sound frames, told apart by their first byte; all else is left to what is careful."""
+    careful = variant._decode
+    kinds: dict[int, Callable[[bytes], Reply]] = {
+        **dict.fromkeys([0x02, 0x62, 0xBA, 0xC2], _fast_singleturn_reply(variant)),
+        **dict.fromkeys([0x8A], _fast_multiturn_reply(variant)),
+        **dict.fromkeys([0x92], _fast_encoder_id_reply(variant)),
+        **dict.fromkeys([0x1A], _fast_complete_reply(variant)),
+    }
+
+    def decode(frame: Any, *, eeprom_address: EepromAddress | None = None) -> Reply:
+        if type(frame) is bytes and frame:
+            fast = kinds.get(frame[0])
+            if fast is not None:
+                return fast(frame)
+        return careful(frame, eeprom_address=eeprom_address)
+
+    return decode
+
+
 #: Everything that an encoder of this family sends.
 Frame: TypeAlias = Union[
     SsiWord,
@@ -2506,565 +2576,6 @@ Frame: TypeAlias = Union[
     EepromWriteReply,
     EepromReadReply,
 ]
-
-#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
-REPORTS: Final[Mapping[str, Report]] = Reports(
-    lambda: (
-        Report(
-            name="error",
-            printed_name="Error, nE",
-            meaning=(
-                "error active in the system. Reports, for instance, that circuitry and disk are not aligned (gap out "
-                "of tolerance, circuitry not installed properly), or that the battery is spent; the encoder cannot "
-                "operate then and the battery has to be replaced (4.3.2)."
-            ),
-            makes_position=Verdict.NOT_USABLE,
-            source="6.2.1 p.32",
-        ),
-        Report(
-            name="warning",
-            printed_name="Warning, nW",
-            meaning=(
-                "warning active in the system. Reports an error in the magnetic multiturn system, or that the battery "
-                "is low; the battery has to be replaced as soon as possible then (4.3.1)."
-            ),
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="6.2.1 p.33",
-        ),
-        Report(
-            name="status_info",
-            printed_name="EI_3 ... EI_0",
-            meaning="differs from the manual, which has 0 in these unused bits. Encoder information.",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
-        ),
-        Report(
-            name="status_st_error",
-            printed_name="EE_0",
-            meaning="ST error",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
-        ),
-        Report(
-            name="status_other_error",
-            printed_name="EE_1",
-            meaning=(
-                "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. One bit for "
-                "BUSY, which goes by itself, and for errors that stay until they are reset. Read data ID 3 then: its "
-                "ALMC tells which it is."
-            ),
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
-        ),
-        Report(
-            name="status_zero",
-            printed_name="",
-            meaning="differs from the manual, which has 0 in these unused bits",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.42; it: 7.3.2 p.43",
-        ),
-        Report(
-            name="alarm_zero_0",
-            printed_name="",
-            meaning="differs from the manual, which has 0 in these unused bits",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.4 p.43",
-        ),
-        Report(
-            name="busy",
-            printed_name="BUSY",
-            meaning="not ready after power-on or during a reset; all position data are 0",
-            remedy="Clears itself (speed of rotation down to 300 rpm or less)",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.4.1 p.44",
-        ),
-        Report(
-            name="st_error",
-            printed_name="STERR",
-            meaning="counted and calculated data disagree",
-            remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.4.1 p.44",
-        ),
-        Report(
-            name="alarm_zero_3_4",
-            printed_name="",
-            meaning="differs from the manual, which has 0 in these unused bits",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.4 p.43",
-        ),
-        Report(
-            name="ps_error",
-            printed_name="PSERR",
-            meaning="singleturn and multiturn count out of step, or a counting error",
-            remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.4.1 p.44",
-        ),
-        Report(
-            name="mt_error",
-            printed_name="MTERR",
-            meaning="external battery below 3.05 V",
-            remedy="Reset the error with data ID 7 or C",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.4.1 p.44; it: 7.4.1 p.45",
-        ),
-        Report(
-            name="battery_alarm",
-            printed_name="BATT",
-            meaning="external battery below 3.15 V",
-            remedy="Reset the error with data ID 7 or C",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.4.1 p.44; it: 7.4.1 p.45",
-        ),
-        Report(
-            name="eeprom_write_reply_mem_busy",
-            printed_name="MEM BUSY",
-            meaning="writing, request not executed",
-            source="7.5 p.46",
-        ),
-        Report(
-            name="eeprom_read_reply_mem_busy",
-            printed_name="MEM BUSY",
-            meaning="memory busy, request not executed",
-            source="7.5 p.46",
-        ),
-    )
-)
-
-#: What the manual says of each field of the frames, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
-    {
-        "ssi_word": (
-            FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
-            FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
-        ),
-        "single_cycle_data": (
-            FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
-            FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
-            FieldFacts(
-                name="error",
-                printed_name="Error, nE",
-                meaning=(
-                    "Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance, circuitry "
-                    "not installed properly), or that the battery is spent; the encoder cannot operate then and the "
-                    "battery has to be replaced (4.3.2)."
-                ),
-                active="low",
-                when_active="error active in the system",
-                when_inactive="no active error",
-                names=ReadOnly({"it": "Errore"}),
-                source="6.2.1 p.32",
-            ),
-            FieldFacts(
-                name="warning",
-                printed_name="Warning, nW",
-                meaning=(
-                    "Reports an error in the magnetic multiturn system, or that the battery is low; the battery has "
-                    "to be replaced as soon as possible then (4.3.1)."
-                ),
-                active="low",
-                when_active="warning active in the system",
-                when_inactive="no active warning",
-                names=ReadOnly({"it": "Avvertenza"}),
-                source="6.2.1 p.33",
-            ),
-            FieldFacts(
-                name="crc",
-                printed_name="CRC",
-                meaning="Check of the transmission, sent inverted",
-                source="6.2.1 p.33",
-            ),
-        ),
-        "data_request": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-        ),
-        "eeprom_write_request": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address", source="7.5 p.46"),
-            FieldFacts(
-                name="mem_busy",
-                printed_name="MEM BUSY",
-                meaning="Always 0 from the master",
-                constant=0,
-                source="7.5 p.46",
-            ),
-            FieldFacts(name="data", printed_name="EDF", meaning="Byte to write"),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "eeprom_read_request": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(name="address", printed_name="ADD6 ... ADD0", meaning="EEPROM address", source="7.5 p.46"),
-            FieldFacts(
-                name="mem_busy",
-                printed_name="MEM BUSY",
-                meaning="Always 0 from the master",
-                constant=0,
-                source="7.5 p.46",
-            ),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "singleturn_reply": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(
-                name="status_info",
-                printed_name="EI_3 ... EI_0",
-                meaning="Encoder information",
-                unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_st_error",
-                printed_name="EE_0",
-                active="high",
-                when_active="ST error",
-                when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_other_error",
-                printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
-                ),
-                active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
-                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
-            FieldFacts(
-                name="singleturn",
-                printed_name="ABS0, ABS1, ABS2",
-                meaning="Position within one revolution",
-                unit="counts",
-            ),
-            FieldFacts(name="singleturn_padding", meaning="always zero", constant=0),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "multiturn_reply": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(
-                name="status_info",
-                printed_name="EI_3 ... EI_0",
-                meaning="Encoder information",
-                unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_st_error",
-                printed_name="EE_0",
-                active="high",
-                when_active="ST error",
-                when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_other_error",
-                printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
-                ),
-                active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
-                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
-            FieldFacts(
-                name="multiturn",
-                printed_name="ABM0, ABM1, ABM2",
-                meaning="Number of revolutions",
-                unit="revolutions",
-            ),
-            FieldFacts(name="multiturn_padding", meaning="always zero", constant=0),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "encoder_id_reply": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(
-                name="status_info",
-                printed_name="EI_3 ... EI_0",
-                meaning="Encoder information",
-                unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_st_error",
-                printed_name="EE_0",
-                active="high",
-                when_active="ST error",
-                when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_other_error",
-                printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
-                ),
-                active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
-                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
-            FieldFacts(
-                name="encoder_id",
-                printed_name="ENID",
-                meaning="Encoder ID, printed as 23h; a frame with another one is decoded",
-            ),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "complete_reply": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(
-                name="status_info",
-                printed_name="EI_3 ... EI_0",
-                meaning="Encoder information",
-                unused=0,
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_st_error",
-                printed_name="EE_0",
-                active="high",
-                when_active="ST error",
-                when_inactive="no ST error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(
-                name="status_other_error",
-                printed_name="EE_1",
-                meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
-                ),
-                active="high",
-                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
-                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
-                source="7.3.2 p.42; it: 7.3.2 p.43",
-            ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
-            FieldFacts(
-                name="singleturn",
-                printed_name="ABS0, ABS1, ABS2",
-                meaning="Position within one revolution",
-                unit="counts",
-            ),
-            FieldFacts(name="singleturn_padding", meaning="always zero", constant=0),
-            FieldFacts(
-                name="encoder_id",
-                printed_name="ENID",
-                meaning="Encoder ID, printed as 23h; a frame with another one is decoded",
-            ),
-            FieldFacts(
-                name="multiturn",
-                printed_name="ABM0, ABM1, ABM2",
-                meaning="Number of revolutions",
-                unit="revolutions",
-            ),
-            FieldFacts(name="multiturn_padding", meaning="always zero", constant=0),
-            FieldFacts(name="alarm_zero_0", unused=0, source="7.4 p.43"),
-            FieldFacts(
-                name="busy",
-                printed_name="BUSY",
-                active="high",
-                when_active="not ready after power-on or during a reset; all position data are 0",
-                when_inactive="ready",
-                names=ReadOnly({"it": "Flag OCCUPATO"}),
-                source="7.4 p.43",
-            ),
-            FieldFacts(
-                name="st_error",
-                printed_name="STERR",
-                active="high",
-                when_active="counted and calculated data disagree",
-                when_inactive="no ST error",
-                names=ReadOnly({"it": "Errore ST"}),
-                source="7.4 p.43",
-            ),
-            FieldFacts(name="alarm_zero_3_4", unused=0, source="7.4 p.43"),
-            FieldFacts(
-                name="ps_error",
-                printed_name="PSERR",
-                active="high",
-                when_active="singleturn and multiturn count out of step, or a counting error",
-                when_inactive="no PS error",
-                names=ReadOnly({"it": "Errore PS"}),
-                source="7.4 p.43",
-            ),
-            FieldFacts(
-                name="mt_error",
-                printed_name="MTERR",
-                active="high",
-                when_active="external battery below 3.05 V",
-                when_inactive="no MT error",
-                names=ReadOnly({"it": "Errore MT"}),
-                source="7.4 p.43",
-            ),
-            FieldFacts(
-                name="battery_alarm",
-                printed_name="BATT",
-                active="high",
-                when_active="external battery below 3.15 V",
-                when_inactive="no battery alarm",
-                names=ReadOnly({"it": "Allarme batteria"}),
-                source="7.4 p.43",
-            ),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "eeprom_write_reply": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(
-                name="address",
-                printed_name="ADD6 ... ADD0",
-                meaning="EEPROM address of the request",
-                source="7.5 p.46",
-            ),
-            FieldFacts(
-                name="mem_busy",
-                printed_name="MEM BUSY",
-                active="high",
-                when_active="writing, request not executed",
-                when_inactive="request accepted",
-                source="7.5 p.46",
-            ),
-            FieldFacts(name="data", printed_name="EDF", meaning="Byte of the request, or 00h while busy"),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "eeprom_read_reply": (
-            FieldFacts(
-                name="sync",
-                meaning="Start of a frame, binary 010",
-                constant=2,
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="Data ID",
-                meaning="What the request asks for; a reply repeats it",
-                source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-            ),
-            FieldFacts(name="parity", source="7.3.1 p.42; stmbl: src/comps/smartabs.c"),
-            FieldFacts(
-                name="address",
-                printed_name="ADD6 ... ADD0",
-                meaning="EEPROM address of the request",
-                source="7.5 p.46",
-            ),
-            FieldFacts(
-                name="mem_busy",
-                printed_name="MEM BUSY",
-                active="high",
-                when_active="memory busy, request not executed",
-                when_inactive="byte read",
-                source="7.5 p.46",
-            ),
-            FieldFacts(name="data", printed_name="EDF", meaning="Byte read, or 00h while busy"),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-    }
-)
 
 
 # Registers
@@ -3081,116 +2592,14 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-#: Every register by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
-    {
-        "preset": Register(
-            name="preset",
-            printed_name="Preset",
-            address=0x11,
-            length=7,
-            access="read_write",
-            byte_order="low_byte_first",
-            default=b"\x00\x00\x00\x00\x00\x00\x00",
-            opened_by="preset_setting_enable",
-            opened_by_value="enable",
-            volatile=True,
-            fields=(
-                FieldFacts(name="zero_above_multiturn", meaning="always zero", constant=0),
-                FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
-                FieldFacts(name="zero_below_multiturn", meaning="always zero", constant=0),
-                FieldFacts(name="singleturn", meaning="Position within one revolution", unit="counts"),
-                FieldFacts(name="zero_below_singleturn", meaning="always zero", constant=0),
-            ),
-            names=ReadOnly({"it": "Preset"}),
-            meaning=(
-                "Position that the encoder shows, from the activation on, at the place where its shaft stands at that "
-                "moment"
-            ),
-            note=(
-                "Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register "
-                "again through Preset setting enable, save it, and activate it if it is to take effect at once; at a "
-                "standstill, the manual suggests. It serves, for instance, to bring the zero points of encoder and "
-                "application together."
-            ),
-            source="6.4 p.35",
-        ),
-        "preset_setting_enable": Register(
-            name="preset_setting_enable",
-            printed_name="Preset setting enable",
-            address=0x40,
-            length=1,
-            access="write_only",
-            byte_order="high_byte_first",
-            default=b"\x00",
-            fields=(FieldFacts(name="state"),),
-            names=ReadOnly({"it": "Abilitazione impostazione preset"}),
-            meaning="Opens and closes the Preset registers for writing",
-            note="The list of defaults (section 10) gives 00, although the register cannot be read.",
-            source="6.4 p.38; it: 6.4 p.38; 10 p.52",
-        ),
-        "serial_number": Register(
-            name="serial_number",
-            printed_name="Serial number",
-            address=0x44,
-            length=4,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(FieldFacts(name="serial"),),
-            names=ReadOnly({"it": "Numero di serie"}),
-            meaning="Year and week of production and a running number, as decimal digits of one binary number",
-            source="6.4 p.38; it: 6.4 p.39",
-        ),
-        "command": Register(
-            name="command",
-            printed_name="Command",
-            address=0x77,
-            length=1,
-            access="write_only",
-            byte_order="high_byte_first",
-            default=b"\x00",
-            clears_itself=True,
-            wait_ms=30,
-            fields=(FieldFacts(name="function"),),
-            names=ReadOnly({"it": "Comando"}),
-            meaning="Saves the parameters or activates the preset",
-            note="After a command the register goes back to 00 by itself.",
-            source="6.4 p.39",
-        ),
-        "device_id": Register(
-            name="device_id",
-            printed_name="Device ID",
-            address=0x78,
-            length=6,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(name="name", meaning="Name of the device, 41 4D 4D 35 in hexadecimal"),
-                FieldFacts(name="release", meaning="Hardware-software release, printed as xx xx"),
-            ),
-            names=ReadOnly({"it": "ID dispositivo"}),
-            meaning="Name of the device and its hardware-software release",
-            source="6.4 p.39",
-        ),
-        "manufacturer_id": Register(
-            name="manufacturer_id",
-            printed_name="Manufacturer ID",
-            address=0x7E,
-            length=2,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(FieldFacts(name="name", meaning="Lika Electronic, 4C 69 in hexadecimal"),),
-            names=ReadOnly({"it": "ID costruttore"}),
-            meaning="Manufacturer",
-            source="6.4 p.39; it: 6.4 p.40",
-        ),
-    }
-)
-
-
 @by_class
 class Preset(NamedTuple):
     """Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
+
+    Attributes:
+        variant: The encoder that the register belongs to.
+        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
+        singleturn: Position within one revolution. Unit: counts.
 
     Position that the encoder shows, from the activation on, at the place where its shaft stands at that moment.
 
@@ -3221,18 +2630,13 @@ class Preset(NamedTuple):
     of 00. Why: The register has seven bytes, 11h to 17h; five bytes written from 11h on leave 16h and 17h, most of the
     multiturn part, as they were. [10 p.52; it: 10 p.53]
 
-    Attributes:
-        variant: The encoder that the register belongs to.
-        multiturn: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
-        singleturn: Position within one revolution. Unit: counts.
-
     Checked by decode():
         zero_above_multiturn: always zero.
         zero_below_multiturn: always zero.
         zero_below_singleturn: always zero.
     """
 
-    variant: Variant
+    variant: BissEncoder
     multiturn: int
     singleturn: int
 
@@ -3240,12 +2644,12 @@ class Preset(NamedTuple):
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
 
     @classmethod
-    def from_position(cls, variant: Variant, position: int) -> Preset:
+    def from_position(cls, variant: BissEncoder, position: int) -> Preset:
         """The same with ``multiturn`` and ``singleturn`` taken from ``position``."""
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -3256,7 +2660,7 @@ class Preset(NamedTuple):
         )
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> Preset:
+    def decode(cls, data: Data, variant: BissEncoder) -> Preset:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
@@ -3265,7 +2669,7 @@ class Preset(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -3292,7 +2696,7 @@ class Preset(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
@@ -3304,7 +2708,7 @@ class Preset(NamedTuple):
         return number.to_bytes(7, "little")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (
@@ -3316,7 +2720,7 @@ class Preset(NamedTuple):
         )
 
     @staticmethod
-    def limits(variant: Variant) -> tuple[int, int]:
+    def limits(variant: BissEncoder) -> tuple[int, int]:
         """Lowest and highest value of ``position`` that may be written."""
         check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.position_bits) - 1
@@ -3363,6 +2767,11 @@ class PresetSettingEnable(IntEnum):
 class SerialNumber(NamedTuple):
     """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38; it: 6.4 p.39].
 
+    Attributes:
+        year: Year of production.
+        week: Week of production.
+        number: Serial number in ascending order.
+
     Year and week of production and a running number, as decimal digits of one binary number.
 
     Byte order: high byte first, at 44h.
@@ -3376,11 +2785,6 @@ class SerialNumber(NamedTuple):
     Editions before 1.7: serial_number: not known. Why: The registers 44h to 47h were updated; how they read before, is
     not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says
     that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
-
-    Attributes:
-        year: Year of production.
-        week: Week of production.
-        number: Serial number in ascending order.
     """
 
     year: int
@@ -3477,6 +2881,11 @@ class Command(IntEnum):
 class DeviceId(NamedTuple):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
 
+    Attributes:
+        name: Name of the device, 41 4D 4D 35 in hexadecimal. ASCII text. Holds ``AMM5``, which identifies the encoder;
+            decoding accepts any value.
+        release: Hardware-software release, printed as xx xx.
+
     Name of the device and its hardware-software release.
 
     Byte order: high byte first, at 78h.
@@ -3487,11 +2896,6 @@ class DeviceId(NamedTuple):
     Editions before 1.7: device_id: not known. Why: The registers 78h to 7Dh were updated; what they held before, is not
     said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the
     software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
-
-    Attributes:
-        name: Name of the device, 41 4D 4D 35 in hexadecimal. ASCII text. Holds ``AMM5``, which identifies the encoder;
-            decoding accepts any value.
-        release: Hardware-software release, printed as xx xx.
     """
 
     name: str
@@ -3542,13 +2946,13 @@ class DeviceId(NamedTuple):
 class ManufacturerId(NamedTuple):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39; it: 6.4 p.40].
 
-    Manufacturer.
-
-    Byte order: high byte first, at 7Eh.
-
     Attributes:
         name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
             accepts any value.
+
+    Manufacturer.
+
+    Byte order: high byte first, at 7Eh.
     """
 
     name: str
@@ -3599,15 +3003,17 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     Raises:
         ValueError: There is no such register, or it has another length.
     """
+    from .facts.amm5 import REGISTERS
+
     held = held_bytes(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if variant.interface is Interface.BISS and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
     )
 
 
-def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
+def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
     return (
         agrees(held, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
         and agrees(held, Address.MANUFACTURER_ID, 2, lambda data: ManufacturerId.decode(data).is_as_documented)
@@ -3617,7 +3023,7 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 # Procedures
 
 
-def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
+def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set, save and activate a preset [6.4 p.35].
 
     Before: Suggested with the shaft at a standstill.
@@ -3657,6 +3063,7 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
             "close them before saving",
+            closes=True,
         ),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
@@ -3665,7 +3072,7 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     )
 
 
-def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
+def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set and save a preset without activating it [6.4 p.35].
 
     Result: The preset is saved; the position is the same as before.
@@ -3703,13 +3110,14 @@ def store_preset(variant: Variant, position: int) -> tuple[Step, ...]:
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
             "close them before saving",
+            closes=True,
         ),
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
 
 
-def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
+def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the parameters [6.4 p.39].
 
     Result: Newly set register values are saved.
@@ -3734,7 +3142,7 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
+def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Activate the saved preset [6.4 p.39].
 
     Before: Suggested with the shaft at a standstill.
@@ -3761,7 +3169,7 @@ def activate_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def reset_singleturn_and_multiturn(variant: Variant | None = None) -> tuple[Step, ...]:
+def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset singleturn and multiturn data [7.4.2 p.45].
 
     Before: Shaft at a standstill.
@@ -3800,7 +3208,7 @@ def reset_singleturn_and_multiturn(variant: Variant | None = None) -> tuple[Step
     )
 
 
-def reset_multiturn_and_errors(variant: Variant | None = None) -> tuple[Step, ...]:
+def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset multiturn data and all errors [7.4.2 p.45].
 
     Before: Shaft at a standstill, that is 300 rpm or less.
@@ -3837,7 +3245,7 @@ def reset_multiturn_and_errors(variant: Variant | None = None) -> tuple[Step, ..
     )
 
 
-def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
+def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset all errors [7.4.2 p.45].
 
     Before: Shaft at a standstill, that is 300 rpm or less.
@@ -3872,1652 +3280,48 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
-
-# Facts
-
-#: Errors and warnings: what they mean, whether they latch, how they are cleared.
-ALARMS: Final[tuple[Alarm, ...]] = (
-    Alarm(
-        name="busy",
-        meaning=(
-            "The encoder is not ready to process data, after power-on or while it carries out a reset; all position "
-            "data are 0 meanwhile"
-        ),
-        printed_name="BUSY flag",
-        field="busy",
-        detected="In normal operation, when the main power is turned on",
-        latch=False,
-        remedy="Clears itself (speed of rotation down to 300 rpm or less)",
-        names=ReadOnly({"it": "Flag OCCUPATO"}),
-        source="7.4.1 p.44",
-    ),
-    Alarm(
-        name="ps_error",
-        meaning="Singleturn and multiturn counting are out of step; also a counting error",
-        printed_name="PS error",
-        field="ps_error",
-        detected="In normal operation",
-        latch=True,
-        remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
-        cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names=ReadOnly({"it": "Errore PS"}),
-        source="7.4.1 p.44",
-    ),
-    Alarm(
-        name="st_error",
-        meaning="The period counter is inconsistent; counted and calculated data disagreed in a check",
-        printed_name="ST error",
-        field="st_error",
-        detected="In normal operation",
-        latch=True,
-        remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
-        cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names=ReadOnly({"it": "Errore ST"}),
-        source="7.4.1 p.44",
-    ),
-    Alarm(
-        name="battery_alarm",
-        meaning="The external battery is low",
-        printed_name="Battery alarm",
-        field="battery_alarm",
-        detected="In normal operation",
-        below_mv=3150,
-        latch=True,
-        remedy="Reset the error with data ID 7 or C",
-        cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names=ReadOnly({"it": "Allarme batteria"}),
-        source="7.4.1 p.44; it: 7.4.1 p.45",
-    ),
-    Alarm(
-        name="mt_error",
-        meaning="The external battery is spent",
-        printed_name="MT error",
-        field="mt_error",
-        detected="In normal operation",
-        below_mv=3050,
-        latch=True,
-        remedy="Reset the error with data ID 7 or C",
-        cleared_by=("reset_errors", "reset_multiturn_and_errors"),
-        names=ReadOnly({"it": "Errore MT"}),
-        source="7.4.1 p.44; it: 7.4.1 p.45",
-    ),
-)
-
-#: Times that belong to the encoder as a whole.
-TIMINGS: Final[tuple[Timing, ...]] = (
-    Timing(
-        name="battery_replacement",
-        meaning=(
-            "From removing the spent battery to connecting the new one, with the 5 V supply on, so that the position "
-            "is kept"
-        ),
-        at_most_us=60_000_000,
-        source="4.3.1 p.23",
-    ),
-)
-
-#: Connectors and cables, contact by contact.
-CONNECTORS: Final[tuple[Connector, ...]] = (
-    Connector(
-        name="ssi_biss_connector",
-        kind="connector",
-        title="Hirose DF19G-14S-1H(54), male",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("1", "Ground"),
-            Contact("2", "Data OUT - / SLO -"),
-            Contact("3", "Data OUT + / SLO +"),
-            Contact("4", "Clock IN - / MA -"),
-            Contact("5", "Clock IN + / MA +"),
-            Contact("6", "/A (cos -)"),
-            Contact("7", "A (cos +)"),
-            Contact("8", "/B (sin -)"),
-            Contact("9", "B (sin +)"),
-            Contact("10", "+Vb", only=".../65K..."),
-            Contact("11", "0Vb", only=".../65K..."),
-            Contact("12", "not connected"),
-            Contact("13", "+5Vdc ±5%"),
-            Contact("14", "0Vdc"),
-        ),
-        mating="Hirose DF19G-14S-1C(05), female",
-        source="4.1.1 p.20",
-    ),
-    Connector(
-        name="ssi_biss_cable",
-        kind="cable",
-        title="EC-DF19-LK-TF12-..., TF12 cable",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("Pink", "Data OUT - / SLO -"),
-            Contact("Grey", "Data OUT + / SLO +"),
-            Contact("Yellow", "Clock IN - / MA -"),
-            Contact("Violet", "Clock IN + / MA +"),
-            Contact("Brown", "/A (cos -)"),
-            Contact("Green", "A (cos +)"),
-            Contact("Black", "/B (sin -)"),
-            Contact("Red", "B (sin +)"),
-            Contact("White", "+Vb", only=".../65K..."),
-            Contact("Blue", "0Vb", only=".../65K..."),
-            Contact("Brown_Green", "+5Vdc ±5%"),
-            Contact("White_Green", "0Vdc"),
-        ),
-        note="No wire is listed for contacts 1 (ground) and 12.",
-        source="4.1.2 p.20; it: 4.1.2 p.21",
-    ),
-    Connector(
-        name="rs485_connector",
-        kind="connector",
-        title="Hirose DF19G-14S-1H(54), male",
-        interfaces=("rs485",),
-        contacts=(
-            Contact("1", "Ground"),
-            Contact("2", "B (RS-485)"),
-            Contact("3", "A (RS-485)"),
-            Contact("4", "not used"),
-            Contact("5", "not used"),
-            Contact("6", "not to be connected"),
-            Contact("7", "not to be connected"),
-            Contact("8", "not to be connected"),
-            Contact("9", "not to be connected"),
-            Contact("10", "+Vb", only=".../65K..."),
-            Contact("11", "0Vb", only=".../65K..."),
-            Contact("12", "reserved"),
-            Contact("13", "+5Vdc ±5%"),
-            Contact("14", "0Vdc"),
-        ),
-        mating="Hirose DF19G-14S-1C(05), female",
-        source="4.1.3 p.21",
-    ),
-    Connector(
-        name="rs485_cable",
-        kind="cable",
-        title="EC-DF19-LK-TF12-..., TF12 cable",
-        interfaces=("rs485",),
-        contacts=(
-            Contact("Pink", "B (RS-485)"),
-            Contact("Grey", "A (RS-485)"),
-            Contact("Yellow", "not used"),
-            Contact("Violet", "not used"),
-            Contact("Brown", "not to be connected"),
-            Contact("Green", "not to be connected"),
-            Contact("Black", "not to be connected"),
-            Contact("Red", "not to be connected"),
-            Contact("White", "+Vb", only=".../65K..."),
-            Contact("Blue", "0Vb", only=".../65K..."),
-            Contact("Brown_Green", "+5Vdc ±5%"),
-            Contact("White_Green", "0Vdc"),
-        ),
-        note="No wire is listed for contacts 1 (ground) and 12.",
-        source="4.1.4 p.22",
-    ),
-)
-
-#: Lights and what their states mean.
-LEDS: Final[tuple[Led, ...]] = (
-    Led(
-        name="led_1_error",
-        title="LED 1 (ERROR)",
-        states=(
-            LedState("blinks for a while after power-on and goes off", "The installation succeeded"),
-            LedState("stays on after installation", "Repeat the installation"),
-            LedState("off in operation", "The encoder works properly and the absolute position is right"),
-            LedState(
-                "red in operation",
-                (
-                    "An error is active, for instance circuitry and disk not aligned: gap out of tolerance, circuitry "
-                    "not installed properly"
-                ),
-            ),
-            LedState(
-                "red with a spent battery",
-                "The encoder cannot operate: replace the battery as in 4.3.2; see MT error",
-            ),
-        ),
-        source="9 p.51; 3.4",
-    ),
-    Led(
-        name="led_2_warning",
-        title="LED 2 (WARNING)",
-        states=(
-            LedState("blinks for a while after power-on and goes off", "The installation succeeded"),
-            LedState("stays on after installation", "Repeat the installation"),
-            LedState("off in operation", "The multiturn system works properly"),
-            LedState("red in operation", "An error in the magnetic multiturn system"),
-            LedState(
-                "red with a low battery",
-                "Replace the battery as soon as possible, as in 4.3.1; see Battery alarm",
-            ),
-        ),
-        source="9 p.51; 3.4",
-    ),
-)
-
-#: Further facts of the manual, as text.
-CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
-    Characteristic(
-        name="scanning",
-        value="Kit encoder with optical and magnetic scanning; compact and of low profile",
-        source="Cover",
-    ),
-    Characteristic(
-        name="applications",
-        value=(
-            "Direct integration where space is short: robots and robotic joints, hollow-shaft motors (direct-drive "
-            "torque motors), brushless and servo motors, OEM equipment."
-        ),
-        source="Preliminary information p.7",
-    ),
-    Characteristic(
-        name="light_protection",
-        value=(
-            "Light alters the operation of the encoder considerably; it is calibrated for work without light. Before "
-            "starting the system and checking it, mount the motor cap and shield the encoder from light sources."
-        ),
-        source="Preliminary information p.7",
-    ),
-    Characteristic(
-        name="enclosure",
-        value=(
-            "To be protected by an enclosure that suits the application. By the Italian edition encoder and disk, "
-            "against the industrial surroundings in which they are installed."
-        ),
-        source="Preliminary information p.7; 1.3 p.8; it: 1.3 p.9",
-    ),
-    Characteristic(
-        name="personnel",
-        value=(
-            "Installation and maintenance by qualified personnel only, with the power supply disconnected and the "
-            "mechanical parts at rest, and under the accident prevention rules of the country. Use only for the "
-            "purpose of its design; high current, voltage and moving parts can injure or kill."
-        ),
-        source="1.1 p.8",
-    ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.8"),
-    Characteristic(
-        name="emc_directive",
-        value="Directive 2014/30/EU on electromagnetic compatibility",
-        source="1.2 p.8",
-    ),
-    Characteristic(
-        name="emc_precautions",
-        value=(
-            "Discharge body and tools before handling. Stabilised supply free of noise, with EMC filters where "
-            "needed. Shielded cables, twisted pairs where possible, no longer than necessary, away from high-voltage "
-            "power cables. Mount away from capacitive and inductive noise sources or shield the device from them. No "
-            "strong magnets on or near the unit."
-        ),
-        source="1.2 p.8",
-    ),
-    Characteristic(
-        name="shield_connection",
-        value=(
-            "Connect the shield or the frame, or both, to a ground free of noise, on the device's side or on the "
-            "user's; which is best is for the user to find out. The Italian edition adds: as close to the encoder as "
-            "possible."
-        ),
-        source="1.2 p.8; it: 1.2",
-    ),
-    Characteristic(
-        name="mechanical_safety",
-        value=(
-            "Do not disassemble or machine the encoder, nor machine the disk or ring; no knocks or shocks. Keep to "
-            "the ambient conditions that the manufacturer states."
-        ),
-        source="1.3 p.8",
-    ),
-    Characteristic(
-        name="esd_handling",
-        value=(
-            "Open the box and handle the electronics only in an electrostatic protective area (EPA) and properly "
-            "grounded: wrist strap to ground through a 1 MΩ resistor, smock of dissipative material, dissipative "
-            "gloves, which also keep the code disk clean."
-        ),
-        source="1.4 p.9",
-    ),
-    Characteristic(
-        name="handling",
-        value=(
-            "Hold the encoder by the sides of its enclosure, and the code disk by its outer edge or its magnetic "
-            "ring. Do not bend the disk, nor expose it to direct sunlight, excessive heat or humidity; keep it from "
-            "scratches. Keep magnets away from the ring in the disk."
-        ),
-        source="1.4; 3.3 p.16",
-    ),
-    Characteristic(
-        name="disk_cleaning",
-        value=(
-            "Clean the disk before mounting: soft dry cloth or lens tissue, circular motions; for stubborn stains a "
-            "soft cloth with a few drops of alcohol. Never petrol, kerosene, benzene or other solvents."
-        ),
-        source="1.4; 3.3 p.16",
-    ),
-    Characteristic(
-        name="mounting_support",
-        value="Shaft and flange with pilot (Figure 1), or shaft and flange with pins (Figure 2)",
-        source="3.1 p.12",
-    ),
-    Characteristic(
-        name="ferromagnetic_flange",
-        value=(
-            "A support flange of ferromagnetic material is suggested where strong magnetic fields are near, for "
-            "example of a magnetic brake"
-        ),
-        only=".../65K...",
-        source="3.1",
-    ),
-    Characteristic(
-        name="shaft_diameter",
-        value=(
-            "At most Ø 24 mm; the shaft of the code disk has to match that of the drive exactly, without reducing "
-            "sleeves"
-        ),
-        source="3.1",
-    ),
-    Characteristic(
-        name="spacer",
-        value=(
-            "The code disk rests on spacer PF5019; press it down gently and make sure that it lies flat before fixing "
-            "it"
-        ),
-        source="it: 3.3",
-    ),
-    Characteristic(
-        name="disk_grub_screws",
-        value=(
-            "Two, M3 × 3 UNI5929; fully sunk, since screws that stick out hit the encoder unit and may damage its "
-            "LEDs"
-        ),
-        source="3.3; it: 3.3",
-    ),
-    Characteristic(name="disk_grub_screw_torque", value="1.3 Nm at most", source="it: 3.3"),
-    Characteristic(
-        name="encoder_placement",
-        value=(
-            "Slide the encoder unit over the disk until the screw holes match, guided by the pilot of the flange or "
-            "by the pins; the enclosure must not touch the disk."
-        ),
-        source="3.4; it: 3.4",
-    ),
-    Characteristic(
-        name="encoder_screws",
-        value="Two cylinder-head bolts, M2.5 × 6 UNI5931; hold the unit down while tightening",
-        source="3.4",
-    ),
-    Characteristic(name="encoder_screw_torque", value="0.8 Nm at most", source="3.4"),
-    Characteristic(
-        name="disk_alignment",
-        value="Mark punched in the disk centred in the encoder unit, ±10° mechanical at most",
-        source="3.4",
-    ),
-    Characteristic(
-        name="disk_misaligned",
-        value=(
-            "With the disk out of alignment the encoder reports an error at power-on: switch off, align the disk, go "
-            "on with the connection."
-        ),
-        source="3.4",
-    ),
-    Characteristic(
-        name="connection_order",
-        value=(
-            "With the supply off and the battery not wired, connect the EC-DF19-LK-TF12-... cable; then connect the "
-            "battery; then switch the supply on. Both LEDs blink for a while and go off when the installation "
-            "succeeded; if one stays on, repeat the procedure."
-        ),
-        source="3.4",
-    ),
-    Characteristic(
-        name="wiring",
-        value=(
-            "Supply off while wiring. Cut the wires of unused signals to different lengths and insulate each; if they "
-            "touch, the device may be damaged beyond repair."
-        ),
-        source="4 p.20",
-    ),
-    Characteristic(name="supply", value="+5 V DC ±5 %", source="4.1.1 p.20; 4.1.3 p.21"),
-    Characteristic(name="cable", value="EC-DF19-LK-TF12-..., ordered separately", source="4.1.2 p.20; 4.1.4 p.22"),
-    Characteristic(name="cable_model", value="Lika TF12 encoder cable", source="4.1.5 p.22"),
-    Characteristic(
-        name="cable_cross_section",
-        value="6 × 2 × 28 AWG, twisted pairs",
-        source="4.1.5 p.22; it: 4.1.5 p.22",
-    ),
-    Characteristic(name="cable_jacket", value="PVC compound, flame retardant, quality RZ-TM2", source="4.1.5 p.22"),
-    Characteristic(
-        name="cable_shield",
-        value="Tinned copper braid, coverage above 80 %, with tinned copper drain wire",
-        source="4.1.5 p.22",
-    ),
-    Characteristic(name="cable_diameter", value="5.4 mm ±0.1 mm (0.213 in ±0.004 in)", source="4.1.5 p.22"),
-    Characteristic(name="cable_bending_radius", value="10 × outer diameter at least", source="4.1.5 p.22"),
-    Characteristic(name="cable_temperature", value="−15 °C to +80 °C (+5 °F to +176 °F)", source="4.1.5 p.22"),
-    Characteristic(
-        name="cable_resistance",
-        value="Below 242.02 Ω/km per conductor at +20 °C (UL 758, table 5.2.1)",
-        source="4.1.5 p.22",
-    ),
-    Characteristic(
-        name="ground",
-        value="Connect the encoder to a ground free of noise through pin 1",
-        source="4.2 p.22",
-    ),
-    Characteristic(
-        name="battery_voltage",
-        value="3 V to 5.5 V between +Vb and 0Vb, typically 3.6 V",
-        only=".../65K...",
-        source="4.3 p.23",
-    ),
-    Characteristic(
-        name="battery_replacement_without_error",
-        value=(
-            "When at power-on both LEDs are off and no BiSS alarm is active, or when only WARNING (LED and bit) is "
-            "active; the absolute position is kept. 1. Stop the disk anywhere. 2. The 5 V supply has to be on. 3. "
-            "Remove the spent battery, and replace it within 1 minute. 4. Install and connect the new one. 5. Supply "
-            "off. 6. Supply on. 7. Singleturn and multiturn position are right, the same as before. 8. Turn the disk: "
-            "both LEDs are off."
-        ),
-        only=".../65K...",
-        source="4.3.1 p.23",
-    ),
-    Characteristic(
-        name="battery_replacement_with_error",
-        value=(
-            "When at power-on the ERROR bit, the ERROR LED or both are active. 1. Stop the disk anywhere. 2. Supply "
-            "off. 3. Remove the spent battery. 4. Install and connect the new one. 5. Supply on: the ERROR LED is on "
-            "or blinks. 6. Supply off. 7. Supply on. 8. The ERROR LED is off. 9. The positions are provided again: "
-            "singleturn as before, multiturn different. 10. Turn the disk slowly: both LEDs have to be off. 11. If "
-            "the ERROR LED lights up, turn on until it goes off, then until it lights up again, then until it goes "
-            "off. 12. Stop the disk. 13. Remove the battery. 14. Short-circuit the battery terminals (white and blue "
-            "wires) to discharge the rest of the voltage. 15. Supply off. 16. Install and connect the battery again. "
-            "17. Supply on: the ERROR LED is on or blinks. 18. Supply off. 19. Supply on. 20. The ERROR LED is off. "
-            "21. Turn the disk: both LEDs are off."
-        ),
-        only=".../65K...",
-        source="4.3.2 p.24",
-    ),
-    Characteristic(
-        name="counting_direction",
-        value="Counts up with clockwise rotation seen from the flange side (Figure 6); fixed",
-        source="4.6 p.26",
-    ),
-    Characteristic(
-        name="sine_cosine",
-        value="512 periods per revolution, for speed feedback",
-        only="...BG1-..., ...SC1-...",
-        source="Preliminary information p.7; 4.4 p.25; 8 p.49",
-    ),
-    Characteristic(
-        name="sine_cosine_signals",
-        value="A is cosine and B is sine",
-        only="...BG1-..., ...SC1-...",
-        source="4.1.1 p.20; 8 p.49",
-    ),
-    Characteristic(
-        name="sine_cosine_phase",
-        value=(
-            "Given for clockwise rotation seen from the shaft side (English edition) or from the flange side (Italian "
-            "edition)"
-        ),
-        only="...BG1-..., ...SC1-...",
-        source="8 p.49; it: 8 p.49",
-    ),
-    Characteristic(
-        name="sine_cosine_level",
-        value=(
-            "1 Vpp between the normal and the inverted signal (differential); the frequency is proportional to the "
-            "speed of rotation"
-        ),
-        only="...BG1-..., ...SC1-...",
-        source="8 p.49; 8.1 p.49",
-    ),
-    Characteristic(
-        name="sine_cosine_receiver",
-        value="Recommended input circuit with Vref = 2.5 V ±0.5 V, VA = 1 Vpp × Av, Av = R2 / R1",
-        only="...BG1-..., ...SC1-...",
-        source="8.1",
-    ),
-    Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
-)
-
-#: What only figures show that the text at hand does not contain.
-LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure(
-        (
-            "Figures 1 and 2: dimensions of shaft and flange, with pilot and with pins. Which of AMM5A and AMM5B "
-            "takes which is not said in words."
-        ),
-        source="3.1 p.12",
-    ),
-    LostFigure("Figures 3, 4 and 5: encumbrance sizes of AMM5A, AMM5B and the code disk.", source="3.2 p.14"),
-    LostFigure(
-        (
-            "Pictures of the mounting steps, and step 1 in words: neither text has it. The English text also lacks "
-            "step 2 and most of step 3; they are taken from the Italian one."
-        ),
-        source="3.3 p.16; 3.4; it: 3.3 p.16",
-    ),
-    LostFigure("Pictures of steps 3 to 8, among them the position of the mark on the disk.", source="3.4"),
-    LostFigure("Picture of the connector with its pin numbers.", source="4.1 p.20"),
-    LostFigure("Pictures beside the two battery replacement procedures.", source="4.3 p.23"),
-    LostFigure("Figure 6: standard counting direction, given in words as well.", source="4.6 p.26"),
-    LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm, described in words as well.",
-        source="5.1",
-    ),
-    LostFigure("What stands after the pause Tp, probably its picture.", source="5.3"),
-    LostFigure("Recommended SSI input circuit.", source="5.4 p.30"),
-    LostFigure(
-        "Logic circuit of the 6-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.2.1 p.33",
-    ),
-    LostFigure(
-        "Logic circuit of the 4-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.3 p.34",
-    ),
-    LostFigure("Bit structure of the Preset registers; taken from the list of bits below it.", source="6.4"),
-    LostFigure(
-        "Tables of steps 2 and 3 of the preset example, bits and bytes; taken from the list of register writes.",
-        source="6.4",
-    ),
-    LostFigure("Recommended BiSS input circuit.", source="6.6 p.40"),
-    LostFigure("Waveforms of sine and cosine.", source="8 p.49"),
-    LostFigure(
-        "Voltage levels of the sine and cosine signals, and the recommended input circuit with R1 and R2.",
-        source="8.1",
-    ),
-    LostFigure("Place of the two LEDs.", source="9 p.51"),
-)
-
-#: Where the manual cannot be taken literally, and what is used instead.
-ERRATA: Final[tuple[Erratum, ...]] = (
-    Erratum(
-        name="do_not_tool",
-        printed="Do not tool the encoder or the disk/ring.",
-        used="Neither is to be machined.",
-        why="The Italian edition has non eseguire lavorazioni meccaniche, no machining.",
-        status="settled",
-        severity="wording",
-        affects=("characteristics.mechanical_safety",),
-        source="1.3 p.8; it: 1.3 p.9",
-    ),
-    Erratum(
-        name="ground_wire",
-        printed=(
-            "Pin 1 is the ground of the encoder and is to be used; the tables of the mating cable list no wire for "
-            "it."
-        ),
-        used="The tables as printed; no wire is assumed for pin 1.",
-        why=(
-            "All twelve conductors (6 × 2) are taken by other functions; whether shield or drain wire reaches pin 1 "
-            "is not said."
-        ),
-        status="open",
-        severity="omission",
-        affects=("connectors.ssi_biss_cable", "connectors.rs485_cable", "characteristics.ground"),
-        source="4.1.2 p.20; 4.1.4 p.22; 4.2 p.22",
-    ),
-    Erratum(
-        name="heading_g1",
-        printed="Heading of the cable table: ...G1-... and ...SC1-... order codes",
-        used="...BG1-... and ...SC1-...",
-        why="The connector that the cable mates with (4.1.1) and all lists of models have BG1; no model has G1.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("order_code", "connectors.ssi_biss_cable"),
-        source="4.1.2 p.20; it: 4.1.2 p.21",
-    ),
-    Erratum(
-        name="cable_fahrenheit",
-        printed="Conductor resistance at +20°C / -4°F",
-        used="+20 °C, which is 68 °F",
-        why="−4 °F is −20 °C. The Italian edition gives +20 °C alone.",
-        status="settled",
-        severity="wording",
-        affects=("characteristics.cable_resistance",),
-        source="4.1.5 p.22",
-    ),
-    Erratum(
-        name="battery_range",
-        printed=(
-            "Battery voltage between 3 V and 5.5 V; alarms below 3.15 V (Battery alarm) and below 3.05 V (MT error)"
-        ),
-        used="Both as printed",
-        why="From 3.00 V to 3.15 V a battery is within its range and raises an alarm all the same.",
-        status="open",
-        severity="wrong_limit",
-        affects=("characteristics.battery_voltage", "alarms.battery_alarm", "alarms.mt_error"),
-        source="4.3 p.23; 7.4.1 p.44",
-    ),
-    Erratum(
-        name="ssi_output_code",
-        printed=(
-            "5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code is BINARY, see the "
-            "order code"
-        ),
-        used="Binary",
-        why=(
-            "5.1 describes SSI in general, 5.2 this encoder; the order code has no place for a code and only one SSI "
-            "variant, BG1."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("interfaces.ssi.output_code", "interfaces.ssi.ssi_word"),
-        source="5.1; 5.2",
-    ),
-    Erratum(
-        name="ssi_clock_count",
-        printed=(
-            "5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least "
-            "as many clocks as data bits"
-        ),
-        used="Neither is enforced; n + 1 clocks satisfy both.",
-        why="With the word aligned to the left, a clock too many brings a zero after it, one too few may lose the LSB.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2; it: 5.1",
-    ),
-    Erratum(
-        name="ssi_table_65kkg1",
-        printed="AMM5A17/65KKG1... and five more in the English table of word lengths",
-        used="65KBG1",
-        why="The table just below it and the Italian edition have 65KBG1; no model has KG1.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("order_code", "interfaces.ssi.ssi_word"),
-        source="5.2; it: 5.2",
-    ),
-    Erratum(
-        name="ssi_cpr",
-        printed="8,589,934,592 cpr, 137,438,953,472 cpr and 549,755,813,888 cpr for the multiturn models",
-        used="Positions over all 65,536 revolutions, not counts per revolution",
-        why=(
-            "They are 2^33, 2^37 and 2^39, with the 16 bits of the revolutions in them; cpr elsewhere means the "
-            "singleturn resolution."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("parameters.positions",),
-        source="5.2",
-    ),
-    Erratum(
-        name="position_order",
-        printed=(
-            "Only \"17 + 16 bits\" and the like; no words on which of singleturn and multiturn comes first in the "
-            "position"
-        ),
-        used="Multiturn first, as the more significant part; singleturn after it",
-        why=(
-            "The Preset registers hold one number with multiturn above singleturn (6.4). Figures that might show the "
-            "order are lost."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.ssi.ssi_word", "interfaces.biss.single_cycle_data"),
-        source="5.2; 6.2.1 p.32; 6.4",
-    ),
-    Erratum(
-        name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz",
-        used="Both as printed",
-        why="From 200 m on the table leaves no clock within the range.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3",
-    ),
-    Erratum(
-        name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz",
-        used="Both as printed",
-        why="50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4 MHz.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3",
-    ),
-    Erratum(
-        name="profile_id_missing",
-        printed="The encoder complies with the \"Standard encoder profile\"; no register 42h to 43h is listed.",
-        used="No profile ID",
-        why=(
-            "The BiSS register map keeps the profile ID at 42h to 43h. What an unlisted register answers, the manual "
-            "does not say."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.biss.profile",),
-        source="6 p.31; 6.4 p.35; prot: p.14-15",
-    ),
-    Erratum(
-        name="control_data_bit",
-        printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="Nothing; no layout of the control frame is made from it.",
-        why=(
-            "By the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data, and only "
-            "the master's follows, during the time-out."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("interfaces.biss.control_data",),
-        source="6.1 p.31; prot: p.3-5",
-    ),
-    Erratum(
-        name="scd_length",
-        printed="SCD data is nbitres+7 long.",
-        used="position_bits + 8",
-        why=(
-            "Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8; nbitres+7 is the number of "
-            "the top bit in the table."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("interfaces.biss.single_cycle_data",),
-        source="6.2.1 p.32; it: 6.2.1 p.32",
-    ),
-    Erratum(
-        name="biss_documents",
-        printed=(
-            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
-            "Description\""
-        ),
-        used="The BiSS C protocol description of iC-Haus",
-        why=(
-            "The manuals of the same maker name the document differently. The protocol description is the public one "
-            "that their terms come from."
-        ),
-        status="open",
-        severity="wording",
-        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6 p.31; 6.3 p.34; prot",
-    ),
-    Erratum(
-        name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
-        used="Start value 0",
-        why=(
-            "Public BiSS documents begin with 0 unless something else is stated, and BiSS devices may have another. "
-            "With another start value every frame fails its CRC, with or without errors on the line."
-        ),
-        status="open",
-        severity="omission",
-        affects=("crcs.biss_6", "crcs.biss_4"),
-        source="6.2.1 p.33; 6.3 p.34; prot: p.7-8; renishaw: data sheet; icmu: p.30",
-    ),
-    Erratum(
-        name="error_bits_leds_alarms",
-        printed=(
-            "nE and LED 1: misalignment and the like, or battery spent, see MT error. nW and LED 2: an error in the "
-            "magnetic multiturn system, or battery low, see Battery alarm. RS-485: EE_0 for ST error; EE_1 for BUSY "
-            "flag, PS error, Battery alarm and MT error"
-        ),
-        used="Each as printed, none derived from another",
-        why=(
-            "They do not map one to one. MT error means a spent battery over RS-485 and belongs to LED 1, yet an "
-            "error of the multiturn system is the warning of LED 2. PS error and BUSY flag have neither LED nor bit "
-            "of their own, nor is ST error named with nE. A spent battery is an error over BiSS and in the same bit "
-            "as a low one over RS-485."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "interfaces.biss.single_cycle_data.error",
-            "interfaces.biss.single_cycle_data.warning",
-            "field_groups.status_field",
-            "field_groups.alarm_field",
-            "leds.led_1_error",
-            "leds.led_2_warning",
-        ),
-        source="6.2.1 p.32; 6.2.1 p.33; 7.3.2 p.42; 7.4.1 p.44; 9 p.51",
-    ),
-    Erratum(
-        name="unused_status_bits",
-        printed="EI_3 to EI_0 and four more bits of SF and ALMC: 0",
-        used="A reply that has them otherwise is decoded, and reports them; its position is usable with a warning.",
-        why=(
-            "What another value means is not said. Later firmware may use such a bit, and sync, data ID, parity and "
-            "CRC prove the frame without it."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "field_groups.status_field.status_info",
-            "field_groups.status_field.status_zero",
-            "field_groups.alarm_field.alarm_zero_3_4",
-            "field_groups.alarm_field.alarm_zero_0",
-        ),
-        source="7.3.2 p.42; 7.4 p.43",
-    ),
-    Erratum(
-        name="position_under_error",
-        printed=(
-            "BUSY: all position data are 0. A spent battery: the encoder cannot operate. A low one, with the warning "
-            "alone: the position is kept. What the other errors do to the position is not said."
-        ),
-        used=(
-            "Not usable with an error, BUSY, PS error, ST error or MT error, latched ones until they are reset. "
-            "Usable with a warning with the warning bit or the battery alarm. EE_1, the sum of BUSY, PS error, "
-            "battery alarm and MT error, makes it not usable, unless the frame carries these four as well (data ID "
-            "3): then they decide."
-        ),
-        why=(
-            "PS error and ST error are faults of the counting itself, and the position may have been counted wrongly "
-            "before the error was seen. Where EE_1 is all there is, the position may be the 0 of BUSY. The warning "
-            "bit also stands for an error in the magnetic multiturn system, so that the number of revolutions may be "
-            "wrong with it; the manual calls it a warning all the same. After a spent battery the singleturn position "
-            "is right (4.3.2, step 9); replies that carry it alone are held not usable all the same."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "field_groups.status_field",
-            "field_groups.alarm_field",
-            "interfaces.biss.single_cycle_data.error",
-            "interfaces.biss.single_cycle_data.warning",
-        ),
-        source="6.2.1 p.32; 6.2.1 p.33; 4.3.1 p.23; 4.3.2 p.24; 7.3.2 p.42; 7.4.1 p.44",
-    ),
-    Erratum(
-        name="preset_limit",
-        printed="English: less than the total hardware resolution. Italian: less than or equal to it (minore o uguale)",
-        used="At most 2^position_bits − 1",
-        why="The total resolution itself needs one bit more than the register has for it.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("registers.preset",),
-        source="6.4; it: 6.4",
-    ),
-    Erratum(
-        name="preset_byte_11",
-        printed="Bytes 11h to 14h are used for singleturn information.",
-        used="No singleturn bit lies in byte 11h.",
-        why=(
-            "The same list says that all bits of byte 11h are always 0; the lowest singleturn bit of any model is bit "
-            "10, in byte 12h."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("registers.preset",),
-        source="6.4",
-    ),
-    Erratum(
-        name="preset_revolutions",
-        printed="English: the number of revolutions is always 65,536 in all models. Italian: in all multiturn models",
-        used="Singleturn models have no multiturn bits; their bits 48:33 are taken as 0.",
-        why=(
-            "Models of 1 revolution exist (preliminary information, 5.2, 6.2.1). What their bits 48:33 hold is not "
-            "said."
-        ),
-        status="settled",
-        severity="wrong_limit",
-        affects=("registers.preset",),
-        source="6.4; it: 6.4",
-    ),
-    Erratum(
-        name="preset_bits_below_lsb",
-        printed=(
-            "Only bits 9:8 and byte 11h are said to be 0; the lowest singleturn bit is 12 at 21 bits and 16 at 17 "
-            "bits."
-        ),
-        used="All bits below the lowest singleturn bit are 0.",
-        why=(
-            "The example at 21 bits has 0 in bits 11:8 (byte 12h is 30h), and the AMM80 manual has the same at 20 "
-            "bits; bits 15:10 at 17 bits are stated nowhere."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.preset",),
-        source="6.4; amm80: 6.4 p.40",
-    ),
-    Erratum(
-        name="preset_binary_digits",
-        printed=(
-            "1,000,003 in binary: 39 digits in the English edition, 37 in the Italian, both called the 21-bit format"
-        ),
-        used="37 bits, 16 for multiturn and 21 for singleturn",
-        why="21 + 16 = 37 is the resolution of the model; the two digits too many are leading zeros.",
-        status="settled",
-        severity="wording",
-        affects=("examples.preset_register",),
-        source="6.4; it: 6.4",
-    ),
-    Erratum(
-        name="biss_bank_select",
-        printed="Register 40h is Preset setting enable; the preset is at 11h to 17h.",
-        used="As printed",
-        why=(
-            "In the BiSS register map 40h selects the bank and 00h to 3Fh is the area that it switches. A master that "
-            "follows the map may write 40h on its own: bank 1 would open the preset, bank 0 close it."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.preset", "registers.preset_setting_enable"),
-        source="6.4 p.38; prot: p.14-15",
-    ),
-    Erratum(
-        name="device_id_shared",
-        printed="One device ID, AMM5 with the release, for all models",
-        used="As printed",
-        why=(
-            "BiSS asks for another device ID where the data length differs. The SC1 models have six lengths; unless "
-            "the release bytes, printed as xx, differ with them, a master cannot tell the models apart."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.device_id",),
-        source="6.4 p.39; prot: p.14-15",
-    ),
-    Erratum(
-        name="serial_number_order",
-        printed="44h to 47h read 0A E8 69 EE, decimal 18 30 03630",
-        used="High byte first, as printed",
-        why=(
-            "The manual of the AMM36, a sister with the same example, reads EE 69 E8 0A from 44h to 47h and reverses "
-            "it; that of the AMM80 agrees with this one. Manual 1.7 updated the registers 44h to 47h, so that an "
-            "older AMM5 may answer in the other order. A year or a week that cannot be tells."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.serial_number", "examples.serial_number"),
-        source="6.4 p.38; amm36: p.38; amm80: 6.4 p.41",
-    ),
-    Erratum(
-        name="preset_setting_enable_default",
-        printed=(
-            "Registers 40h and 77h are write only (wo); the list of defaults has 00 for 40h, and 77h goes back to 00 "
-            "by itself"
-        ),
-        used="Write only; 00 is what they hold after power-on, and what 77h goes back to.",
-        why=(
-            "A default of what cannot be read shows to nobody. Whether they answer a read, with 00 or at all, is not "
-            "said."
-        ),
-        status="open",
-        severity="wording",
-        affects=("registers.preset_setting_enable", "registers.command"),
-        source="6.4 p.38; 6.4 p.39; 10 p.52",
-    ),
-    Erratum(
-        name="biss_min_clock",
-        printed="Clock of 50 kHz at least; the time-out is worked out for 50 kHz as well.",
-        used="50 kHz",
-        why="The BiSS protocol description starts at 80 kHz.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.biss.clock",),
-        source="6.5 p.40; prot: p.18",
-    ),
-    Erratum(
-        name="control_field_structure",
-        printed="One byte for each data ID, without its structure",
-        used="Bits 2:0 are 010, bits 6:3 the data ID, bit 7 the even parity of the data ID.",
-        why="All nine printed bytes fit this structure, which public sources give for the T-format.",
-        status="settled",
-        severity="omission",
-        affects=("field_groups.control_field",),
-        source="7.3.1 p.42; stmbl: src/comps/smartabs.c",
-    ),
-    Erratum(
-        name="encoder_id_23h",
-        printed="ENID: encoder ID, fixed value = 23h",
-        used="23h is what the encoder ID should be; a frame with another one is decoded, and the other one reported.",
-        why=(
-            "T-format encoders of 23 bits usually have 17h, which is 23 in decimal; HPMicro's sample prints ENID "
-            "0x17. The 23h may be a decimal 23 that was taken for hexadecimal, and the value says nothing about the "
-            "frame: sync code, data ID, length and CRC do."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=(
-            "interfaces.rs485.encoder_id_reply",
-            "interfaces.rs485.complete_reply",
-            "interfaces.rs485.data_ids",
-            "examples.public_all_data_reply",
-        ),
-        source="7.3.1 p.42; 7.4 p.43; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst",
-    ),
-    Erratum(
-        name="busy_and_errors_in_one_bit",
-        printed="EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error",
-        used="One flag, status_other_error; the position beside it is not to be trusted until ALMC has been read.",
-        why=(
-            "BUSY does not latch, and all position data are 0 meanwhile; the other three latch, and the position may "
-            "be right. In the replies to data IDs 0, 1, 2, 7, 8 and C nothing tells them apart; data ID 3 has ALMC, "
-            "which does."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "field_groups.status_field.status_other_error",
-            "interfaces.rs485.singleturn_reply",
-            "interfaces.rs485.multiturn_reply",
-        ),
-        source="7.3.2 p.42; 7.4.1 p.44",
-    ),
-    Erratum(
-        name="mem_busy_on_read",
-        printed=(
-            "Table, reading with MEM BUSY 1: reading is being executed, request for reading is invalid. Sentence "
-            "below: 1 = writing is being executed"
-        ),
-        used="MEM BUSY 1: the memory is busy and the request is not executed; ask again.",
-        why=(
-            "A request for reading that is invalid because reading is being executed would never be answered. Likely "
-            "a write is going on, as the sentence has it; the row for writing has the same words with writing."
-        ),
-        status="open",
-        severity="wording",
-        affects=("interfaces.rs485.eeprom_read_reply",),
-        source="7.5 p.46; it: 7.5 p.46",
-    ),
-    Erratum(
-        name="reset_ids_singleturn_value",
-        printed="Resetting data/errors: Data ID 7, 8 and C, each (singleturn value)",
-        used="The parenthesis names what the reply carries; what is reset is as in 7.4.2.",
-        why=(
-            "By 7.4 the replies carry ABS0 to ABS2. Data ID 7 resets errors only, and C leaves the singleturn data "
-            "alone."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("interfaces.rs485.data_ids",),
-        source="7.3.1 p.42; 7.4 p.43; 7.4.2 p.45",
-    ),
-    Erratum(
-        name="battery_alarm_reset",
-        printed=(
-            "7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS error, "
-            "ST error, MT error)"
-        ),
-        used="Data ID 7 and C clear it as well.",
-        why=(
-            "7.4.1 says so for this alarm by name; the lists in 7.4.2 claim to be of all latched errors and leave it "
-            "out."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "alarms.battery_alarm",
-            "field_groups.alarm_field.battery_alarm",
-            "procedures.reset_errors",
-            "procedures.reset_multiturn_and_errors",
-        ),
-        source="7.4.1 p.44; 7.4.2 p.45",
-    ),
-    Erratum(
-        name="data_id_8_scope",
-        printed=(
-            "Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8"
-        ),
-        used="The table, singleturn and multiturn",
-        why=(
-            "The table says it twice, the note only in passing. But public T-format documents know three resets, of "
-            "the data in one revolution, of the multiturn data, and of errors; with C and 7 taken, the first is left "
-            "for this request."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("interfaces.rs485.data_ids", "procedures.reset_singleturn_and_multiturn"),
-        source="7.4.2 p.45; ti_sdk: docs_src/docs/api_guide/components/position_sense/tamagawa_design.md",
-    ),
-    Erratum(
-        name="mem_busy_position",
-        printed="MEM BUSY is bit 0 of the address field, the address is bits 7:1, so that address 5 is sent as 0Ah.",
-        used=(
-            "Either, by a decision of the user that has no default. A wrong one reaches twice the address or half of "
-            "it, and a write destroys other data there: read before you write, and compare."
-        ),
-        why=(
-            "Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F "
-            "01 4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h), in which bit 0 "
-            "is 1, though as printed it is 0 from a master; TI's driver sends the address as given, EA 05 EF for "
-            "address 5, where this manual has EA 0A E0. Only address 0 is the same in both."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=(
-            "alternatives.eeprom_address",
-            "interfaces.rs485.eeprom_write_request",
-            "interfaces.rs485.eeprom_read_request",
-            "interfaces.rs485.eeprom_write_reply",
-            "interfaces.rs485.eeprom_read_reply",
-            "examples.public_eeprom_page_request",
-            "examples.public_eeprom_write_request",
-            "examples.public_eeprom_read_request",
-        ),
-        source=(
-            "7.5 p.46; hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst; ti_sdk: "
-            "tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c"
-        ),
-    ),
-    Erratum(
-        name="crc_coverage",
-        printed="Calculation \"to all 8 bits except for Start bit and Delimiter of fields rather than CRC\"",
-        used="The CRC covers the 8 bits of every field before it, without start bits and delimiters.",
-        why=(
-            "The sentence is garbled in both editions; the printed check value B3h is the XOR of the six bytes before "
-            "it."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("crcs.rs485_8",),
-        source="7.6 p.47; it: 7.6 p.47",
-    ),
-    Erratum(
-        name="crc_example_frame",
-        printed="Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF, DF0 to DF3, CRC",
-        used="A check of the CRC only; as a reply it is refused for its length.",
-        why=(
-            "The CRC is right. A reply begins with the control field of its request; 32h is that of data ID 6, whose "
-            "reply has four bytes and no SF. No data ID has four data bytes."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("examples.crc_of_the_manual", "examples.crc_example_as_frame", "interfaces.rs485.singleturn_reply"),
-        source="7.6",
-    ),
-    Erratum(
-        name="crc_code_bit_order",
-        printed="Data is configured LSB first; the printed code takes the bits of a string in order.",
-        used="The XOR of all bytes before the CRC, which is x^8 + 1 with input and output reflected",
-        why=(
-            "Fed with the bits of the example LSB first the code returns CDh, the printed B3h with its bits reversed; "
-            "it returns B3h only when each byte is fed MSB first."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("crcs.rs485_8", "examples.crc_of_the_manual"),
-        source="7.6",
-    ),
-    Erratum(
-        name="crc_code_undeclared",
-        printed="CRC8 = 0; as the first line of the function",
-        used="Nothing; the code is not taken over.",
-        why="CRC8 is declared nowhere, so that the function does not compile as it stands.",
-        status="settled",
-        severity="wording",
-        affects=("crcs.rs485_8",),
-        source="7.6",
-    ),
-    Erratum(
-        name="sine_cosine_view",
-        printed=(
-            "Clockwise rotation seen from the shaft side (English) or from the flange side (Italian, vista dal lato "
-            "flangia)"
-        ),
-        used="Both are quoted.",
-        why=(
-            "4.6 counts up clockwise seen from the flange side in both editions. Should the shaft side be the other "
-            "one, the order of A and B would be the opposite; the waveforms are lost."
-        ),
-        status="open",
-        severity="wording",
-        affects=("characteristics.sine_cosine_phase",),
-        source="8 p.49; it: 8 p.49; 4.6 p.26",
-    ),
-    Erratum(
-        name="leds_at_power_on",
-        printed="Italian 3.4: the LEDs light up for a moment (si accendono per un attimo). Elsewhere: they blink",
-        used="They blink for a while.",
-        why="English 3.4 and section 9 of both editions say so.",
-        status="settled",
-        severity="wording",
-        affects=("leds.led_1_error", "leds.led_2_warning"),
-        source="3.4; 9 p.51; it: 3.4; it: 9 p.51",
-    ),
-    Erratum(
-        name="preset_default_length",
-        printed="Default of Preset: 00 00 00 00 00",
-        used="Seven bytes of 00",
-        why=(
-            "The register has seven bytes, 11h to 17h; five bytes written from 11h on leave 16h and 17h, most of the "
-            "multiturn part, as they were."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.preset",),
-        source="10 p.52; it: 10 p.53",
-    ),
-    Erratum(
-        name="led_list_numbers",
-        printed="Both items of each list of LED meanings have the number 2.",
-        used="The items as two meanings of the same light, without numbers",
-        why=(
-            "Nothing precedes them, and the list of the bits Error and Warning (6.2.1) has the same two items as 1 "
-            "and 2."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("leds.led_1_error", "leds.led_2_warning"),
-        source="9 p.51; it: 9 p.51",
-    ),
-    Erratum(
-        name="battery_replacement_position",
-        printed=(
-            "Step 9: singleturn and multiturn positions are provided properly; the multiturn position is different "
-            "than before"
-        ),
-        used="Singleturn as before; multiturn different, to be set again",
-        why=(
-            "A multiturn position that differs from the one before is not right; 4.3.1 uses the same words where both "
-            "are kept."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("characteristics.battery_replacement_with_error",),
-        source="4.3.2 p.24; it: 4.3.2 p.24",
-    ),
-    Erratum(
-        name="battery_shorted_under_supply",
-        printed="Step 14: short-circuit the battery terminals. Step 15: switch the 5Vdc power supply off",
-        used="As printed",
-        why=(
-            "The terminals are shorted while the supply is still on. Whether the encoder can feed them then, or the "
-            "two steps changed places, is not said. The residual voltage would be discharged with the supply off as "
-            "well."
-        ),
-        status="open",
-        severity="wording",
-        affects=("characteristics.battery_replacement_with_error",),
-        source="4.3.2 p.24; it: 4.3.2 p.24",
-    ),
-    Erratum(
-        name="reset_interval",
-        printed="Ten times in succession, at transmission intervals of 40 µs or more",
-        used="No other request in between, and 40 µs or more after each request before the next one begins",
-        why=(
-            "Whether an interval is the gap between two requests or runs from start to start is not said; a gap of 40 "
-            "µs satisfies both. Nor is said whether a request with another data ID begins the count anew."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "procedures.reset_errors",
-            "procedures.reset_multiturn_and_errors",
-            "procedures.reset_singleturn_and_multiturn",
-            "interfaces.rs485.reset_interval",
-        ),
-        source="7.4.2 p.45; it: 7.4.2 p.45",
-    ),
-    Erratum(
-        name="reset_standstill",
-        printed="Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less)",
-        used="At a standstill, that is 300 rpm or less, as printed",
-        why=(
-            "A shaft at 300 rpm does not stand still. The descriptions of C and 7 have no condition at all, and that "
-            "of data ID 8 asks for a stop without a speed."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=(
-            "procedures.reset_errors",
-            "procedures.reset_multiturn_and_errors",
-            "procedures.reset_singleturn_and_multiturn",
-        ),
-        source="7.4.2 p.45; it: 7.4.2 p.45",
-    ),
-    Erratum(
-        name="busy_clear",
-        printed=(
-            "BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed decreased to 300 "
-            "rpm or less)"
-        ),
-        used="Both as printed",
-        why=(
-            "The description knows no speed. Whether power-on above 300 rpm keeps the flag set, with all position "
-            "data at 0, is not said."
-        ),
-        status="open",
-        severity="omission",
-        affects=("alarms.busy", "field_groups.alarm_field.busy"),
-        source="7.4.1 p.44; it: 7.4.1 p.44",
-    ),
-    Erratum(
-        name="edition_before_1_8_1",
-        printed="order_code.parts.mount.values.B",
-        used="left out",
-        why="AMM5B was introduced with this revision.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("order_code.mount",),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_8_2",
-        printed=(
-            "characteristics.mounting_support, characteristics.ferromagnetic_flange, characteristics.shaft_diameter, "
-            "characteristics.spacer, characteristics.disk_grub_screws, characteristics.disk_grub_screw_torque, "
-            "characteristics.encoder_placement, characteristics.encoder_screws and 3 more"
-        ),
-        used="not known",
-        why=(
-            "Mounting information and characteristics of the mounting flange were updated; which of section 3, is not "
-            "said."
-        ),
-        status="open",
-        severity="wording",
-        affects=(
-            "characteristics.mounting_support",
-            "characteristics.ferromagnetic_flange",
-            "characteristics.shaft_diameter",
-            "characteristics.spacer",
-            "characteristics.disk_grub_screws",
-            "characteristics.disk_grub_screw_torque",
-            "characteristics.encoder_placement",
-            "characteristics.encoder_screws",
-            "characteristics.encoder_screw_torque",
-            "characteristics.disk_alignment",
-            "characteristics.disk_misaligned",
-        ),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_7_1",
-        printed="serial_number",
-        used="not known",
-        why=(
-            "The registers 44h to 47h were updated; how they read before, is not said. The manual of the AMM36, a "
-            "sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must be reversed. An "
-            "older AMM5 may be like it."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.serial_number", "examples.serial_number"),
-        source="Document release; amm36: p.38",
-    ),
-    Erratum(
-        name="edition_before_1_7_2",
-        printed="device_id",
-        used="not known",
-        why=(
-            "The registers 78h to 7Dh were updated; what they held before, is not said. The manual of the AMM36, a "
-            "sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the software release in "
-            "7Dh. An older AMM5 may be like it."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.device_id",),
-        source="Document release; amm36_device_id: p.39",
-    ),
-    Erratum(
-        name="edition_before_1_6_1",
-        printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
-        used="left out",
-        why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("order_code.interface",),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_6_2",
-        printed="interfaces.ssi, interfaces.rs485",
-        used="left out",
-        why="The versions with SSI and with RS-485 came with this revision; before, all were BiSS.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("interfaces.ssi", "interfaces.rs485"),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_6_3",
-        printed=(
-            "alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
-            "field_groups.control_field, field_groups.status_field, field_groups.alarm_field, "
-            "field_groups.address_of_request and 12 more"
-        ),
-        used="left out",
-        why="They belong to RS-485.",
-        status="settled",
-        severity="wording",
-        affects=(
-            "alternatives.eeprom_address",
-            "parameters.eeprom_address_bit",
-            "parameters.mem_busy_bit",
-            "crcs.rs485_8",
-            "field_groups.control_field",
-            "field_groups.status_field",
-            "field_groups.alarm_field",
-            "field_groups.address_of_request",
-            "field_groups.address_of_write_reply",
-            "field_groups.address_of_read_reply",
-            "alarms.busy",
-            "alarms.ps_error",
-            "alarms.st_error",
-            "alarms.battery_alarm",
-            "alarms.mt_error",
-            "procedures.reset_singleturn_and_multiturn",
-            "procedures.reset_multiturn_and_errors",
-            "procedures.reset_errors",
-            "connectors.rs485_connector",
-            "connectors.rs485_cable",
-            "examples.request_of_data_id_0",
-            "examples.crc_of_the_manual",
-            "examples.crc_example_as_frame",
-            "examples.public_singleturn_reply",
-            "examples.public_all_data_reply",
-            "examples.public_eeprom_page_crc",
-            "examples.public_eeprom_write_crc",
-            "examples.public_eeprom_read_crc",
-            "examples.public_eeprom_page_request",
-            "examples.public_eeprom_write_request",
-            "examples.public_eeprom_read_request",
-        ),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_6_4",
-        printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
-        used="['biss']",
-        why="There was no SSI yet.",
-        status="settled",
-        severity="wording",
-        affects=("connectors.ssi_biss_connector.interfaces", "connectors.ssi_biss_cable.interfaces"),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_5_1",
-        printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
-        used="not known",
-        why="Pin 1 was connected to ground with this revision. What it was before, is not said.",
-        status="open",
-        severity="wrong_data",
-        affects=("connectors.ssi_biss_connector.1", "characteristics.ground"),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_4_1",
-        printed="Register 3Bh, Counting direction",
-        used="not known",
-        why="The register was removed with this revision. What it took and when, is not said.",
-        status="open",
-        severity="wrong_data",
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_4_2",
-        printed=(
-            "command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset, "
-            "procedures.save_parameters, procedures.activate_preset"
-        ),
-        used="not known",
-        why=(
-            "The Command register was updated, so that older encoders may have other values or another pause. Every "
-            "procedure ends with it, so that none of them is known to be right there."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=(
-            "registers.command",
-            "interfaces.biss.eeprom_write",
-            "procedures.set_preset",
-            "procedures.store_preset",
-            "procedures.save_parameters",
-            "procedures.activate_preset",
-            "examples.preset_procedure",
-        ),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_4_3",
-        printed="characteristics.counting_direction",
-        used="not known",
-        why="The information on the counting direction was updated.",
-        status="open",
-        severity="wording",
-        affects=("characteristics.counting_direction",),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_2_1",
-        printed=(
-            "characteristics.cable, characteristics.cable_model, characteristics.cable_cross_section, "
-            "characteristics.cable_jacket, characteristics.cable_shield, characteristics.cable_diameter, "
-            "characteristics.cable_bending_radius, characteristics.cable_temperature and 4 more"
-        ),
-        used="not known",
-        why="Cable information and the replacement of the battery came with this revision.",
-        status="open",
-        severity="wording",
-        affects=(
-            "characteristics.cable",
-            "characteristics.cable_model",
-            "characteristics.cable_cross_section",
-            "characteristics.cable_jacket",
-            "characteristics.cable_shield",
-            "characteristics.cable_diameter",
-            "characteristics.cable_bending_radius",
-            "characteristics.cable_temperature",
-            "characteristics.cable_resistance",
-            "characteristics.battery_replacement_without_error",
-            "characteristics.battery_replacement_with_error",
-            "connectors.ssi_biss_cable",
-        ),
-        source="Document release",
-    ),
-    Erratum(
-        name="edition_before_1_1_1",
-        printed="leds.led_1_error, leds.led_2_warning, characteristics.connection_order",
-        used="not known",
-        why="The information on the LEDs was updated, and so were the mounting instructions.",
-        status="open",
-        severity="wording",
-        affects=("leds.led_1_error", "leds.led_2_warning", "characteristics.connection_order"),
-        source="Document release",
-    ),
-)
-
-#: Documents that sources cite by their key.
-DOCUMENTS: Final[tuple[Document, ...]] = (
-    Document("prot", "BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus"),
-    Document("renishaw", "L-9709-9005-03-F, BiSS data sheet, Renishaw"),
-    Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
-    Document(
-        "ti_sdk",
-        "TexasInstruments/motor-control-sdk, T-format and BiSS drivers",
-        url="https://github.com/TexasInstruments/motor-control-sdk",
-    ),
-    Document("hpm_sdk", "hpmicro/hpm_sdk, sample of a T-format encoder", url="https://github.com/hpmicro/hpm_sdk"),
-    Document("stmbl", "rene-dev/stmbl, servo drive with a T-format receiver", url="https://github.com/rene-dev/stmbl"),
-    Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
-    Document(
-        "amm36",
-        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the serial number",
-        url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-38.html",
-    ),
-    Document(
-        "amm36_device_id",
-        "AMM36 manual, English edition 1.0, Lika Electronic; the page with the device ID",
-        url="https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html",
-    ),
-    Document(
-        "amm80",
-        "AMM80 manual, English edition 1.5, Lika Electronic",
-        url="https://manualshive.com/en/manual/lika/amm80/1915917?page=40",
-    ),
-)
-
 # Every order code that the manual lists
 
 VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
     {
         variant.code: variant
         for variant in (
-            Variant("AMM5A17/1BG1", Interface.SSI, ("A", "17", "1", "BG1"), singleturn_bits=17, multiturn_bits=0),
-            Variant("AMM5A17/1SC1", Interface.BISS, ("A", "17", "1", "SC1"), singleturn_bits=17, multiturn_bits=0),
-            Variant("AMM5A17/1JP1", Interface.RS485, ("A", "17", "1", "JP1"), singleturn_bits=17, multiturn_bits=0),
-            Variant("AMM5A17/65KBG1", Interface.SSI, ("A", "17", "65K", "BG1"), singleturn_bits=17, multiturn_bits=16),
-            Variant("AMM5A17/65KSC1", Interface.BISS, ("A", "17", "65K", "SC1"), singleturn_bits=17, multiturn_bits=16),
-            Variant(
-                "AMM5A17/65KJP1",
-                Interface.RS485,
-                ("A", "17", "65K", "JP1"),
-                singleturn_bits=17,
-                multiturn_bits=16,
-            ),
-            Variant("AMM5A21/1BG1", Interface.SSI, ("A", "21", "1", "BG1"), singleturn_bits=21, multiturn_bits=0),
-            Variant("AMM5A21/1SC1", Interface.BISS, ("A", "21", "1", "SC1"), singleturn_bits=21, multiturn_bits=0),
-            Variant("AMM5A21/1JP1", Interface.RS485, ("A", "21", "1", "JP1"), singleturn_bits=21, multiturn_bits=0),
-            Variant("AMM5A21/65KBG1", Interface.SSI, ("A", "21", "65K", "BG1"), singleturn_bits=21, multiturn_bits=16),
-            Variant("AMM5A21/65KSC1", Interface.BISS, ("A", "21", "65K", "SC1"), singleturn_bits=21, multiturn_bits=16),
-            Variant(
-                "AMM5A21/65KJP1",
-                Interface.RS485,
-                ("A", "21", "65K", "JP1"),
-                singleturn_bits=21,
-                multiturn_bits=16,
-            ),
-            Variant("AMM5A23/1BG1", Interface.SSI, ("A", "23", "1", "BG1"), singleturn_bits=23, multiturn_bits=0),
-            Variant("AMM5A23/1SC1", Interface.BISS, ("A", "23", "1", "SC1"), singleturn_bits=23, multiturn_bits=0),
-            Variant("AMM5A23/1JP1", Interface.RS485, ("A", "23", "1", "JP1"), singleturn_bits=23, multiturn_bits=0),
-            Variant("AMM5A23/65KBG1", Interface.SSI, ("A", "23", "65K", "BG1"), singleturn_bits=23, multiturn_bits=16),
-            Variant("AMM5A23/65KSC1", Interface.BISS, ("A", "23", "65K", "SC1"), singleturn_bits=23, multiturn_bits=16),
-            Variant(
-                "AMM5A23/65KJP1",
-                Interface.RS485,
-                ("A", "23", "65K", "JP1"),
-                singleturn_bits=23,
-                multiturn_bits=16,
-            ),
-            Variant("AMM5B17/1BG1", Interface.SSI, ("B", "17", "1", "BG1"), singleturn_bits=17, multiturn_bits=0),
-            Variant("AMM5B17/1SC1", Interface.BISS, ("B", "17", "1", "SC1"), singleturn_bits=17, multiturn_bits=0),
-            Variant("AMM5B17/1JP1", Interface.RS485, ("B", "17", "1", "JP1"), singleturn_bits=17, multiturn_bits=0),
-            Variant("AMM5B17/65KBG1", Interface.SSI, ("B", "17", "65K", "BG1"), singleturn_bits=17, multiturn_bits=16),
-            Variant("AMM5B17/65KSC1", Interface.BISS, ("B", "17", "65K", "SC1"), singleturn_bits=17, multiturn_bits=16),
-            Variant(
-                "AMM5B17/65KJP1",
-                Interface.RS485,
-                ("B", "17", "65K", "JP1"),
-                singleturn_bits=17,
-                multiturn_bits=16,
-            ),
-            Variant("AMM5B21/1BG1", Interface.SSI, ("B", "21", "1", "BG1"), singleturn_bits=21, multiturn_bits=0),
-            Variant("AMM5B21/1SC1", Interface.BISS, ("B", "21", "1", "SC1"), singleturn_bits=21, multiturn_bits=0),
-            Variant("AMM5B21/1JP1", Interface.RS485, ("B", "21", "1", "JP1"), singleturn_bits=21, multiturn_bits=0),
-            Variant("AMM5B21/65KBG1", Interface.SSI, ("B", "21", "65K", "BG1"), singleturn_bits=21, multiturn_bits=16),
-            Variant("AMM5B21/65KSC1", Interface.BISS, ("B", "21", "65K", "SC1"), singleturn_bits=21, multiturn_bits=16),
-            Variant(
-                "AMM5B21/65KJP1",
-                Interface.RS485,
-                ("B", "21", "65K", "JP1"),
-                singleturn_bits=21,
-                multiturn_bits=16,
-            ),
-            Variant("AMM5B23/1BG1", Interface.SSI, ("B", "23", "1", "BG1"), singleturn_bits=23, multiturn_bits=0),
-            Variant("AMM5B23/1SC1", Interface.BISS, ("B", "23", "1", "SC1"), singleturn_bits=23, multiturn_bits=0),
-            Variant("AMM5B23/1JP1", Interface.RS485, ("B", "23", "1", "JP1"), singleturn_bits=23, multiturn_bits=0),
-            Variant("AMM5B23/65KBG1", Interface.SSI, ("B", "23", "65K", "BG1"), singleturn_bits=23, multiturn_bits=16),
-            Variant("AMM5B23/65KSC1", Interface.BISS, ("B", "23", "65K", "SC1"), singleturn_bits=23, multiturn_bits=16),
-            Variant(
-                "AMM5B23/65KJP1",
-                Interface.RS485,
-                ("B", "23", "65K", "JP1"),
-                singleturn_bits=23,
-                multiturn_bits=16,
-            ),
+            SsiEncoder("AMM5A17/1BG1", ("A", "17", "1", "BG1"), singleturn_bits=17, multiturn_bits=0),
+            BissEncoder("AMM5A17/1SC1", ("A", "17", "1", "SC1"), singleturn_bits=17, multiturn_bits=0),
+            Rs485Encoder("AMM5A17/1JP1", ("A", "17", "1", "JP1"), singleturn_bits=17, multiturn_bits=0),
+            SsiEncoder("AMM5A17/65KBG1", ("A", "17", "65K", "BG1"), singleturn_bits=17, multiturn_bits=16),
+            BissEncoder("AMM5A17/65KSC1", ("A", "17", "65K", "SC1"), singleturn_bits=17, multiturn_bits=16),
+            Rs485Encoder("AMM5A17/65KJP1", ("A", "17", "65K", "JP1"), singleturn_bits=17, multiturn_bits=16),
+            SsiEncoder("AMM5A21/1BG1", ("A", "21", "1", "BG1"), singleturn_bits=21, multiturn_bits=0),
+            BissEncoder("AMM5A21/1SC1", ("A", "21", "1", "SC1"), singleturn_bits=21, multiturn_bits=0),
+            Rs485Encoder("AMM5A21/1JP1", ("A", "21", "1", "JP1"), singleturn_bits=21, multiturn_bits=0),
+            SsiEncoder("AMM5A21/65KBG1", ("A", "21", "65K", "BG1"), singleturn_bits=21, multiturn_bits=16),
+            BissEncoder("AMM5A21/65KSC1", ("A", "21", "65K", "SC1"), singleturn_bits=21, multiturn_bits=16),
+            Rs485Encoder("AMM5A21/65KJP1", ("A", "21", "65K", "JP1"), singleturn_bits=21, multiturn_bits=16),
+            SsiEncoder("AMM5A23/1BG1", ("A", "23", "1", "BG1"), singleturn_bits=23, multiturn_bits=0),
+            BissEncoder("AMM5A23/1SC1", ("A", "23", "1", "SC1"), singleturn_bits=23, multiturn_bits=0),
+            Rs485Encoder("AMM5A23/1JP1", ("A", "23", "1", "JP1"), singleturn_bits=23, multiturn_bits=0),
+            SsiEncoder("AMM5A23/65KBG1", ("A", "23", "65K", "BG1"), singleturn_bits=23, multiturn_bits=16),
+            BissEncoder("AMM5A23/65KSC1", ("A", "23", "65K", "SC1"), singleturn_bits=23, multiturn_bits=16),
+            Rs485Encoder("AMM5A23/65KJP1", ("A", "23", "65K", "JP1"), singleturn_bits=23, multiturn_bits=16),
+            SsiEncoder("AMM5B17/1BG1", ("B", "17", "1", "BG1"), singleturn_bits=17, multiturn_bits=0),
+            BissEncoder("AMM5B17/1SC1", ("B", "17", "1", "SC1"), singleturn_bits=17, multiturn_bits=0),
+            Rs485Encoder("AMM5B17/1JP1", ("B", "17", "1", "JP1"), singleturn_bits=17, multiturn_bits=0),
+            SsiEncoder("AMM5B17/65KBG1", ("B", "17", "65K", "BG1"), singleturn_bits=17, multiturn_bits=16),
+            BissEncoder("AMM5B17/65KSC1", ("B", "17", "65K", "SC1"), singleturn_bits=17, multiturn_bits=16),
+            Rs485Encoder("AMM5B17/65KJP1", ("B", "17", "65K", "JP1"), singleturn_bits=17, multiturn_bits=16),
+            SsiEncoder("AMM5B21/1BG1", ("B", "21", "1", "BG1"), singleturn_bits=21, multiturn_bits=0),
+            BissEncoder("AMM5B21/1SC1", ("B", "21", "1", "SC1"), singleturn_bits=21, multiturn_bits=0),
+            Rs485Encoder("AMM5B21/1JP1", ("B", "21", "1", "JP1"), singleturn_bits=21, multiturn_bits=0),
+            SsiEncoder("AMM5B21/65KBG1", ("B", "21", "65K", "BG1"), singleturn_bits=21, multiturn_bits=16),
+            BissEncoder("AMM5B21/65KSC1", ("B", "21", "65K", "SC1"), singleturn_bits=21, multiturn_bits=16),
+            Rs485Encoder("AMM5B21/65KJP1", ("B", "21", "65K", "JP1"), singleturn_bits=21, multiturn_bits=16),
+            SsiEncoder("AMM5B23/1BG1", ("B", "23", "1", "BG1"), singleturn_bits=23, multiturn_bits=0),
+            BissEncoder("AMM5B23/1SC1", ("B", "23", "1", "SC1"), singleturn_bits=23, multiturn_bits=0),
+            Rs485Encoder("AMM5B23/1JP1", ("B", "23", "1", "JP1"), singleturn_bits=23, multiturn_bits=0),
+            SsiEncoder("AMM5B23/65KBG1", ("B", "23", "65K", "BG1"), singleturn_bits=23, multiturn_bits=16),
+            BissEncoder("AMM5B23/65KSC1", ("B", "23", "65K", "SC1"), singleturn_bits=23, multiturn_bits=16),
+            Rs485Encoder("AMM5B23/65KJP1", ("B", "23", "65K", "JP1"), singleturn_bits=23, multiturn_bits=16),
         )
     }
 )
-
-_PARTS: Final = {code: variant.parts for code, variant in VARIANTS.items()}
-_BY_PARTS: Final = {variant.parts: variant for variant in VARIANTS.values()}

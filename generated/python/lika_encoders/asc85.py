@@ -9,6 +9,17 @@ stands in DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+In here:
+    Encoders: lookup, SsiEncoder, BissEncoder, VARIANTS
+    SSI: SsiWord
+    BiSS C-mode: SingleCycleData
+    Registers: ProfileId, SerialNumber, DiagnosticData, Command, Status, Position, ErrorRegister, DeviceId,
+        ManufacturerId
+    Procedures: request_position, save_configuration, read_absolute_data, software_reset, verify_configuration,
+        simulate_error, clear_simulated_error, reset_errors, identify_steps
+    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, TABLES, CHARACTERISTICS, LOST_FIGURES, ERRATA,
+        DOCUMENTS
+
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
     from lika_encoders import Verdict, lookup
@@ -23,21 +34,23 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
+from math import tau
 from operator import index
 from types import MappingProxyType
-from typing import ClassVar, Final, NamedTuple, TypeAlias, Union
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
     Data,
+    FrameError,
     Interface,
     LengthError,
     Word,
+    Words,
     as_bytes,
     as_word,
     by_class,
@@ -45,6 +58,7 @@ from ._codec import (
     check_width,
     choice,
     crc_of_bits,
+    crc_tables,
     from_gray,
     made,
     text_number,
@@ -53,44 +67,46 @@ from ._codec import (
     unwrap,
     wrong_encoder,
 )
-from ._facts import (
-    Alarm,
-    BissFacts,
-    CableLength,
-    Characteristic,
-    Clock,
-    Connector,
-    Contact,
-    ControlField,
-    Crc,
-    Document,
-    Erratum,
-    Family,
-    FieldFacts,
-    Led,
-    LostFigure,
-    Manual,
-    NamedValue,
-    Network,
-    PrintedTimeout,
-    Register,
-    Report,
-    Reports,
-    Revision,
-    SsiFacts,
-    Table,
-    Timeout,
-    Timing,
-    Verdict,
-)
-from ._order_codes import OrderCode, Part, PartValue
+from ._encoder import Encoder, fact
+from ._order_codes import checked
 from ._registers import agrees, held_bytes
+from ._reports import Family, Movement, Report, Verdict
 from ._steps import Poll, Read, Step, writes
+
+if TYPE_CHECKING:
+    from . import _codes
+    from ._table import Table
+    from .facts.asc85 import (
+        ALARMS,
+        BISS,
+        CHARACTERISTICS,
+        CONNECTORS,
+        CRCS,
+        DOCUMENTS,
+        ERRATA,
+        FRAMES,
+        LEDS,
+        LOST_FIGURES,
+        MANUAL,
+        ORDER_CODE,
+        REGISTERS,
+        REPORTS,
+        SSI,
+        TABLES,
+        TIMINGS,
+    )
+else:
+
+    def __getattr__(name: str) -> object:
+        """The tables of facts are loaded when one is asked for."""
+        return fact(__name__, name, _FACTS)
+
 
 __all__ = [
     "ALARMS",
     "Address",
     "BISS",
+    "BissEncoder",
     "CHARACTERISTICS",
     "CONNECTORS",
     "CRCS",
@@ -115,6 +131,7 @@ __all__ = [
     "SSI",
     "SerialNumber",
     "SingleCycleData",
+    "SsiEncoder",
     "SsiWord",
     "Status",
     "TABLES",
@@ -136,77 +153,46 @@ __all__ = [
     "verify_configuration",
 ]
 
-FAMILY: Final = Family("asc85", "ASC85 absolute encoders with a large thru-bore shaft", "rotary", "Lika Electronic")
+_FACTS: Final = (
+    "ALARMS",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "DOCUMENTS",
+    "ERRATA",
+    "FRAMES",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ORDER_CODE",
+    "REGISTERS",
+    "REPORTS",
+    "SSI",
+    "TABLES",
+    "TIMINGS",
+)
 
-MANUAL: Final = Manual(
-    title="ASC85",
-    revision="1.0",
-    date="2017-05-19",
-    language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
-    history=(Revision("1.0", "First issue.", date="2017-05-19", hardware="0", software="1"),),
+FAMILY: Final = Family(
+    "asc85",
+    "ASC85 absolute encoders with a large thru-bore shaft",
+    Movement.ROTARY,
+    "Lika Electronic",
 )
 
 _SSI: Final = Interface.SSI
 _BISS: Final = Interface.BISS
 
-# Order codes
-
-ORDER_CODE: Final = OrderCode(
-    pattern="ASC85{resolution}/{output}{supply}",
-    parts=(
-        Part(
-            name="resolution",
-            meaning="Singleturn resolution in bits",
-            values=(
-                PartValue(text="20", meaning="1,048,576 counts per turn"),
-                PartValue(text="21", meaning="2,097,152 counts per turn"),
-                PartValue(text="22", meaning="4,194,304 counts per turn"),
-                PartValue(text="23", meaning="8,388,608 counts per turn"),
-                PartValue(text="24", meaning="16,777,216 counts per turn"),
-                PartValue(text="25", meaning="33,554,432 counts per turn"),
-            ),
-            source="5.2 p.16",
-        ),
-        Part(
-            name="output",
-            meaning="Interface and code of the position",
-            values=(
-                PartValue(text="BG", meaning="SSI, binary", source="5 p.15"),
-                PartValue(text="GG", meaning="SSI, Gray", source="5 p.15"),
-                PartValue(text="SC", meaning="BiSS C-mode", source="6 p.19"),
-            ),
-            source="Cover; 5 p.15; 6 p.19",
-        ),
-        Part(
-            name="supply",
-            meaning="Supply voltage; the manual gives the two digits for SC and none for BG and GG",
-            values=(PartValue(text="1", meaning="+5 V DC ±5 %"), PartValue(text="2", meaning="+10 V DC to +30 V DC")),
-            open="[0-9]",
-            source="4 p.13",
-        ),
-    ),
-    special=(
-        "An encoder whose order code ends in /Sxxx may differ from the standard mechanically and electrically, and "
-        "may come with documentation of its own for special connections (Technical Info)."
-    ),
-    note=(
-        "On the label a hyphen and further characters follow the supply; the manual does not explain them. Order code "
-        "and serial number are on the label of the body and in the delivery document; Lika asks for both in every "
-        "enquiry. Technical data are in the catalogue."
-    ),
-    source="Cover; 4 p.13; 5 p.15; 5.2 p.16; 6 p.19",
-)
+# Encoders
 
 
-@dataclasses.dataclass(frozen=True, slots=True, repr=False)
-class Variant:
-    """An encoder as its order code describes it.
+class Variant(Encoder):
+    """An encoder as its order code describes it; that of each interface has a class of its own.
 
     Attributes:
         family: The encoder's family.
-        code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
+        code: Order code, without what may follow it on the label.
         parts: The parts of the order code: resolution, output, supply.
         position_bits: Singleturn resolution, which is the whole position; the manual's "encoder resolution" and
             "nbitres", 20 to 25 [Preliminary information p.7; 5.2 p.16; 6.2.1 p.20]. Unit: bits.
@@ -220,21 +206,10 @@ class Variant:
     """
 
     family: ClassVar[Family] = FAMILY
+    _parameters = ("position_bits", "ssi_gray")
 
-    code: str
-    interface: Interface
-    parts: tuple[str, ...]
     position_bits: int
     ssi_gray: int
-    unlisted: tuple[str, ...] = ()
-    tail: str = dataclasses.field(default="", compare=False)
-    special_code: str = ""
-    written_as_in: str = dataclasses.field(default="", compare=False)
-
-    @property
-    def special(self) -> bool:
-        """Whether the label ends in /Sxxx."""
-        return bool(self.special_code)
 
     @property
     def counts_per_turn(self) -> int:
@@ -250,6 +225,22 @@ class Variant:
     def degrees(self, position: int) -> float:
         """``position``, in counts, as degrees within one revolution."""
         return index(position) % (1 << self.position_bits) * 360 / (1 << self.position_bits)
+
+    def radians(self, position: int) -> float:
+        """``position``, in counts, as radians within one revolution."""
+        return index(position) % (1 << self.position_bits) * tau / (1 << self.position_bits)
+
+    def from_turns(self, turns: float) -> int:
+        """The count nearest to so many revolutions."""
+        return round(turns * (1 << self.position_bits))
+
+    def from_degrees(self, degrees: float) -> int:
+        """The count nearest to so many degrees."""
+        return round(degrees * (1 << self.position_bits) / 360)
+
+    def from_radians(self, radians: float) -> int:
+        """The count nearest to so many radians."""
+        return round(radians * (1 << self.position_bits) / tau)
 
     @property
     def modulus(self) -> int:
@@ -274,7 +265,21 @@ class Variant:
             return self.position_bits
         return self.position_bits + 9
 
-    def decode(self, frame: Word, *, bits: int | None = None) -> Frame:
+    def decode(self, frame: Any) -> Frame:
+        """What the encoder sent; the class of its interface says in which form."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
+
+    def try_decode(self, frame: Any) -> Frame | FrameError:
+        """As ``decode``, but gives the fault instead of raising it."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
+
+
+class SsiEncoder(Variant):
+    """An encoder with SSI: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _SSI
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
         """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
 
         A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
@@ -286,16 +291,89 @@ class Variant:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        if self.interface is _SSI:
-            return SsiWord.decode(frame, self, bits=bits)
-        return SingleCycleData.decode(frame, self, bits=bits)
+        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
 
-    def __repr__(self) -> str:
-        return f"<{self.code}{self.special_code}>"
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
+        try:
+            return SsiWord.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SsiWord.decode_many(frames, self)
+
+
+class BissEncoder(Variant):
+    """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _BISS
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
+
+        Raises:
+            FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
+        """
+        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
+        try:
+            return SingleCycleData.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SingleCycleData.decode_many(frames, self)
+
+
+@overload
+def lookup(label: _codes.Asc85Ssi) -> SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Asc85Biss) -> BissEncoder: ...
+
+
+@overload
+def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """The encoder with this label.
+    """The encoder with this label; a type checker knows the class of each listed order code.
 
     Case and blanks do not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
     ``Variant.tail`` and ``Variant.special`` tell of them. Values of a part that the manual leaves open are accepted;
@@ -307,12 +385,17 @@ def lookup(label: str) -> Variant:
             codes.
         TypeError: ``label`` is no text.
     """
-    found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
-    variant = _BY_PARTS[found.listed]
+    text = checked(label)
+    if text in VARIANTS:
+        return VARIANTS[text]
+    from .facts.asc85 import ORDER_CODE
+
+    parts = {code: variant.parts for code, variant in VARIANTS.items()}
+    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
+    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
     if not (found.unlisted or found.tail or found.special or found.written_as_in):
         return variant
-    return dataclasses.replace(
-        variant,
+    return variant._replaced(
         code=found.code,
         parts=found.parts,
         unlisted=found.unlisted,
@@ -323,40 +406,6 @@ def lookup(label: str) -> Variant:
 
 
 # CRCs
-
-CRCS: Final[tuple[Crc, ...]] = (
-    Crc(
-        name="biss_6",
-        width=6,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x3F,
-        polynomial="x^6 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit "
-            "first, and the range (everything from the position to the warning bit, the constant 0 included) are "
-            "those of public BiSS documents."
-        ),
-        source="6.2.1 p.21; prot: p.7-8; renishaw: data sheet; icmu: p.30",
-    ),
-    Crc(
-        name="biss_4",
-        width=4,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x0F,
-        polynomial="x^4 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those "
-            "of public BiSS documents."
-        ),
-        source="6.3 p.22; prot: p.9-14; icmu: p.30",
-    ),
-)
 
 
 def crc_biss_6(number: int, bits: int) -> int:
@@ -408,63 +457,15 @@ def _remainder_biss_6_34(word: int) -> int:
 
 
 # SSI
-#
-# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
-# 4 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3 p.17]
-#
-# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4
-# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
-# MHz. [5.3 p.17]
-#
-# Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 12 µs (Tp > 12 µs); Tm has a typical duration of 12
-# µs. Used: At least 12 µs; take more. [5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3]
-
-SSI: Final = SsiFacts(
-    clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.17"),
-    alignment="msb_left",
-    output_code="by_order_code",
-    signals="EIA RS-422; clock and data have a logic level of typically 5 V",
-    cable_lengths=(
-        CableLength(shorter_than_m=50, below_hz=400_000, source="5.3 p.17"),
-        CableLength(shorter_than_m=100, below_hz=300_000, source="5.3 p.17"),
-        CableLength(shorter_than_m=200, below_hz=200_000, source="5.3 p.17"),
-        CableLength(shorter_than_m=400, below_hz=100_000, source="5.3 p.17"),
-    ),
-    alignment_source="5.2 p.16",
-    output_code_source="5.2 p.16",
-    timings=(
-        Timing(
-            name="monoflop",
-            meaning=(
-                "From the end of the clock signal until the encoder is ready for the next transmission and sets the "
-                "data line high"
-            ),
-            typical_us=12,
-            symbol="Tm",
-            source="5.1",
-        ),
-        Timing(
-            name="pause",
-            meaning="Between two clock sequences; printed Tp > 12 µs, so that exactly 12 µs are no margin",
-            at_least_us=12,
-            symbol="Tp",
-            source="5.3 p.17",
-        ),
-    ),
-    note=(
-        "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
-        "all. The first falling edge of the clock stores the position; the rising edge that follows starts the "
-        "transmission with the MSB, and each further one brings a bit down to the LSB. The last rising edge ends the "
-        "cycle, so that a word of n bits takes up to n + 1 rising edges (13 bits: 14 edges). After the word the time "
-        "Tm may follow at once."
-    ),
-    source="5 p.15",
-)
 
 
 @by_class
 class SsiWord(NamedTuple):
     """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        position: Position within one revolution. Unit: counts.
 
     In the manual: Structure of the position information.
 
@@ -486,13 +487,9 @@ class SsiWord(NamedTuple):
     with bit 0 as the LSB. Why: The words are 20 to 25 bits long, by the table of lengths, which leaves no room for a
     further bit at 0; everything else in the manual counts from 0. (The SMA21 manual numbers its position n ... 1 as
     well, and has an error bit at 0.). [5.2; sma21: 5.2]
-
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        position: Position within one revolution. Unit: counts.
     """
 
-    variant: Variant
+    variant: SsiEncoder
     position: int
 
     @property
@@ -501,18 +498,23 @@ class SsiWord(NamedTuple):
         return Verdict.NOT_TOLD
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: nothing, with this frame."""
         return ()
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: SsiEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _SSI)
         return variant.position_bits
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+    def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -523,7 +525,7 @@ class SsiWord(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.position_bits, bits)
@@ -537,6 +539,16 @@ class SsiWord(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._many import decode_many
+        from ._shapes.asc85 import shape_of_ssi_word
+
+        return decode_many(frames, shape_of_ssi_word(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -544,7 +556,7 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         position = check_width("position", self.position, variant.position_bits)
         number = position
@@ -553,74 +565,28 @@ class SsiWord(NamedTuple):
         return number
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _SSI)
         return (BitField("position", 0, variant.position_bits),)
 
 
 # BiSS C-mode
-#
-# Erratum biss_timeout (open, omission): Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz). Used: The one value;
-# no rule for other clocks. [6.5 p.32; prot: p.18; amm5: 6.5 p.40]
-
-BISS: Final = BissFacts(
-    clock=Clock(min_hz=100_000, max_hz=10_000_000, source="6.5 p.32"),
-    profile="BP1: Standard Encoder Profile",
-    signals="EIA RS-422 for CLOCK IN (MA) and DATA OUT (SLO)",
-    network=Network(topology="point_to_point", multiple_slaves=False, source="6 p.19"),
-    timeout=Timeout(rule="follows_clock", printed=(PrintedTimeout(10_000_000, 350),), source="6.5 p.32"),
-    control_data=(
-        ControlField(
-            name="register_address",
-            bits=7,
-            meaning="Register to read or to write",
-            printed_name="Register address",
-            source="6.3 p.21",
-        ),
-        ControlField(
-            name="rw",
-            bits=2,
-            meaning="Direction of the access",
-            printed_name="RW",
-            values=(
-                NamedValue("write", 1, meaning="Write the register"),
-                NamedValue("read", 2, meaning="Read the register"),
-            ),
-            source="6.3 p.21",
-        ),
-        ControlField(
-            name="data",
-            bits=8,
-            meaning="Value to write, from the master, or value read, from the encoder; most significant bit first",
-            printed_name="DATA",
-            source="6.3 p.21",
-        ),
-        ControlField(
-            name="crc",
-            bits=4,
-            meaning="Check of the transmission, sent inverted",
-            crc="biss_4",
-            printed_name="CRC",
-            source="6.3 p.22",
-        ),
-    ),
-    control_data_note=(
-        "One bit per frame, for reading and writing the registers. The manual describes the main fields and refers to "
-        "the BiSS C protocol description for the whole structure."
-    ),
-    note=(
-        "The encoder is always a slave, alone with one master. It must never be installed in a network of several "
-        "slaves. For all that the manual leaves out it refers to www.biss-interface.com."
-    ),
-    source="6 p.19",
-)
 
 
 @by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + 9`` bits, most significant first
     [6.2.1 p.20].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        position: Position: Position within one revolution, most significant bit first. Unit: counts.
+        error: Error, nE: Normal or fault status of the encoder; the error register tells which error it is. True at 0:
+            error active in the system. False at 1: no active error. While it is True, the position is not usable.
+        warning: Warning, nW: Normal or fault status of the encoder; the error register tells which warning it is. True
+            at 0: warning active in the system. False at 1: no active warning. While it is True, the position is usable,
+            with a warning.
 
     In the manual: Single Cycle Data SCD.
 
@@ -650,21 +616,12 @@ class SingleCycleData(NamedTuple):
     position is worth then is not said. Used: Not usable with an error; usable with a warning with a warning. [6.2.1
     p.20; 6.4 p.29]
 
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        position: Position: Position within one revolution, most significant bit first. Unit: counts.
-        error: Error, nE: Normal or fault status of the encoder; the error register tells which error it is. True at 0:
-            error active in the system. False at 1: no active error. While it is True, the position is not usable.
-        warning: Warning, nW: Normal or fault status of the encoder; the error register tells which warning it is. True
-            at 0: warning active in the system. False at 1: no active warning. While it is True, the position is usable,
-            with a warning.
-
     Checked by decode():
         zero: 0: Always 0, between position and error bit.
         crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: Variant
+    variant: BissEncoder
     position: int
     error: bool = False
     warning: bool = False
@@ -679,8 +636,15 @@ class SingleCycleData(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active."""
+        from .facts.asc85 import REPORTS
+
         told = {
             "error": self.error,
             "warning": self.warning,
@@ -688,13 +652,13 @@ class SingleCycleData(NamedTuple):
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: BissEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _BISS)
         return variant.position_bits + 9
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+    def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -707,7 +671,7 @@ class SingleCycleData(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.position_bits + 9, bits)
@@ -725,6 +689,16 @@ class SingleCycleData(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._many import decode_many
+        from ._shapes.asc85 import shape_of_single_cycle_data
+
+        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -732,14 +706,14 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         position = check_width("position", self.position, variant.position_bits)
         number = position << 9 | (not self.error) << 7 | (not self.warning) << 6
         return number | _remainder_biss_6_34(number) ^ 0x3F
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (
@@ -751,78 +725,60 @@ class SingleCycleData(NamedTuple):
         )
 
 
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.ssi_gray:
+        return careful
+    size_0 = variant.position_bits
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    size_0 = variant.position_bits + 9
+    tables = crc_tables(crc_biss_6, variant.position_bits + 3, 6, 3)
+    table_0, table_1, table_2 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        low = word & 0xFFFF
+        if table_0[low] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32] or word >> 8 & 0x1:
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> 9,
+                not low & 0x80,
+                not low & 0x40,
+            ),
+        )
+
+    return decode
+
+
 #: Everything that an encoder of this family sends.
 Frame: TypeAlias = Union[
     SsiWord,
     SingleCycleData,
 ]
-
-#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
-REPORTS: Final[Mapping[str, Report]] = Reports(
-    lambda: (
-        Report(
-            name="error",
-            printed_name="Error, nE",
-            meaning=(
-                "error active in the system. Normal or fault status of the encoder; the error register tells which "
-                "error it is."
-            ),
-            makes_position=Verdict.NOT_USABLE,
-            source="6.2.1 p.20",
-        ),
-        Report(
-            name="warning",
-            printed_name="Warning, nW",
-            meaning=(
-                "warning active in the system. Normal or fault status of the encoder; the error register tells which "
-                "warning it is."
-            ),
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="6.2.1 p.20",
-        ),
-    )
-)
-
-#: What the manual says of each field of the frames, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
-    {
-        "ssi_word": (FieldFacts(name="position", meaning="Position within one revolution", unit="counts"),),
-        "single_cycle_data": (
-            FieldFacts(
-                name="position",
-                printed_name="Position",
-                meaning="Position within one revolution, most significant bit first",
-                unit="counts",
-                source="6.2.1 p.20",
-            ),
-            FieldFacts(name="zero", printed_name="0", meaning="Always 0, between position and error bit", constant=0),
-            FieldFacts(
-                name="error",
-                printed_name="Error, nE",
-                meaning="Normal or fault status of the encoder; the error register tells which error it is.",
-                active="low",
-                when_active="error active in the system",
-                when_inactive="no active error",
-                source="6.2.1 p.20",
-            ),
-            FieldFacts(
-                name="warning",
-                printed_name="Warning, nW",
-                meaning="Normal or fault status of the encoder; the error register tells which warning it is.",
-                active="low",
-                when_active="warning active in the system",
-                when_inactive="no active warning",
-                source="6.2.1 p.20",
-            ),
-            FieldFacts(
-                name="crc",
-                printed_name="CRC",
-                meaning="Check of the transmission, sent inverted",
-                source="6.2.1 p.21",
-            ),
-        ),
-    }
-)
 
 
 # Registers
@@ -842,373 +798,14 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-#: Every register by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
-    {
-        "profile_id": Register(
-            name="profile_id",
-            printed_name="Profile ID",
-            address=0x42,
-            length=2,
-            access="read_only",
-            byte_order="high_byte_first",
-            default=b"\x28\x1a",
-            fields=(
-                FieldFacts(name="variant", meaning="Singleturn resolution, Variant 0-24++"),
-                FieldFacts(
-                    name="data_length",
-                    meaning="Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit",
-                    unit="bits",
-                ),
-            ),
-            meaning="Identification code of the encoder profile, BP1 (Standard Encoder Profile)",
-            note=(
-                "Printed once for all models, although the data length fits only the one of 25 bits; so the length is "
-                "not taken to tell the encoder. For the variant the manual refers to the standard encoder profile, "
-                "data format."
-            ),
-            source="6.4 p.23",
-        ),
-        "serial_number": Register(
-            name="serial_number",
-            printed_name="Serial number",
-            address=0x44,
-            length=4,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(FieldFacts(name="serial", meaning="Serial number"),),
-            meaning="Serial number of the device, in ascending order",
-            source="6.4 p.23",
-        ),
-        "diagnostic_data": Register(
-            name="diagnostic_data",
-            printed_name="Diagnostic data",
-            address=0x5A,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(
-                    name="amplitude_control_maximum_current",
-                    printed_name="Amplitude control maximum current",
-                    meaning=(
-                        "Together with Control error. Found by the monitoring of the output current of the amplitude "
-                        "control."
-                    ),
-                    active="high",
-                    when_active="the output current of the amplitude control has reached its upper threshold",
-                    when_inactive="no active error",
-                    source="6.4 p.25",
-                ),
-                FieldFacts(
-                    name="signal_level_maximum_amplitude",
-                    printed_name="Signal level maximum amplitude",
-                    meaning="Together with Control error. Found by the signal level monitoring.",
-                    active="high",
-                    when_active="the signal level has reached its upper threshold",
-                    when_inactive="no active error",
-                    source="6.4 p.25",
-                ),
-                FieldFacts(
-                    name="dc_maximum_offset",
-                    printed_name="DC maximum offset",
-                    meaning=(
-                        "Together with Signal error. The signal monitoring checks the DC voltage of all analogue "
-                        "signal lines."
-                    ),
-                    active="high",
-                    when_active="an analogue signal line has reached the upper threshold of its DC voltage",
-                    when_inactive="no active error",
-                    source="6.4 p.25",
-                ),
-                FieldFacts(
-                    name="ac_maximum_amplitude",
-                    printed_name="AC maximum amplitude",
-                    meaning=(
-                        "Together with Signal error. The signal monitoring checks the AC amplitude of the "
-                        "differential signals."
-                    ),
-                    active="high",
-                    when_active="a differential signal has reached the upper threshold of its AC amplitude",
-                    when_inactive="no active error",
-                    source="6.4 p.25",
-                ),
-                FieldFacts(
-                    name="amplitude_control_minimum_current",
-                    printed_name="Amplitude control minimum current",
-                    meaning=(
-                        "Together with Control error. Found by the monitoring of the output current of the amplitude "
-                        "control."
-                    ),
-                    active="high",
-                    when_active="the output current of the amplitude control has fallen to its lower threshold",
-                    when_inactive="no active error",
-                    source="6.4 p.24",
-                ),
-                FieldFacts(
-                    name="signal_level_minimum_amplitude",
-                    printed_name="Signal level minimum amplitude",
-                    meaning="Together with Control error. Found by the signal level monitoring.",
-                    active="high",
-                    when_active="the signal level has fallen to its lower threshold",
-                    when_inactive="no active error",
-                    source="6.4 p.24",
-                ),
-                FieldFacts(
-                    name="dc_minimum_offset",
-                    printed_name="DC minimum offset",
-                    meaning=(
-                        "Together with Signal error. The signal monitoring checks the DC voltage of all analogue "
-                        "signal lines."
-                    ),
-                    active="high",
-                    when_active="an analogue signal line has fallen to the lower threshold of its DC voltage",
-                    when_inactive="no active error",
-                    source="6.4 p.24",
-                ),
-                FieldFacts(
-                    name="ac_minimum_amplitude",
-                    printed_name="AC minimum amplitude",
-                    meaning=(
-                        "Together with Signal error. The signal monitoring checks the AC amplitude of the "
-                        "differential signals."
-                    ),
-                    active="high",
-                    when_active="a differential signal has fallen to the lower threshold of its AC amplitude",
-                    when_inactive="no active error",
-                    source="6.4 p.24",
-                ),
-            ),
-            meaning="Which problem it is that Control error or Signal error in the error register reports",
-            source="6.4 p.24",
-        ),
-        "command": Register(
-            name="command",
-            printed_name="Command & status, Command mode",
-            address=0x60,
-            length=1,
-            access="write_only",
-            byte_order="high_byte_first",
-            fields=(FieldFacts(name="function"),),
-            meaning="Command register, the side of Command & status that is written",
-            source="6.4 p.25; 6.4 p.26",
-        ),
-        "status": Register(
-            name="status",
-            printed_name="Command & status, Status mode",
-            address=0x60,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(
-                    name="configuration_completed",
-                    printed_name="Configuration completed",
-                    active="high",
-                    when_active=(
-                        "configuration registers verified by their CRC and absolute data read by the absolute data "
-                        "interface"
-                    ),
-                    when_inactive="configuration not completed",
-                    source="6.4 p.29",
-                ),
-                FieldFacts(
-                    name="error_message",
-                    printed_name="Error message",
-                    active="high",
-                    when_active="an error message is active, or simulated by command 05; see the error register",
-                    when_inactive="no error message",
-                    source="6.4 p.29",
-                ),
-                FieldFacts(
-                    name="warning_message",
-                    printed_name="Warning message",
-                    active="high",
-                    when_active="a warning message is active; see the error register",
-                    when_inactive="no warning message",
-                    source="6.4 p.28",
-                ),
-                FieldFacts(
-                    name="conf_write_access",
-                    printed_name="Write access permitted to CONF memory area",
-                    active="high",
-                    when_active="the CONF (Configuration Data) memory area may be written",
-                    when_inactive="the CONF memory area is write-protected",
-                    source="6.4 p.28",
-                ),
-                FieldFacts(
-                    name="eds_write_access",
-                    printed_name="Write access permitted to EDS memory area",
-                    active="high",
-                    when_active="the EDS (Electronic Data Sheet) memory area may be written",
-                    when_inactive="the EDS memory area is write-protected",
-                    source="6.4 p.28",
-                ),
-                FieldFacts(
-                    name="internal_data_bus_busy",
-                    printed_name="Internal data bus busy",
-                    meaning="See the commands save_configuration and verify_configuration.",
-                    active="high",
-                    when_active=(
-                        "internal data bus busy, for example with a CRC verification or with configuration data from "
-                        "or to the EEPROM"
-                    ),
-                    when_inactive="internal data bus free",
-                    source="6.4 p.28",
-                ),
-                FieldFacts(
-                    name="absolute_data_valid",
-                    printed_name="Absolute data valid",
-                    meaning=(
-                        "Data are accepted only with a right CRC and an inactive error bit. See the command "
-                        "read_absolute_data."
-                    ),
-                    active="high",
-                    when_active="absolute data were loaded through the absolute data interface",
-                    when_inactive="no absolute data were loaded",
-                    source="6.4 p.28",
-                ),
-                FieldFacts(
-                    name="position_data_valid",
-                    printed_name="Position data valid",
-                    meaning="See the command request_position.",
-                    active="high",
-                    when_active="the present position data are valid",
-                    when_inactive="new position data are not available yet",
-                    source="6.4 p.28",
-                ),
-            ),
-            meaning="Present status of the system, the side of Command & status that is read",
-            source="6.4 p.25; 6.4 p.27",
-        ),
-        "position": Register(
-            name="position",
-            printed_name="Position",
-            address=0x61,
-            length=4,
-            access="read_only",
-            byte_order="low_byte_first",
-            meaning="Absolute position",
-            note=(
-                "The table uses bits 31:6, 26 bits, and calls bits 5:0 \"not used\"; what they hold is not said. At "
-                "25 bits the 26 bits are taken as the position and, in bit 6, the constant 0 bit of the BiSS frame; "
-                "with a lower resolution the position is taken as left-aligned too. Low byte first, unlike the other "
-                "registers of several bytes."
-            ),
-            source="6.4 p.29",
-        ),
-        "error_register": Register(
-            name="error_register",
-            printed_name="Error register",
-            address=0x69,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(
-                    name="absolute_data_error",
-                    printed_name="Absolute data error",
-                    active="high",
-                    when_active="error of the absolute data interface",
-                    when_inactive="no error of the absolute data interface, or the interface is not configured",
-                    source="6.4 p.31",
-                ),
-                FieldFacts(
-                    name="interpolation_error",
-                    printed_name="Interpolation error",
-                    active="high",
-                    when_active="the conversion had not been carried out when it was read",
-                    when_inactive="no interpolation error",
-                    source="6.4 p.31",
-                ),
-                FieldFacts(
-                    name="configuration_error",
-                    printed_name="Configuration error",
-                    active="high",
-                    when_active="configuration error, or configuration being written or verified",
-                    when_inactive="no configuration error",
-                    source="6.4 p.30",
-                ),
-                FieldFacts(
-                    name="synchronization_error",
-                    printed_name="Synchronization error",
-                    active="high",
-                    when_active="the internal synchronisation between cycle counter and interpolator failed",
-                    when_inactive="no synchronisation error",
-                    source="6.4 p.30",
-                ),
-                FieldFacts(
-                    name="signal_error",
-                    printed_name="Signal error",
-                    active="high",
-                    when_active="signal error active",
-                    when_inactive="no signal error",
-                    explained_by=(
-                        "diagnostic_data.ac_minimum_amplitude",
-                        "diagnostic_data.dc_minimum_offset",
-                        "diagnostic_data.ac_maximum_amplitude",
-                        "diagnostic_data.dc_maximum_offset",
-                    ),
-                    source="6.4 p.30",
-                ),
-                FieldFacts(
-                    name="control_error",
-                    printed_name="Control error",
-                    active="high",
-                    when_active="control error active",
-                    when_inactive="no control error",
-                    explained_by=(
-                        "diagnostic_data.signal_level_minimum_amplitude",
-                        "diagnostic_data.amplitude_control_minimum_current",
-                        "diagnostic_data.signal_level_maximum_amplitude",
-                        "diagnostic_data.amplitude_control_maximum_current",
-                    ),
-                    source="6.4 p.30",
-                ),
-            ),
-            meaning="Error and warning messages that are active at present",
-            note=(
-                "Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both, "
-                "too. Reading out position data resets a message; while its cause lasts it appears again."
-            ),
-            source="6.4 p.29",
-        ),
-        "device_id": Register(
-            name="device_id",
-            printed_name="Device ID",
-            address=0x78,
-            length=6,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(name="name", meaning="Name of the device, 41 53 38 35 in hexadecimal: ASC85 without its C"),
-                FieldFacts(name="release", meaning="Hardware-software release, printed as 30 31"),
-            ),
-            meaning="Name of the device and its hardware-software release",
-            note=(
-                "The revision table of the manual has hardware 0 and software 1, which are the two characters of the "
-                "release."
-            ),
-            source="6.4 p.31",
-        ),
-        "manufacturer_id": Register(
-            name="manufacturer_id",
-            printed_name="Manufacturer ID",
-            address=0x7E,
-            length=2,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(FieldFacts(name="name", meaning="Lika Electronic, 4C 69 in hexadecimal"),),
-            meaning="Manufacturer",
-            source="6.4 p.32",
-        ),
-    }
-)
-
-
 @by_class
 class ProfileId(NamedTuple):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
+
+    Attributes:
+        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder; decoding accepts any
+            value.
+        data_length: Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
 
     Identification code of the encoder profile, BP1 (Standard Encoder Profile).
 
@@ -1231,11 +828,6 @@ class ProfileId(NamedTuple):
     is its data length. Another ID at a lower resolution is likely; a public controller with the same registers knows 24
     or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
     p.34-35]
-
-    Attributes:
-        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder; decoding accepts any
-            value.
-        data_length: Data length, printed 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
     """
 
     variant_: int
@@ -1287,15 +879,15 @@ class ProfileId(NamedTuple):
 class SerialNumber(NamedTuple):
     """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
 
+    Attributes:
+        serial: Serial number.
+
     Serial number of the device, in ascending order.
 
     Byte order: high byte first, at 44h.
 
     Erratum serial_number_digits (open, omission): Printed: Serial number in ascending order, with the example
     171256846. Used: One number. [6.4 p.23; amm5: 6.4 p.38; sma21: 6.4]
-
-    Attributes:
-        serial: Serial number.
     """
 
     serial: int
@@ -1335,8 +927,6 @@ class SerialNumber(NamedTuple):
 class DiagnosticData(NamedTuple):
     """Diagnostic data, register 5Ah, read only, over BiSS C-mode [6.4 p.24].
 
-    Which problem it is that Control error or Signal error in the error register reports.
-
     Attributes:
         amplitude_control_maximum_current: Amplitude control maximum current: Together with Control error. Found by the
             monitoring of the output current of the amplitude control. True at 1: the output current of the amplitude
@@ -1361,6 +951,8 @@ class DiagnosticData(NamedTuple):
         ac_minimum_amplitude: AC minimum amplitude: Together with Signal error. The signal monitoring checks the AC
             amplitude of the differential signals. True at 1: a differential signal has fallen to the lower threshold of
             its AC amplitude. False at 0: no active error.
+
+    Which problem it is that Control error or Signal error in the error register reports.
     """
 
     amplitude_control_maximum_current: bool = False
@@ -1491,6 +1083,26 @@ class Command(IntEnum):
 class Status(NamedTuple):
     """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
 
+    Attributes:
+        configuration_completed: Configuration completed. True at 1: configuration registers verified by their CRC and
+            absolute data read by the absolute data interface. False at 0: configuration not completed.
+        error_message: Error message. True at 1: an error message is active, or simulated by command 05; see the error
+            register. False at 0: no error message.
+        warning_message: Warning message. True at 1: a warning message is active; see the error register. False at 0: no
+            warning message.
+        conf_write_access: Write access permitted to CONF memory area. True at 1: the CONF (Configuration Data) memory
+            area may be written. False at 0: the CONF memory area is write-protected.
+        eds_write_access: Write access permitted to EDS memory area. True at 1: the EDS (Electronic Data Sheet) memory
+            area may be written. False at 0: the EDS memory area is write-protected.
+        internal_data_bus_busy: Internal data bus busy: See the commands save_configuration and verify_configuration.
+            True at 1: internal data bus busy, for example with a CRC verification or with configuration data from or to
+            the EEPROM. False at 0: internal data bus free.
+        absolute_data_valid: Absolute data valid: Data are accepted only with a right CRC and an inactive error bit. See
+            the command read_absolute_data. True at 1: absolute data were loaded through the absolute data interface.
+            False at 0: no absolute data were loaded.
+        position_data_valid: Position data valid: See the command request_position. True at 1: the present position data
+            are valid. False at 0: new position data are not available yet.
+
     Present status of the system, the side of Command & status that is read.
 
     A write to the same address reaches ``command`` instead.
@@ -1511,26 +1123,6 @@ class Status(NamedTuple):
 
     Erratum eds_bank_missing (open, omission): Printed: Status bit 3: write access permitted to the EDS memory area. No
     registers 40h and 41h are listed. Used: No EDS. [6.4 p.22; prot: p.14-15]
-
-    Attributes:
-        configuration_completed: Configuration completed. True at 1: configuration registers verified by their CRC and
-            absolute data read by the absolute data interface. False at 0: configuration not completed.
-        error_message: Error message. True at 1: an error message is active, or simulated by command 05; see the error
-            register. False at 0: no error message.
-        warning_message: Warning message. True at 1: a warning message is active; see the error register. False at 0: no
-            warning message.
-        conf_write_access: Write access permitted to CONF memory area. True at 1: the CONF (Configuration Data) memory
-            area may be written. False at 0: the CONF memory area is write-protected.
-        eds_write_access: Write access permitted to EDS memory area. True at 1: the EDS (Electronic Data Sheet) memory
-            area may be written. False at 0: the EDS memory area is write-protected.
-        internal_data_bus_busy: Internal data bus busy: See the commands save_configuration and verify_configuration.
-            True at 1: internal data bus busy, for example with a CRC verification or with configuration data from or to
-            the EEPROM. False at 0: internal data bus free.
-        absolute_data_valid: Absolute data valid: Data are accepted only with a right CRC and an inactive error bit. See
-            the command read_absolute_data. True at 1: absolute data were loaded through the absolute data interface.
-            False at 0: no absolute data were loaded.
-        position_data_valid: Position data valid: See the command request_position. True at 1: the present position data
-            are valid. False at 0: new position data are not available yet.
     """
 
     configuration_completed: bool = False
@@ -1602,6 +1194,10 @@ class Status(NamedTuple):
 class Position(NamedTuple):
     """Position, registers 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
 
+    Attributes:
+        variant: The encoder that the register belongs to.
+        position: Position within one revolution. Unit: counts.
+
     Absolute position.
 
     Byte order: low byte first, at 61h.
@@ -1627,17 +1223,13 @@ class Position(NamedTuple):
 
     Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position data. Used: Reading
     the position register. [6.4 p.29; icmr: p.42]
-
-    Attributes:
-        variant: The encoder that the register belongs to.
-        position: Position within one revolution. Unit: counts.
     """
 
-    variant: Variant
+    variant: BissEncoder
     position: int
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> Position:
+    def decode(cls, data: Data, variant: BissEncoder) -> Position:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
@@ -1645,7 +1237,7 @@ class Position(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -1665,13 +1257,13 @@ class Position(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         position = check_width("position", self.position, variant.position_bits)
         return (position << (32 - variant.position_bits)).to_bytes(4, "little")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (BitField("position", 32 - variant.position_bits, variant.position_bits),)
@@ -1680,21 +1272,6 @@ class Position(NamedTuple):
 @by_class
 class ErrorRegister(NamedTuple):
     """Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
-
-    Error and warning messages that are active at present.
-
-    Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both, too. Reading out
-    position data resets a message; while its cause lasts it appears again.
-
-    Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter; Synchronization error is about
-    the cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr: p.26]
-
-    Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error register; its six bits
-    are all called errors. Used: No bit of the error register is taken as a warning; all are active errors. [6.2.1 p.20;
-    6.4 p.28; 6.4 p.29; icmr: p.42]
-
-    Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position data. Used: Reading
-    the position register. [6.4 p.29; icmr: p.42]
 
     Attributes:
         absolute_data_error: Absolute data error. True at 1: error of the absolute data interface. False at 0: no error
@@ -1712,6 +1289,21 @@ class ErrorRegister(NamedTuple):
             ``diagnostic_data.signal_level_minimum_amplitude``, ``diagnostic_data.amplitude_control_minimum_current``,
             ``diagnostic_data.signal_level_maximum_amplitude`` and
             ``diagnostic_data.amplitude_control_maximum_current``.
+
+    Error and warning messages that are active at present.
+
+    Bits 2 and 7 are not used. A fault shows in the status Warning message or Error message, or both, too. Reading out
+    position data resets a message; while its cause lasts it appears again.
+
+    Erratum cycle_counter (open, omission): Printed: Command 02 sets the cycle counter; Synchronization error is about
+    the cycle counter and the interpolator. Used: As printed. [6.4 p.26; 6.4 p.30; icmr: p.26]
+
+    Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error register; its six bits
+    are all called errors. Used: No bit of the error register is taken as a warning; all are active errors. [6.2.1 p.20;
+    6.4 p.28; 6.4 p.29; icmr: p.42]
+
+    Erratum error_reset (open, omission): Printed: The reset is performed upon reading out position data. Used: Reading
+    the position register. [6.4 p.29; icmr: p.42]
     """
 
     absolute_data_error: bool = False
@@ -1775,6 +1367,11 @@ class ErrorRegister(NamedTuple):
 class DeviceId(NamedTuple):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
 
+    Attributes:
+        name: Name of the device, 41 53 38 35 in hexadecimal: ASC85 without its C. ASCII text. Holds ``AS85``, which
+            identifies the encoder; decoding accepts any value.
+        release: Hardware-software release, printed as 30 31. ASCII text.
+
     Name of the device and its hardware-software release.
 
     Byte order: high byte first, at 78h.
@@ -1783,11 +1380,6 @@ class DeviceId(NamedTuple):
 
     Erratum device_id_shared (open, omission): Printed: One device ID, AS85 with the release 01, for all models. Used:
     As printed. [6.4 p.31; prot: p.14-15]
-
-    Attributes:
-        name: Name of the device, 41 53 38 35 in hexadecimal: ASC85 without its C. ASCII text. Holds ``AS85``, which
-            identifies the encoder; decoding accepts any value.
-        release: Hardware-software release, printed as 30 31. ASCII text.
     """
 
     name: str
@@ -1837,13 +1429,13 @@ class DeviceId(NamedTuple):
 class ManufacturerId(NamedTuple):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
 
-    Manufacturer.
-
-    Byte order: high byte first, at 7Eh.
-
     Attributes:
         name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
             accepts any value.
+
+    Manufacturer.
+
+    Byte order: high byte first, at 7Eh.
     """
 
     name: str
@@ -1894,15 +1486,17 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     Raises:
         ValueError: There is no such register, or it has another length.
     """
+    from .facts.asc85 import REGISTERS
+
     held = held_bytes(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if variant.interface is Interface.BISS and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
     )
 
 
-def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
+def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
     return (
         agrees(held, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
         and agrees(held, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
@@ -1913,7 +1507,7 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 # Procedures
 
 
-def request_position(variant: Variant | None = None) -> tuple[Step, ...]:
+def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Request new position data and read them [6.4 p.26].
 
     Result: The position register holds the position that was asked for.
@@ -1937,7 +1531,7 @@ def request_position(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def save_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
+def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the configuration [6.4 p.26].
 
     Before: An EEPROM was connected at power-on; without it the command has no effect.
@@ -1967,7 +1561,7 @@ def save_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def read_absolute_data(variant: Variant | None = None) -> tuple[Step, ...]:
+def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Read absolute data anew [6.4 p.26].
 
     Result: The cycle counter is set from the absolute data; if the reading failed it is 0.
@@ -1999,7 +1593,7 @@ def read_absolute_data(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def software_reset(variant: Variant | None = None) -> tuple[Step, ...]:
+def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Reset the encoder [6.4 p.26].
 
     Result: The encoder works with the configuration of the EEPROM.
@@ -2029,7 +1623,7 @@ def software_reset(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def verify_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
+def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Verify the CRC of the configuration [6.4 p.27].
 
     Result: Configuration error tells whether the configuration registers agree with their check sum.
@@ -2055,7 +1649,7 @@ def verify_configuration(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def simulate_error(variant: Variant | None = None) -> tuple[Step, ...]:
+def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Simulate an error [6.4 p.27].
 
     Result: The status Error message is forced to 1.
@@ -2075,7 +1669,7 @@ def simulate_error(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def clear_simulated_error(variant: Variant | None = None) -> tuple[Step, ...]:
+def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """End the simulation of an error [6.4 p.27].
 
     Result: The status Error message is forced to 0.
@@ -2095,7 +1689,7 @@ def clear_simulated_error(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
+def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Look up and reset errors and warnings [6.4 p.29].
 
     Result: The messages are reset; those whose cause lasts are there again.
@@ -2120,7 +1714,7 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
+def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Identify the encoder [6.4 p.22].
 
     Result: It is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies, so that only
@@ -2145,823 +1739,48 @@ def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
         Read(Address.SERIAL_NUMBER, 4, "serial_number"),
     )
 
-
-# Facts
-
-#: Errors and warnings: what they mean, whether they latch, how they are cleared.
-ALARMS: Final[tuple[Alarm, ...]] = (
-    Alarm(
-        name="control_error",
-        meaning=(
-            "The signal level or the output current of the amplitude control has reached a threshold; diagnostic "
-            "data, bits 2, 3, 6 and 7, tell which."
-        ),
-        printed_name="Control error",
-        register="error_register",
-        field="control_error",
-        latch=True,
-        remedy="Reset upon reading out position data; appears again while its cause lasts",
-        cleared_by=("reset_errors",),
-        source="6.4 p.30",
-    ),
-    Alarm(
-        name="signal_error",
-        meaning=(
-            "The AC amplitude of a differential signal or the DC voltage of an analogue signal line has reached a "
-            "threshold; diagnostic data, bits 0, 1, 4 and 5, tell which."
-        ),
-        printed_name="Signal error",
-        register="error_register",
-        field="signal_error",
-        latch=True,
-        remedy="Reset upon reading out position data; appears again while its cause lasts",
-        cleared_by=("reset_errors",),
-        source="6.4 p.30",
-    ),
-    Alarm(
-        name="synchronization_error",
-        meaning="The internal synchronisation between the cycle counter and the interpolator failed.",
-        printed_name="Synchronization error",
-        register="error_register",
-        field="synchronization_error",
-        latch=True,
-        remedy="Reset upon reading out position data; appears again while its cause lasts",
-        cleared_by=("reset_errors",),
-        source="6.4 p.30",
-    ),
-    Alarm(
-        name="configuration_error",
-        meaning=(
-            "One of: power-on without EEPROM; CRC error at power-on with EEPROM; error while writing the EEPROM by "
-            "command 01; CRC error after a software reset by command 03; CRC error after a verification by command "
-            "04; failure of the EEPROM. Also set for a while, without an error, during the writing by command 01 and "
-            "the verification by command 04."
-        ),
-        printed_name="Configuration error",
-        register="error_register",
-        field="configuration_error",
-        detected="At power-on, after a software reset, when the configuration is written to the EEPROM or verified",
-        remedy=(
-            "Goes by itself at the end of a writing or verification that succeeds, not of one that fails. For all "
-            "messages: reset upon reading out position data; appears again while its cause lasts"
-        ),
-        cleared_by=("reset_errors",),
-        source="6.4 p.30",
-    ),
-    Alarm(
-        name="interpolation_error",
-        meaning="The conversion had not been carried out at the time of the read access.",
-        printed_name="Interpolation error",
-        register="error_register",
-        field="interpolation_error",
-        latch=True,
-        remedy="Reset upon reading out position data; appears again while its cause lasts",
-        cleared_by=("reset_errors",),
-        source="6.4 p.31",
-    ),
-    Alarm(
-        name="absolute_data_error",
-        meaning=(
-            "The absolute data interface received BiSS data with a CRC error, or with the error bit nE active (0). "
-            "Always 0 where the absolute data interface is not configured."
-        ),
-        printed_name="Absolute data error",
-        register="error_register",
-        field="absolute_data_error",
-        detected="When the absolute data interface reads, for example after command 02",
-        latch=True,
-        remedy="Reset upon reading out position data; appears again while its cause lasts",
-        cleared_by=("reset_errors",),
-        source="6.4 p.31",
-    ),
-)
-
-#: Times that belong to the encoder as a whole.
-TIMINGS: Final[tuple[Timing, ...]] = ()
-
-#: Connectors and cables, contact by contact.
-CONNECTORS: Final[tuple[Connector, ...]] = (
-    Connector(
-        name="m12_connector",
-        kind="connector",
-        title="M12 8-pin, A coding, male",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("1", "0Vdc"),
-            Contact("2", "+Vdc"),
-            Contact("3", "CLOCK IN + / MA +"),
-            Contact("4", "CLOCK IN - / MA -"),
-            Contact("5", "DATA OUT + / SLO +"),
-            Contact("6", "DATA OUT - / SLO -"),
-            Contact("Case", "Shield"),
-        ),
-        note="+Vdc as the order code says. Pins 7 and 8 are in no row of the table.",
-        source="4 p.13; 4.1 p.13",
-    ),
-    Connector(
-        name="m23_connector",
-        kind="connector",
-        title="M23 12-pin, counted counter-clockwise, male",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("1", "CLOCK IN - / MA -"),
-            Contact("2", "CLOCK IN + / MA +"),
-            Contact("3", "DATA OUT + / SLO +"),
-            Contact("4", "DATA OUT - / SLO -"),
-            Contact("11", "+Vdc"),
-            Contact("12", "0Vdc"),
-            Contact("Case", "Shield"),
-        ),
-        note="+Vdc as the order code says. Pins 5 to 10 are in no row of the table.",
-        source="4 p.13; 4.2 p.13",
-    ),
-    Connector(
-        name="m8_cable",
-        kind="cable",
-        title="M8 type cable",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("Black", "0Vdc"),
-            Contact("Red", "+Vdc"),
-            Contact("Yellow", "CLOCK IN + / MA +"),
-            Contact("Blue", "CLOCK IN - / MA -"),
-            Contact("Green", "DATA OUT + / SLO +"),
-            Contact("Orange", "DATA OUT - / SLO -"),
-            Contact("White", "not connected"),
-            Contact("Grey", "not connected"),
-            Contact("Shield", "Shield"),
-        ),
-        note="+Vdc as the order code says.",
-        source="4 p.13; 4.3 p.14",
-    ),
-)
-
-#: Lights and what their states mean.
-LEDS: Final[tuple[Led, ...]] = ()
-
-#: Tables of the manual.
-TABLES: Final[tuple[Table, ...]] = (
-    Table(
-        name="reserved_registers",
-        title="Registers that are reserved to the maker",
-        columns=("First address", "Last address", "What they are"),
-        rows=(
-            (
-                "00h",
-                "2Dh",
-                (
-                    "Configuration registers, not available to users; commands 01, 03 and 04 save, load and verify "
-                    "them. Do not write them"
-                ),
-            ),
-        ),
-        source="6.4 p.26",
-    ),
-)
-
-#: Further facts of the manual, as text.
-CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
-    Characteristic(name="scanning", value="Singleturn rotary encoder with optical scanning", source="Cover"),
-    Characteristic(name="shaft", value="Thru-bore shaft of 50 mm (1.9685 in)", source="Cover"),
-    Characteristic(name="accuracy", value="±0.005°", source="Cover; Preliminary information p.7"),
-    Characteristic(name="applications", value="Direct integration into robots, radars and motors", source="Cover"),
-    Characteristic(
-        name="personnel",
-        value=(
-            "Installation and maintenance by qualified personnel only, with the power supply disconnected and the "
-            "mechanical parts at rest, and under the accident prevention rules of the country. Use only for the "
-            "purpose of its design; high current, voltage and moving parts can injure or kill."
-        ),
-        source="1.1 p.8; 3 p.11",
-    ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.8"),
-    Characteristic(
-        name="emc_directive",
-        value="Directive 2014/30/EU on electromagnetic compatibility",
-        source="1.2 p.8",
-    ),
-    Characteristic(
-        name="emc_precautions",
-        value=(
-            "Discharge body and tools before handling. Stabilised supply free of noise, with EMC filters where "
-            "needed. Shielded cables, twisted pairs where possible, no longer than necessary, away from high-voltage "
-            "power cables. Mount away from capacitive and inductive noise sources or shield the device from them. No "
-            "strong magnets on or near the unit."
-        ),
-        source="1.2 p.8",
-    ),
-    Characteristic(
-        name="shield_connection",
-        value=(
-            "Connect the shield, the connector housing or the frame, or several of them, to a ground free of noise, "
-            "on the device's side or on the user's; which is best is for the user to find out."
-        ),
-        source="1.2 p.8; 4.4 p.14",
-    ),
-    Characteristic(
-        name="mechanical_safety",
-        value=(
-            "Do not disassemble the encoder, nor machine it or its shaft; no knocks or shocks on device or shaft. "
-            "Keep to the ambient conditions that the manufacturer states."
-        ),
-        source="1.3 p.8",
-    ),
-    Characteristic(
-        name="mounting",
-        value=(
-            "Mount the encoder on the motor shaft without forcing its own. Fasten the fixing plate (1) to the rear of "
-            "the motor with screws and washers (2), then fix the encoder shaft by tightening the eccentric screws (3) "
-            "with the hex key (4)."
-        ),
-        source="3.3 p.12",
-    ),
-    Characteristic(name="fixing_plate_screws", value="Four, M4, with washers", source="3.3 p.12"),
-    Characteristic(name="fixing_plate_screw_torque", value="2 Nm ±0.2 Nm, given as a maximum", source="3.3 p.12"),
-    Characteristic(name="eccentric_screws", value="Three, M4, for a hex key of 3.0 mm", source="3.3 p.12"),
-    Characteristic(name="eccentric_screw_torque", value="2.5 Nm ±0.5 Nm, given as a maximum", source="3.3 p.12"),
-    Characteristic(
-        name="wiring",
-        value=(
-            "Supply off while wiring. Cut the wires of unused signals to different lengths and insulate each; if they "
-            "touch, the device may be damaged beyond repair."
-        ),
-        source="4 p.13",
-    ),
-    Characteristic(name="supply_1", value="+5 V DC ±5 %", only=".../SC1-...", source="4 p.13"),
-    Characteristic(name="supply_2", value="+10 V DC to +30 V DC", only=".../SC2-...", source="4 p.13"),
-    Characteristic(
-        name="supply_source",
-        value=(
-            "To be supplied by a Class 2 circuit, or by a low-voltage limited-energy circuit or an energy source of "
-            "not more than 30 V DC; the order code tells the supply voltage."
-        ),
-        source="Back cover",
-    ),
-    Characteristic(name="cable_model", value="LIKA HI-FLEX sensor cable, type M8", source="4.3 p.14"),
-    Characteristic(
-        name="cable_cross_section",
-        value="2 × 0.22 mm² and 6 × 0.14 mm² (24 and 26 AWG)",
-        source="4.3 p.14",
-    ),
-    Characteristic(
-        name="cable_jacket",
-        value="Matt polyurethane (TPU), halogen free, resistant to oil, hydrolysis and abrasion",
-        source="4.3 p.14",
-    ),
-    Characteristic(name="cable_shield", value="Tinned copper braid, coverage 85 % or more", source="4.3 p.14"),
-    Characteristic(name="cable_diameter", value="5.3 mm to 5.6 mm (0.209 in to 0.220 in)", source="4.3 p.14"),
-    Characteristic(name="cable_bending_radius", value="7.5 × outer diameter at least", source="4.3 p.14"),
-    Characteristic(
-        name="cable_temperature_dynamic",
-        value="−40 °C to +90 °C (−40 °F to +194 °F) in dynamic installation",
-        source="4.3 p.14",
-    ),
-    Characteristic(
-        name="cable_temperature_fixed",
-        value="−50 °C to +90 °C (−58 °F to +194 °F) in fixed installation",
-        source="4.3 p.14",
-    ),
-    Characteristic(
-        name="cable_resistance",
-        value="Per conductor at most 90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²)",
-        source="4.3 p.14",
-    ),
-    Characteristic(
-        name="counting_direction",
-        value="Counts up with clockwise rotation, as a picture shows; fixed",
-        source="4.5 p.14",
-    ),
-    Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
-)
-
-#: What only figures show that the text at hand does not contain.
-LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure("Encumbrance sizes in millimetres.", source="3.1 p.11"),
-    LostFigure("Dimensions of the mounting support in millimetres.", source="3.2 p.11"),
-    LostFigure("Picture of the mounting with the parts 1 to 4, which the text names as well.", source="3.3 p.12"),
-    LostFigure(
-        "Frontal side of the M12 connector with its pin numbers; the numbers are in the table of section 4.",
-        source="4.1 p.13",
-    ),
-    LostFigure(
-        "Frontal side of the M23 connector with its pin numbers; the numbers are in the table of section 4.",
-        source="4.2 p.13",
-    ),
-    LostFigure(
-        (
-            "Standard counting direction. The text says clockwise as shown in the figure, and not from which side "
-            "that is seen; the spec cannot say it either."
-        ),
-        source="4.5 p.14",
-    ),
-    LostFigure("What stands below the heading, probably the master and the slave with their lines.", source="5.1 p.15"),
-    LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm, described in words as well.",
-        source="5.1",
-    ),
-    LostFigure("What stands after the pause Tp, probably its picture.", source="5.3 p.17"),
-    LostFigure("Recommended SSI input circuit.", source="5.4 p.18"),
-    LostFigure("What stands at the end of the section, probably a frame with SCD and CD.", source="6.1 p.19"),
-    LostFigure(
-        "Logic circuit of the 6-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.2.1 p.21",
-    ),
-    LostFigure(
-        "Logic circuit of the 4-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.3 p.22",
-    ),
-    LostFigure("Recommended BiSS input circuit.", source="6.6 p.32"),
-)
-
-#: Where the manual cannot be taken literally, and what is used instead.
-ERRATA: Final[tuple[Erratum, ...]] = (
-    Erratum(
-        name="do_not_touch",
-        printed="Do not touch the encoder or its shaft.",
-        used="Neither is to be machined.",
-        why=(
-            "Who mounts the encoder by 3.3 has to touch both. The same list has \"do not tool\" in the AM36 and AMM5 "
-            "manuals, so that touch is likely a misprint of tool; this manual alone does not prove it."
-        ),
-        status="open",
-        severity="wording",
-        affects=("characteristics.mechanical_safety",),
-        source="1.3 p.8; 3.3 p.12; am36: Mechanical safety p.9; amm5: 1.3 p.8",
-    ),
-    Erratum(
-        name="resistance_by_cross_section",
-        printed=(
-            "Wires 2 × 0.22 mm² + 6 × 0.14 mm²; conductor resistance ≤ 90 Ω/km / ≤ 148 Ω/km, without saying which is "
-            "which"
-        ),
-        used="90 Ω/km is that of 0.22 mm², 148 Ω/km that of 0.14 mm².",
-        why=(
-            "Both pairs stand in the same order, and of two copper wires the thicker one has the lower resistance. "
-            "The AM36 manual prints it so."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("characteristics.cable_resistance",),
-        source="4.3 p.14; am36: 4.2",
-    ),
-    Erratum(
-        name="torque_maximum",
-        printed="Max. tightening torque 2 ± 0.2 Nm and 2.5 ± 0.5 Nm",
-        used="Both as printed",
-        why="A maximum has no tolerance. Whether 2 Nm and 2.5 Nm are aimed at, or are not to be exceeded, is not said.",
-        status="open",
-        severity="wrong_limit",
-        affects=("characteristics.fixing_plate_screw_torque", "characteristics.eccentric_screw_torque"),
-        source="3.3 p.12",
-    ),
-    Erratum(
-        name="connector_free_pins",
-        printed=(
-            "Rows for six pins of the M12 and of the M23 connector, and two rows \"not connected\" with a dash for "
-            "both"
-        ),
-        used="Pins 7 and 8 of M12 and 5 to 10 of M23 are left out.",
-        why=(
-            "The connectors have 8 and 12 pins. That the others are free is likely, but said only of two wires of the "
-            "cable."
-        ),
-        status="open",
-        severity="omission",
-        affects=("connectors.m12_connector", "connectors.m23_connector"),
-        source="4 p.13",
-    ),
-    Erratum(
-        name="supply_digit",
-        printed="The supply voltage is explained for SC1 and SC2 only, as an example; BG and GG stand with three dots.",
-        used="1 and 2 mean the same after BG and GG; any other digit is accepted as unlisted.",
-        why=(
-            "The table of connections and its footnote, the supply voltage as in the order code, hold for SSI and "
-            "BiSS alike. Which digits exist is not listed."
-        ),
-        status="open",
-        severity="omission",
-        affects=("order_code", "characteristics.supply_1", "characteristics.supply_2"),
-        source="Cover; 4 p.13; 5 p.15",
-    ),
-    Erratum(
-        name="ssi_code_letters",
-        printed=(
-            "The output code can be Gray or binary, see the order code; the order codes are BG and GG, without a word "
-            "on which is which."
-        ),
-        used="BG is binary, GG is Gray.",
-        why=(
-            "The AMM5 manual has one SSI code, BG1, and calls its output binary; the SMA21 manual calls the output of "
-            "its G1x models Gray and has BG and GG beside them. That the letters mean the same here is an inference. "
-            "Turn the shaft slowly: if neighbouring positions jump, the code is the other one."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("order_code", "parameters.ssi_gray", "interfaces.ssi.ssi_word"),
-        source="Cover; 5.2 p.16; amm5: 5.2; sma21: 4.1; sma21: 5",
-    ),
-    Erratum(
-        name="ssi_clock_count",
-        printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
-        used="Neither is enforced; n + 1 clocks satisfy both.",
-        why="With the word aligned to the left, a clock too many brings a zero after it, one too few may lose the LSB.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2",
-    ),
-    Erratum(
-        name="ssi_bit_numbers",
-        printed="SSI bits numbered 20 ... 1 to 25 ... 1",
-        used="19:0 to 24:0, with bit 0 as the LSB",
-        why=(
-            "The words are 20 to 25 bits long, by the table of lengths, which leaves no room for a further bit at 0; "
-            "everything else in the manual counts from 0. (The SMA21 manual numbers its position n ... 1 as well, and "
-            "has an error bit at 0.)"
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("interfaces.ssi.ssi_word",),
-        source="5.2; sma21: 5.2",
-    ),
-    Erratum(
-        name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 4 MHz",
-        used="Both as printed",
-        why="From 200 m on the table leaves no clock within the range.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3 p.17",
-    ),
-    Erratum(
-        name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 4 MHz",
-        used="Both as printed",
-        why="50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4 MHz.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3 p.17",
-    ),
-    Erratum(
-        name="ssi_pause",
-        printed="Pause of at least 12 µs (Tp > 12 µs); Tm has a typical duration of 12 µs",
-        used="At least 12 µs; take more.",
-        why=(
-            "\"At least\" allows 12 µs, the sign \">\" does not. A pause of just 12 µs leaves no margin anyway: the "
-            "encoder is ready again only after Tm, and the typical Tm is too short for every encoder whose Tm is "
-            "longer. The AMM5 manual asks for 20 µs with the same Tm, the SMA21 manual for 16 µs."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.pause", "interfaces.ssi.monoflop"),
-        source="5.1; 5.3 p.17; amm5: 5.3; sma21: 5.3",
-    ),
-    Erratum(
-        name="biss_documents",
-        printed=(
-            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
-            "Description\""
-        ),
-        used="The BiSS C protocol description of iC-Haus",
-        why=(
-            "The manuals of the same maker name the document differently. The protocol description is the public one "
-            "that their terms come from."
-        ),
-        status="open",
-        severity="wording",
-        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6 p.19; 6.3 p.21; prot",
-    ),
-    Erratum(
-        name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
-        used="Start value 0",
-        why=(
-            "Public BiSS documents begin with 0 unless something else is stated, and so does the one public driver "
-            "for this encoder; but a public controller with the same registers lets its maker set any start value. "
-            "With another one every frame fails its CRC, with or without errors on the line."
-        ),
-        status="open",
-        severity="omission",
-        affects=("crcs.biss_6", "crcs.biss_4"),
-        source=(
-            "6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet; icmr: p.35; onstepx: "
-            "src/lib/encoder/bissc/Asc85.cpp"
-        ),
-    ),
-    Erratum(
-        name="cycle_counter",
-        printed=(
-            "Command 02 sets the cycle counter; Synchronization error is about the cycle counter and the interpolator"
-        ),
-        used="As printed",
-        why=(
-            "This encoder has one turn and no revolutions to count. What the counter counts is not said; in a public "
-            "controller with the same commands it counts the periods of the sine and cosine signals, within the turn."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "registers.command",
-            "registers.error_register.synchronization_error",
-            "alarms.synchronization_error",
-            "procedures.read_absolute_data",
-        ),
-        source="6.4 p.26; 6.4 p.30; icmr: p.26",
-    ),
-    Erratum(
-        name="control_data_bit",
-        printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="Nothing; no layout of the control frame is made from it.",
-        why=(
-            "By the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data, and only "
-            "the master's follows, during the time-out."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("interfaces.biss.control_data",),
-        source="6.1 p.19; prot: p.3-5",
-    ),
-    Erratum(
-        name="scd_length",
-        printed=(
-            "SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary "
-            "information has 34 bits for 25"
-        ),
-        used="position_bits + 9, with the 0 bit between position and error bit",
-        why=(
-            "nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1 bits. But the one "
-            "public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 "
-            "bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 "
-            "bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the "
-            "0 bit: position, nE, nW, CRC."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("interfaces.biss.single_cycle_data", "registers.profile_id", "registers.position"),
-        source="6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp",
-    ),
-    Erratum(
-        name="profile_id_data_length",
-        printed="Profile ID 28 1A, data length 25 + 1 bits, for all models",
-        used="281Ah for all models, as printed; frames of position_bits + 9 bits",
-        why=(
-            "It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual "
-            "the same byte differs with the model and is its data length. Another ID at a lower resolution is likely; "
-            "a public controller with the same registers knows 24 or 26 singleturn bits only, so that the frame might "
-            "differ instead."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.profile_id", "interfaces.biss.single_cycle_data", "examples.profile_id"),
-        source="6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35",
-    ),
-    Erratum(
-        name="profile_variant",
-        printed="Variant 0-24++ in the table, Variant 0-24 in the sentence below it",
-        used="0-24++",
-        why=(
-            "The table names this encoder's own value. In the SMA21 manual 0-24 goes with 20 to 24 bits and 0-24+++ "
-            "with 25; what the signs mean is in no public document."
-        ),
-        status="open",
-        severity="wording",
-        affects=("registers.profile_id",),
-        source="6.4 p.23; sma21: 6.4",
-    ),
-    Erratum(
-        name="serial_number_digits",
-        printed="Serial number in ascending order, with the example 171256846",
-        used="One number",
-        why=(
-            "In the AMM5 manual the same register holds year, week and number as decimal digits; read like that the "
-            "example is 17 12 56846, week 12 of 2017, two months before this manual. The SMA21 manual has the year in "
-            "44h and the week in 45h, which hold 0Ah and 35h here."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.serial_number", "examples.serial_number"),
-        source="6.4 p.23; amm5: 6.4 p.38; sma21: 6.4",
-    ),
-    Erratum(
-        name="absolute_data_valid_bit",
-        printed="Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1",
-        used="Bit 1",
-        why=(
-            "The list gives each of the eight bits once and has Internal data bus busy at bit 2. A public controller "
-            "with the same commands lists its status byte in the order of the list."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.status.absolute_data_valid", "procedures.read_absolute_data"),
-        source="6.4 p.26; 6.4 p.28; icmr: p.41",
-    ),
-    Erratum(
-        name="internal_data_bus_busy_bit",
-        printed="Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2",
-        used="Bit 2",
-        why=(
-            "The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A "
-            "public controller with the same commands lists its status byte in the order of the list."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=(
-            "registers.status.internal_data_bus_busy",
-            "procedures.save_configuration",
-            "procedures.verify_configuration",
-        ),
-        source="6.4 p.26; 6.4 p.27; 6.4 p.28; icmr: p.41",
-    ),
-    Erratum(
-        name="warning_sources",
-        printed="For the active warning refer to the Error register; its six bits are all called errors.",
-        used="No bit of the error register is taken as a warning; all are active errors.",
-        why=(
-            "Which of them make nE active and set Error message, and which nW and Warning message, is not said. A "
-            "public controller with the same registers has two masks for it, which the maker sets."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "registers.error_register",
-            "registers.status.warning_message",
-            "interfaces.biss.single_cycle_data.warning",
-        ),
-        source="6.2.1 p.20; 6.4 p.28; 6.4 p.29; icmr: p.42",
-    ),
-    Erratum(
-        name="position_under_error",
-        printed="nE and nW tell of an active error or warning; what the position is worth then is not said.",
-        used="Not usable with an error; usable with a warning with a warning.",
-        why=(
-            "The errors of the error register concern the signals, the conversion and the configuration, from all of "
-            "which the position is made."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.biss.single_cycle_data.error", "interfaces.biss.single_cycle_data.warning"),
-        source="6.2.1 p.20; 6.4 p.29",
-    ),
-    Erratum(
-        name="position_register_bits",
-        printed="Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models",
-        used=(
-            "The exponents number the bits of the register: the position is left-aligned at bit 31 and position_bits "
-            "wide; the bits below it are unspecified."
-        ),
-        why=(
-            "26 bits are more than any model has; 25 and the constant 0 bit of the frame fill them. Whether the "
-            "position stays left-aligned at 20 to 24 bits, and what the bits below it hold then, is not said. A "
-            "public controller with the same addresses holds 26 singleturn bits there."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.position",),
-        source="6.2.1 p.20; 6.4 p.29; icmr: p.33",
-    ),
-    Erratum(
-        name="error_reset",
-        printed="The reset is performed upon reading out position data.",
-        used="Reading the position register",
-        why=(
-            "Each BiSS frame carries the position, and a register is read bit by bit over many frames: should a frame "
-            "count as reading out, a message would be reset before the register can show it. The manual does not say "
-            "which reading is meant."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "registers.error_register",
-            "registers.position",
-            "procedures.reset_errors",
-            "procedures.request_position",
-        ),
-        source="6.4 p.29; icmr: p.42",
-    ),
-    Erratum(
-        name="device_id_shared",
-        printed="One device ID, AS85 with the release 01, for all models",
-        used="As printed",
-        why=(
-            "BiSS asks for another device ID where the data length differs. The SC models have six lengths; with the "
-            "profile ID the same as well, a master cannot tell the models apart."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.device_id", "procedures.identify"),
-        source="6.4 p.31; prot: p.14-15",
-    ),
-    Erratum(
-        name="biss_timeout",
-        printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
-        used="The one value; no rule for other clocks",
-        why=(
-            "An adaptive time-out follows the clock, but how is not said. At 10 MHz the one and a half clock periods "
-            "of the BiSS description and of the AMM5 manual are 0.15 µs; 0.35 µs are three and a half."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.biss.timeout",),
-        source="6.5 p.32; prot: p.18; amm5: 6.5 p.40",
-    ),
-    Erratum(
-        name="insulating",
-        printed="Possibility of insulting the circuits galvanically",
-        used="Nothing; the sentence is not taken over.",
-        why="The sentence is about optocouplers, which insulate circuits.",
-        status="settled",
-        severity="wording",
-        source="5.1",
-    ),
-    Erratum(
-        name="eds_bank_missing",
-        printed="Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.",
-        used="No EDS",
-        why=(
-            "In the BiSS register map 40h selects the bank and 41h holds the EDS bank. Whether there is an EDS, and "
-            "where, is not said."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.status",),
-        source="6.4 p.22; prot: p.14-15",
-    ),
-)
-
-#: Documents that sources cite by their key.
-DOCUMENTS: Final[tuple[Document, ...]] = (
-    Document("prot", "BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus"),
-    Document("renishaw", "L-9709-9005-03-F, BiSS data sheet, Renishaw"),
-    Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
-    Document(
-        "icmr",
-        "iC-MR data sheet, revision A1, iC-Haus",
-        url="http://www.datasheetandpdf.com/EN/ICHAUS/41/IC-MR.htm",
-    ),
-    Document(
-        "ti_sdk",
-        "TexasInstruments/motor-control-sdk, T-format and BiSS drivers",
-        url="https://github.com/TexasInstruments/motor-control-sdk",
-    ),
-    Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
-    Document(
-        "onstepx",
-        "hjd1964/OnStepX, telescope controller with a BiSS C driver for the ASC85, marked experimental",
-        url="https://github.com/hjd1964/OnStepX",
-    ),
-    Document("am36", "AM36 AMC36 manual, English edition 1.0, Lika Electronic"),
-    Document("amm5", "AMM5A AMM5B manual, English edition 1.9, Lika Electronic"),
-    Document("sma21", "SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic"),
-)
-
 # Every order code that the manual lists
 
 VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
     {
         variant.code: variant
         for variant in (
-            Variant("ASC8520/BG1", Interface.SSI, ("20", "BG", "1"), position_bits=20, ssi_gray=0),
-            Variant("ASC8520/BG2", Interface.SSI, ("20", "BG", "2"), position_bits=20, ssi_gray=0),
-            Variant("ASC8520/GG1", Interface.SSI, ("20", "GG", "1"), position_bits=20, ssi_gray=1),
-            Variant("ASC8520/GG2", Interface.SSI, ("20", "GG", "2"), position_bits=20, ssi_gray=1),
-            Variant("ASC8520/SC1", Interface.BISS, ("20", "SC", "1"), position_bits=20, ssi_gray=0),
-            Variant("ASC8520/SC2", Interface.BISS, ("20", "SC", "2"), position_bits=20, ssi_gray=0),
-            Variant("ASC8521/BG1", Interface.SSI, ("21", "BG", "1"), position_bits=21, ssi_gray=0),
-            Variant("ASC8521/BG2", Interface.SSI, ("21", "BG", "2"), position_bits=21, ssi_gray=0),
-            Variant("ASC8521/GG1", Interface.SSI, ("21", "GG", "1"), position_bits=21, ssi_gray=1),
-            Variant("ASC8521/GG2", Interface.SSI, ("21", "GG", "2"), position_bits=21, ssi_gray=1),
-            Variant("ASC8521/SC1", Interface.BISS, ("21", "SC", "1"), position_bits=21, ssi_gray=0),
-            Variant("ASC8521/SC2", Interface.BISS, ("21", "SC", "2"), position_bits=21, ssi_gray=0),
-            Variant("ASC8522/BG1", Interface.SSI, ("22", "BG", "1"), position_bits=22, ssi_gray=0),
-            Variant("ASC8522/BG2", Interface.SSI, ("22", "BG", "2"), position_bits=22, ssi_gray=0),
-            Variant("ASC8522/GG1", Interface.SSI, ("22", "GG", "1"), position_bits=22, ssi_gray=1),
-            Variant("ASC8522/GG2", Interface.SSI, ("22", "GG", "2"), position_bits=22, ssi_gray=1),
-            Variant("ASC8522/SC1", Interface.BISS, ("22", "SC", "1"), position_bits=22, ssi_gray=0),
-            Variant("ASC8522/SC2", Interface.BISS, ("22", "SC", "2"), position_bits=22, ssi_gray=0),
-            Variant("ASC8523/BG1", Interface.SSI, ("23", "BG", "1"), position_bits=23, ssi_gray=0),
-            Variant("ASC8523/BG2", Interface.SSI, ("23", "BG", "2"), position_bits=23, ssi_gray=0),
-            Variant("ASC8523/GG1", Interface.SSI, ("23", "GG", "1"), position_bits=23, ssi_gray=1),
-            Variant("ASC8523/GG2", Interface.SSI, ("23", "GG", "2"), position_bits=23, ssi_gray=1),
-            Variant("ASC8523/SC1", Interface.BISS, ("23", "SC", "1"), position_bits=23, ssi_gray=0),
-            Variant("ASC8523/SC2", Interface.BISS, ("23", "SC", "2"), position_bits=23, ssi_gray=0),
-            Variant("ASC8524/BG1", Interface.SSI, ("24", "BG", "1"), position_bits=24, ssi_gray=0),
-            Variant("ASC8524/BG2", Interface.SSI, ("24", "BG", "2"), position_bits=24, ssi_gray=0),
-            Variant("ASC8524/GG1", Interface.SSI, ("24", "GG", "1"), position_bits=24, ssi_gray=1),
-            Variant("ASC8524/GG2", Interface.SSI, ("24", "GG", "2"), position_bits=24, ssi_gray=1),
-            Variant("ASC8524/SC1", Interface.BISS, ("24", "SC", "1"), position_bits=24, ssi_gray=0),
-            Variant("ASC8524/SC2", Interface.BISS, ("24", "SC", "2"), position_bits=24, ssi_gray=0),
-            Variant("ASC8525/BG1", Interface.SSI, ("25", "BG", "1"), position_bits=25, ssi_gray=0),
-            Variant("ASC8525/BG2", Interface.SSI, ("25", "BG", "2"), position_bits=25, ssi_gray=0),
-            Variant("ASC8525/GG1", Interface.SSI, ("25", "GG", "1"), position_bits=25, ssi_gray=1),
-            Variant("ASC8525/GG2", Interface.SSI, ("25", "GG", "2"), position_bits=25, ssi_gray=1),
-            Variant("ASC8525/SC1", Interface.BISS, ("25", "SC", "1"), position_bits=25, ssi_gray=0),
-            Variant("ASC8525/SC2", Interface.BISS, ("25", "SC", "2"), position_bits=25, ssi_gray=0),
+            SsiEncoder("ASC8520/BG1", ("20", "BG", "1"), position_bits=20, ssi_gray=0),
+            SsiEncoder("ASC8520/BG2", ("20", "BG", "2"), position_bits=20, ssi_gray=0),
+            SsiEncoder("ASC8520/GG1", ("20", "GG", "1"), position_bits=20, ssi_gray=1),
+            SsiEncoder("ASC8520/GG2", ("20", "GG", "2"), position_bits=20, ssi_gray=1),
+            BissEncoder("ASC8520/SC1", ("20", "SC", "1"), position_bits=20, ssi_gray=0),
+            BissEncoder("ASC8520/SC2", ("20", "SC", "2"), position_bits=20, ssi_gray=0),
+            SsiEncoder("ASC8521/BG1", ("21", "BG", "1"), position_bits=21, ssi_gray=0),
+            SsiEncoder("ASC8521/BG2", ("21", "BG", "2"), position_bits=21, ssi_gray=0),
+            SsiEncoder("ASC8521/GG1", ("21", "GG", "1"), position_bits=21, ssi_gray=1),
+            SsiEncoder("ASC8521/GG2", ("21", "GG", "2"), position_bits=21, ssi_gray=1),
+            BissEncoder("ASC8521/SC1", ("21", "SC", "1"), position_bits=21, ssi_gray=0),
+            BissEncoder("ASC8521/SC2", ("21", "SC", "2"), position_bits=21, ssi_gray=0),
+            SsiEncoder("ASC8522/BG1", ("22", "BG", "1"), position_bits=22, ssi_gray=0),
+            SsiEncoder("ASC8522/BG2", ("22", "BG", "2"), position_bits=22, ssi_gray=0),
+            SsiEncoder("ASC8522/GG1", ("22", "GG", "1"), position_bits=22, ssi_gray=1),
+            SsiEncoder("ASC8522/GG2", ("22", "GG", "2"), position_bits=22, ssi_gray=1),
+            BissEncoder("ASC8522/SC1", ("22", "SC", "1"), position_bits=22, ssi_gray=0),
+            BissEncoder("ASC8522/SC2", ("22", "SC", "2"), position_bits=22, ssi_gray=0),
+            SsiEncoder("ASC8523/BG1", ("23", "BG", "1"), position_bits=23, ssi_gray=0),
+            SsiEncoder("ASC8523/BG2", ("23", "BG", "2"), position_bits=23, ssi_gray=0),
+            SsiEncoder("ASC8523/GG1", ("23", "GG", "1"), position_bits=23, ssi_gray=1),
+            SsiEncoder("ASC8523/GG2", ("23", "GG", "2"), position_bits=23, ssi_gray=1),
+            BissEncoder("ASC8523/SC1", ("23", "SC", "1"), position_bits=23, ssi_gray=0),
+            BissEncoder("ASC8523/SC2", ("23", "SC", "2"), position_bits=23, ssi_gray=0),
+            SsiEncoder("ASC8524/BG1", ("24", "BG", "1"), position_bits=24, ssi_gray=0),
+            SsiEncoder("ASC8524/BG2", ("24", "BG", "2"), position_bits=24, ssi_gray=0),
+            SsiEncoder("ASC8524/GG1", ("24", "GG", "1"), position_bits=24, ssi_gray=1),
+            SsiEncoder("ASC8524/GG2", ("24", "GG", "2"), position_bits=24, ssi_gray=1),
+            BissEncoder("ASC8524/SC1", ("24", "SC", "1"), position_bits=24, ssi_gray=0),
+            BissEncoder("ASC8524/SC2", ("24", "SC", "2"), position_bits=24, ssi_gray=0),
+            SsiEncoder("ASC8525/BG1", ("25", "BG", "1"), position_bits=25, ssi_gray=0),
+            SsiEncoder("ASC8525/BG2", ("25", "BG", "2"), position_bits=25, ssi_gray=0),
+            SsiEncoder("ASC8525/GG1", ("25", "GG", "1"), position_bits=25, ssi_gray=1),
+            SsiEncoder("ASC8525/GG2", ("25", "GG", "2"), position_bits=25, ssi_gray=1),
+            BissEncoder("ASC8525/SC1", ("25", "SC", "1"), position_bits=25, ssi_gray=0),
+            BissEncoder("ASC8525/SC2", ("25", "SC", "2"), position_bits=25, ssi_gray=0),
         )
     }
 )
-
-_PARTS: Final = {code: variant.parts for code, variant in VARIANTS.items()}
-_BY_PARTS: Final = {variant.parts: variant for variant in VARIANTS.values()}

@@ -38,7 +38,7 @@ on an encoder. Commands (CTS = 0) are not covered: a :class:`Slave` lets them pa
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from operator import index
@@ -47,11 +47,13 @@ from typing import Final
 from ._codec import ConstantError, CrcError, Data, LengthError, RangeError, as_bytes, check_width, whole_number
 
 __all__ = [
+    "AccessError",
     "Answer",
     "IDS",
     "Master",
     "Outcome",
     "REGISTERS",
+    "RegisterBus",
     "Request",
     "Slave",
     "Wants",
@@ -381,6 +383,54 @@ class Master:
         self.done += 1
         # The answer to the last P is of no interest: it speaks of a register that nobody asked for.
         return self._ends(outcome) if self.done == len(self._requests) else 0
+
+
+class AccessError(RuntimeError):
+    """Registers could not be read or written; ``outcome`` says why."""
+
+    def __init__(self, outcome: Outcome, address: int) -> None:
+        super().__init__(outcome, address)
+        self.outcome, self.address = outcome, address
+
+    def __str__(self) -> str:
+        return f"registers from {self.address:02X}h on: {self.outcome.value}"
+
+
+class RegisterBus:
+    """Registers of one slave, for ``run`` and for programs that want bytes.
+
+    ``exchange`` does one BiSS frame: it takes the CDM bit of the frame before, which MA shows inverted during the
+    time-out, and gives the CDS bit of this one. ``busy_limit`` is as :meth:`Master.read` has it.
+    """
+
+    def __init__(self, exchange: Callable[[int], int], *, slave_id: int = 0, busy_limit: int = 0) -> None:
+        self.slave_id, self.busy_limit = slave_id, busy_limit
+        self._exchange, self._master, self._cdm = exchange, Master(), 0
+
+    def read(self, address: int, length: int, /) -> bytes:
+        """So many registers from an address on.
+
+        Raises:
+            AccessError: They could not be read.
+        """
+        self._master.read(address, length, slave_id=self.slave_id, busy_limit=self.busy_limit)
+        self._finish(address)
+        return self._master.data
+
+    def write(self, address: int, data: Data, /) -> None:
+        """Writes registers from an address on.
+
+        Raises:
+            AccessError: They could not be written, or not all of them.
+        """
+        self._master.write(address, data, slave_id=self.slave_id, busy_limit=self.busy_limit)
+        self._finish(address)
+
+    def _finish(self, address: int) -> None:
+        while self._master.outcome is Outcome.RUNNING:
+            self._cdm = self._master.next(self._exchange(self._cdm))
+        if self._master.outcome is not Outcome.DONE:
+            raise AccessError(self._master.outcome, address)
 
 
 class Slave:

@@ -9,6 +9,18 @@ another key stands in DOCUMENTS.
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
+In here:
+    Encoders: lookup, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS
+    SSI: SsiWord
+    BiSS C-mode: SingleCycleData
+    RS-485: DataRequest, PositionReply, WidePositionReply, IdentificationReply, decode_request, decode_reply
+    Registers: ProfileId, SerialNumber, Command, Configuration, AbsoluteResolution, PresetOffset, DeviceType,
+        SineCosineResolution, PositionCheck, DeviceId, ManufacturerId
+    Procedures: set_configuration, set_preset, select_preset, set_offset, save_parameters, restore_defaults,
+        identify_steps, reset_errors, reset_position
+    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, TABLES, CHARACTERISTICS, LOST_FIGURES, ERRATA,
+        DOCUMENTS
+
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
     from lika_encoders import Verdict, lookup
@@ -23,22 +35,24 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 from operator import index
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, cast, overload
 
 from ._codec import (
     BitField,
     ConstantError,
     CrcError,
     Data,
+    FrameError,
     Interface,
     LengthError,
     RangeError,
+    Rows,
     Word,
+    Words,
     as_bytes,
     as_word,
     by_class,
@@ -50,6 +64,7 @@ from ._codec import (
     choice,
     crc_by_xor,
     crc_of_bits,
+    crc_tables,
     from_gray,
     made,
     signed,
@@ -60,50 +75,48 @@ from ._codec import (
     whole_number,
     wrong_encoder,
 )
-from ._facts import (
-    Alarm,
-    BissFacts,
-    CableLength,
-    Characteristic,
-    Clock,
-    Connector,
-    Contact,
-    ControlField,
-    Crc,
-    DataIdFacts,
-    Document,
-    Erratum,
-    Family,
-    FieldFacts,
-    Led,
-    LedState,
-    LostFigure,
-    Manual,
-    NamedValue,
-    Network,
-    Port,
-    ReadOnly,
-    Register,
-    RegisterMeaning,
-    Report,
-    Reports,
-    Revision,
-    Rs485Facts,
-    SsiFacts,
-    Table,
-    Timeout,
-    Timing,
-    Verdict,
-)
-from ._order_codes import OrderCode, Part, PartValue
+from ._encoder import Encoder, fact
+from ._order_codes import checked
 from ._registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from ._reports import Family, Movement, Report, Verdict
 from ._steps import Modify, Read, Send, Step, Wait, writes
+
+if TYPE_CHECKING:
+    from . import _codes
+    from ._table import Table
+    from .facts.sma21 import (
+        ALARMS,
+        BISS,
+        CHARACTERISTICS,
+        CONNECTORS,
+        CRCS,
+        DOCUMENTS,
+        ERRATA,
+        FRAMES,
+        LEDS,
+        LOST_FIGURES,
+        MANUAL,
+        ORDER_CODE,
+        REGISTERS,
+        REPORTS,
+        RS485,
+        SSI,
+        TABLES,
+        TIMINGS,
+    )
+else:
+
+    def __getattr__(name: str) -> object:
+        """The tables of facts are loaded when one is asked for."""
+        return fact(__name__, name, _FACTS)
+
 
 __all__ = [
     "ALARMS",
     "AbsoluteResolution",
     "Address",
     "BISS",
+    "BissEncoder",
     "CHARACTERISTICS",
     "CONNECTORS",
     "CRCS",
@@ -136,11 +149,13 @@ __all__ = [
     "RS485",
     "Reply",
     "Request",
+    "Rs485Encoder",
     "SSI",
     "SelectPresetOffset",
     "SerialNumber",
     "SineCosineResolution",
     "SingleCycleData",
+    "SsiEncoder",
     "SsiWord",
     "TABLES",
     "TIMINGS",
@@ -165,93 +180,46 @@ __all__ = [
     "set_preset",
 ]
 
-FAMILY: Final = Family("sma21", "SMA21 absolute linear encoder", "linear", "Lika Electronic")
-
-MANUAL: Final = Manual(
-    title="SMA21 + MTA-A154",
-    revision="1.2",
-    date="2024-05-10",
-    language="it",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
-    history=(
-        Revision("1.0", "First issue.", date="2023-07-17"),
-        Revision("1.1", "Encoder inharmonious error removed.", date="2023-11-10"),
-        Revision("1.2", "Panasonic® named with the RS-485 interface.", date="2024-05-10"),
-    ),
+_FACTS: Final = (
+    "ALARMS",
+    "BISS",
+    "CHARACTERISTICS",
+    "CONNECTORS",
+    "CRCS",
+    "DOCUMENTS",
+    "ERRATA",
+    "FRAMES",
+    "LEDS",
+    "LOST_FIGURES",
+    "MANUAL",
+    "ORDER_CODE",
+    "REGISTERS",
+    "REPORTS",
+    "RS485",
+    "SSI",
+    "TABLES",
+    "TIMINGS",
 )
+
+FAMILY: Final = Family("sma21", "SMA21 absolute linear encoder", Movement.LINEAR, "Lika Electronic")
 
 _SSI: Final = Interface.SSI
 _BISS: Final = Interface.BISS
 _RS485: Final = Interface.RS485
 
-# Order codes
-
-ORDER_CODE: Final = OrderCode(
-    pattern="SMA21-{output}{supply}-{resolution}",
-    parts=(
-        Part(
-            name="output",
-            meaning="Interface, output code and additional signals",
-            values=(
-                PartValue(text="BG", meaning="SSI, MSB aligned to the left, binary", source="5 p.19"),
-                PartValue(text="GG", meaning="SSI, MSB aligned to the left, Gray", source="5 p.19"),
-                PartValue(
-                    text="G1",
-                    meaning="SSI, MSB aligned to the left, Gray, with incremental AB /AB signals (Line Driver RS-422)",
-                    source="4.1 p.15; 5 p.19",
-                ),
-                PartValue(
-                    text="SC",
-                    meaning="BiSS C-mode with incremental AB /AB signals (Line Driver RS-422)",
-                    source="4.1 p.15; 6 p.24",
-                ),
-                PartValue(text="JP", meaning="RS-485 serial interface (Panasonic®)", source="4.2 p.16; 7 p.37"),
-            ),
-            source="Cover; Informazioni preliminari p.8; 4.1 p.15; 8 p.44",
-        ),
-        Part(
-            name="supply",
-            meaning="Power supply",
-            values=(PartValue(text="1", meaning="+5 V DC ±5 %"), PartValue(text="4", meaning="+5 V DC to +30 V DC")),
-            open="[0-9]",
-            open_only_with=ReadOnly({"output": ("BG", "GG", "G1", "SC",)}),
-            source="4.1 p.15; 4.2 p.16",
-        ),
-        Part(
-            name="resolution",
-            meaning="Resolution",
-            values=(
-                PartValue(text="0050", meaning="50 µm"),
-                PartValue(text="0010", meaning="10 µm"),
-                PartValue(text="0005", meaning="5 µm"),
-                PartValue(text="0002", meaning="2 µm"),
-                PartValue(text="0001", meaning="1 µm"),
-            ),
-            source="4.10 p.18; 5.2 p.20; 6.2 p.25; 6.4 p.28; 7.3.3.2",
-        ),
-    ),
-    special=(
-        "An encoder whose order code ends in /Sxxx may differ from the standard mechanically and electrically, and "
-        "may come with documentation of its own for special connections (Technical Info)."
-    ),
-    note=(
-        "On the label a hyphen and further characters follow the resolution; the manual does not explain them. It "
-        "prints x for the supply digit of all models but JP1, and explains 1 and 4 by example. Order code and serial "
-        "number are on the label of the body and in the delivery document; Lika asks for both in every enquiry. "
-        "Technical data are in the catalogue, the order code of the tape is in its data sheet."
-    ),
-    source="Cover; 4.1 p.15; 4.10 p.18; 5 p.19; 6 p.24; 7 p.37",
-)
+# Encoders
 
 
-@dataclasses.dataclass(frozen=True, slots=True, repr=False)
-class Variant:
-    """An encoder as its order code describes it.
+_Same = TypeVar("_Same", bound="Variant")
+
+
+class Variant(Encoder):
+    """An encoder as its order code describes it; that of each interface has a class of its own.
 
     Attributes:
         family: The encoder's family.
-        code: Order code, without what may follow it on the label.
         interface: How the encoder is connected.
+        code: Order code, without what may follow it on the label.
         parts: The parts of the order code: output, supply, resolution.
         resolution_um: Resolution; the length of one count [4.10 p.18; 5.2 p.20]. Unit: µm.
         position_bits: Bits of the position over SSI and BiSS, padding not counted [5.2 p.20; 6.2 p.25]. Unit: bits.
@@ -277,10 +245,17 @@ class Variant:
     """
 
     family: ClassVar[Family] = FAMILY
+    _parameters = (
+        "resolution_um",
+        "position_bits",
+        "ssi_gray",
+        "scd_padding_bits",
+        "offset_selected",
+        "profile_id",
+        "output_code",
+        "rs485_position_bits",
+    )
 
-    code: str
-    interface: Interface
-    parts: tuple[str, ...]
     resolution_um: int
     position_bits: int
     ssi_gray: int
@@ -289,15 +264,6 @@ class Variant:
     profile_id: int
     output_code: int
     rs485_position_bits: int
-    unlisted: tuple[str, ...] = ()
-    tail: str = dataclasses.field(default="", compare=False)
-    special_code: str = ""
-    written_as_in: str = dataclasses.field(default="", compare=False)
-
-    @property
-    def special(self) -> bool:
-        """Whether the label ends in /Sxxx."""
-        return bool(self.special_code)
 
     @property
     def positions(self) -> int:
@@ -327,7 +293,7 @@ class Variant:
         """
         return 1 - self.output_code
 
-    def with_registers(self, held: Mapping[int, int]) -> Variant:
+    def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:
         """The encoder as it is when its registers hold these bytes, by address.
 
         These change how a frame is read, or a limit: configuration at 49h. Registers that are left out stay as they are
@@ -337,12 +303,7 @@ class Variant:
             RangeError: A register holds a value that cannot be.
             ValueError: A register changes nothing for this encoder.
         """
-        found = held_parameters(_HELD, held, self)
-        return dataclasses.replace(
-            self,
-            offset_selected=found.get("offset_selected", self.offset_selected),
-            output_code=found.get("output_code", self.output_code),
-        )
+        return self._replaced(**held_parameters(_HELD, held, self))
 
     def micrometres(self, position: int) -> int:
         """``position``, in counts, as micrometres."""
@@ -351,6 +312,14 @@ class Variant:
     def millimetres(self, position: int) -> float:
         """``position``, in counts, as millimetres."""
         return index(position) * self.resolution_um / 1000
+
+    def metres(self, position: int) -> float:
+        """``position``, in counts, as metres."""
+        return index(position) * self.resolution_um / 1_000_000
+
+    def from_millimetres(self, millimetres: float) -> int:
+        """The count nearest to so many millimetres."""
+        return round(millimetres * 1000 / self.resolution_um)
 
     @property
     def modulus(self) -> int:
@@ -390,15 +359,25 @@ class Variant:
             return self.position_bits + self.scd_padding_bits + 8
         raise ValueError(f"no frame bits over {self.interface.name}: frames are made of bytes")
 
-    @overload
-    def decode(self, frame: Word, *, bits: int | None = None) -> Frame: ...
+    def decode(self, frame: Any) -> Frame:
+        """What the encoder sent; the class of its interface says in which form."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
 
-    @overload
-    def decode(self, frame: Data) -> Frame: ...
+    def try_decode(self, frame: Any) -> Frame | FrameError:
+        """As ``decode``, but gives the fault instead of raising it."""
+        raise NotImplementedError(f"nothing is known of the frames that {self.code} sends")
 
-    def decode(self, frame: Any, *, bits: int | None = None) -> Frame:
-        """What the encoder sent: bytes, or where the line carries bits a number whose most significant bit was sent
-        first, or text of 0 and 1.
+    def __repr__(self) -> str:
+        return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
+
+
+class SsiEncoder(Variant):
+    """An encoder with SSI: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _SSI
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
 
         A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
 
@@ -409,21 +388,138 @@ class Variant:
             FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
             TypeError: ``frame`` is of another type than the frames of this encoder.
         """
-        if self.interface is _SSI:
-            return SsiWord.decode(frame, self, bits=bits)
-        if self.interface is _BISS:
-            return SingleCycleData.decode(frame, self, bits=bits)
-        if bits is not None:
-            raise TypeError("this encoder's frame is made of bytes: bits= is for frames that are strings of bits")
-        return decode_reply(frame, self)
+        decode: Callable[..., SsiWord] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_ssi_word(self)
+        return decode(frame, bits=bits)
 
-    def __repr__(self) -> str:
-        held = held_text(_HELD, self)
-        return f"<{self.code}{self.special_code}{held}>"
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
+        """The same, but looks at what is wrong."""
+        try:
+            return SsiWord.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SsiWord.decode_many(frames, self)
+
+
+class BissEncoder(Variant):
+    """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _BISS
+
+    def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """What the encoder sent: a number whose most significant bit was sent first, or text of 0 and 1.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
+
+        Args:
+            bits: How many bits came in, where that is known. A number alone does not tell whether bits are missing.
+
+        Raises:
+            FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
+        """
+        decode: Callable[..., SingleCycleData] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _fast_single_cycle_data(self)
+        return decode(frame, bits=bits)
+
+    def _decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
+        """The same, but looks at what is wrong."""
+        try:
+            return SingleCycleData.decode(frame, self, bits=bits)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame, bits=bits)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Words) -> Table:
+        """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        return SingleCycleData.decode_many(frames, self)
+
+
+class Rs485Encoder(Variant):
+    """An encoder with RS-485: see ``Variant`` for what it is."""
+
+    interface: ClassVar[Interface] = _RS485
+
+    def decode(self, frame: Data) -> Reply:
+        """What the encoder sent, as bytes.
+
+        A frame that decodes is not yet a usable position: look at its ``verdict`` before you use the position.
+
+        Raises:
+            FrameError: The frame is damaged, or none of this encoder; the subclass says in what way.
+            TypeError: ``frame`` is of another type than the frames of this encoder.
+        """
+        decode: Callable[..., Reply] | None = self.__dict__.get("decode")
+        if decode is None:
+            # From now on the instance has it instead of this method.
+            self.__dict__["decode"] = decode = _decode_reply_fast(self)
+        return decode(frame)
+
+    def _decode(self, frame: Data) -> Reply:
+        """The same, but looks at what is wrong."""
+        try:
+            return decode_reply(frame, self)
+        except FrameError as fault:
+            fault.add(frame, self)
+            raise
+
+    def try_decode(self, frame: Data) -> Reply | FrameError:
+        """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
+        try:
+            return self.decode(frame)
+        except FrameError as fault:
+            return fault
+
+    def decode_many(self, frames: Rows, kind: type[Reply]) -> Table:
+        """Many frames of one ``kind`` at once, as columns; a frame with a fault raises nothing. Needs NumPy."""
+        if kind is PositionReply:
+            return PositionReply.decode_many(frames, self)
+        if kind is IdentificationReply:
+            return IdentificationReply.decode_many(frames, self)
+        many: Callable[[Rows], Table] = getattr(kind, "decode_many")
+        return many(frames)
+
+
+@overload
+def lookup(label: _codes.Sma21Ssi) -> SsiEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Sma21Biss) -> BissEncoder: ...
+
+
+@overload
+def lookup(label: _codes.Sma21Rs485) -> Rs485Encoder: ...
+
+
+@overload
+def lookup(label: str) -> Variant: ...
 
 
 def lookup(label: str) -> Variant:
-    """The encoder with this label.
+    """The encoder with this label; a type checker knows the class of each listed order code.
 
     Case and blanks do not matter. What follows the order code after ``-`` and a trailing ``/Sxxx`` are accepted;
     ``Variant.tail`` and ``Variant.special`` tell of them. Values of a part that the manual leaves open are accepted;
@@ -435,12 +531,17 @@ def lookup(label: str) -> Variant:
             codes.
         TypeError: ``label`` is no text.
     """
-    found = ORDER_CODE.read(label, FAMILY.name.upper(), _PARTS)
-    variant = _BY_PARTS[found.listed]
+    text = checked(label)
+    if text in VARIANTS:
+        return VARIANTS[text]
+    from .facts.sma21 import ORDER_CODE
+
+    parts = {code: variant.parts for code, variant in VARIANTS.items()}
+    found = ORDER_CODE.read(text, FAMILY.name.upper(), parts)
+    variant = next(item for item in VARIANTS.values() if item.parts == found.listed)
     if not (found.unlisted or found.tail or found.special or found.written_as_in):
         return variant
-    return dataclasses.replace(
-        variant,
+    return variant._replaced(
         code=found.code,
         parts=found.parts,
         unlisted=found.unlisted,
@@ -451,55 +552,6 @@ def lookup(label: str) -> Variant:
 
 
 # CRCs
-
-CRCS: Final[tuple[Crc, ...]] = (
-    Crc(
-        name="biss_6",
-        width=6,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x3F,
-        polynomial="x^6 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit "
-            "first, and the range (position, error and warning bit) are those of public BiSS documents."
-        ),
-        source="6.2 p.26; prot: p.7-8; renishaw: data sheet; icmu: p.30",
-    ),
-    Crc(
-        name="biss_4",
-        width=4,
-        poly=0x03,
-        init=0x00,
-        refin=False,
-        refout=False,
-        xorout=0x0F,
-        polynomial="x^4 + x + 1",
-        note=(
-            "The manual prints the polynomial and that the output is inverted. Start value 0 and the range are those "
-            "of public BiSS documents."
-        ),
-        source="6.3 p.27; prot: p.9-14; icmu: p.30",
-    ),
-    Crc(
-        name="rs485_8",
-        width=8,
-        poly=0x01,
-        init=0x00,
-        refin=True,
-        refout=True,
-        xorout=0x00,
-        polynomial="x^8 + 1",
-        note=(
-            "Over all bytes sent before it, start bits and delimiters left out, least significant bit first. That is "
-            "the XOR of the bytes: it does not notice bytes that changed places. Both printed frames fit start value "
-            "0."
-        ),
-        source="7.3.4 p.42",
-    ),
-)
 
 
 def crc_biss_6(number: int, bits: int) -> int:
@@ -618,54 +670,19 @@ class SelectPresetOffset(IntEnum):
 
 
 # SSI
-#
-# Erratum ssi_cable_400_m (open, wrong limit): Printed: Below 400 m less than 100 kHz; the clock ranges from 100 kHz to
-# 1 MHz. Used: Both as printed. Why: From 200 m on the table leaves no clock within the range. [5.3 p.22]
-#
-# Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1
-# MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 1
-# MHz. [5.3 p.22]
-
-SSI: Final = SsiFacts(
-    clock=Clock(min_hz=100_000, max_hz=1_000_000, source="5.3 p.22"),
-    alignment="msb_left",
-    output_code="by_order_code",
-    signals="RS-422; clock and data have a logic level of typically 5 V",
-    cable_lengths=(
-        CableLength(shorter_than_m=50, below_hz=400_000, source="5.3 p.22"),
-        CableLength(shorter_than_m=100, below_hz=300_000, source="5.3 p.22"),
-        CableLength(shorter_than_m=200, below_hz=200_000, source="5.3 p.22"),
-        CableLength(shorter_than_m=400, below_hz=100_000, source="5.3 p.22"),
-    ),
-    alignment_source="5.2 p.20",
-    output_code_source="5.2 p.20",
-    timings=(
-        Timing(
-            name="monoflop",
-            meaning=(
-                "From the end of the clock signal until the encoder is ready for the next transmission and sets the "
-                "data line high"
-            ),
-            typical_us=12,
-            symbol="Tm",
-            source="5.1",
-        ),
-        Timing(name="pause", meaning="Between two clock sequences", at_least_us=16, symbol="Tp", source="5.3 p.22"),
-    ),
-    note=(
-        "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
-        "all. The first falling edge of the clock stores the position; the rising edge that follows starts the "
-        "transmission with the MSB, and each further one brings a bit down to the LSB. The last rising edge ends the "
-        "cycle, so that a word of n bits takes n + 1 rising edges (13 bits: 14 edges). The master sends at least as "
-        "many clocks as the word has bits. After the word the time Tm may follow at once."
-    ),
-    source="5 p.19",
-)
 
 
 @by_class
 class SsiWord(NamedTuple):
     """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant first [5.2 p.20].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        position: Position in counts; times the resolution it is a length. Unit: counts.
+        error: Bit di errore: Reading error (tape not read properly: mounted wrongly, for instance turned round or
+            upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape).
+            True at 0: an error is present, the LED is red. False at 1: normal state, no active error, the LED is off.
+            While it is True, the position is not usable.
 
     ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
@@ -686,17 +703,9 @@ class SsiWord(NamedTuple):
     sent. What single alarms and nW do to the position is not said. Used: Not usable with nE, ea1 or an alarm that ea1
     sums up, stored ones until they are reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable
     while none is active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
-
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        position: Position in counts; times the resolution it is a length. Unit: counts.
-        error: Bit di errore: Reading error (tape not read properly: mounted wrongly, for instance turned round or
-            upside down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape).
-            True at 0: an error is present, the LED is red. False at 1: normal state, no active error, the LED is off.
-            While it is True, the position is not usable.
     """
 
-    variant: Variant
+    variant: SsiEncoder
     position: int
     error: bool = False
 
@@ -708,21 +717,28 @@ class SsiWord(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active."""
+        from .facts.sma21 import REPORTS
+
         told = {
             "error": self.error,
         }
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: SsiEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _SSI)
         return variant.position_bits + 1
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SsiWord:
+    def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -733,7 +749,7 @@ class SsiWord(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.position_bits + 1, bits)
@@ -748,6 +764,16 @@ class SsiWord(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: SsiEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_ssi_word
+
+        return decode_many(frames, shape_of_ssi_word(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -755,7 +781,7 @@ class SsiWord(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _SSI:
+        if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
         position = check_width("position", self.position, variant.position_bits)
         number = position << 1 | (not self.error)
@@ -764,7 +790,7 @@ class SsiWord(NamedTuple):
         return number
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: SsiEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _SSI)
         return (
@@ -774,83 +800,23 @@ class SsiWord(NamedTuple):
 
 
 # BiSS C-mode
-#
-# Erratum offset_in_the_padding (open, wrong data): Printed: 6.2: the bits above the position are 0. 6.4: an offset of
-# up to F0 00 00h at 50 µm, added to positions of 20 bits. Used: 6.4 while an offset is selected in the register
-# Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros above the position, and a
-# frame with another bit there is refused. Why: The limit of the offset is the whole field less the positions of the
-# resolution, with a reference to that field: the sum is meant to fill it, so that from 50 µm to 5 µm the bits above the
-# position carry data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame of one with
-# an offset could show. [6.2 p.25; 6.4 p.32]
-#
-# Erratum profile_variants (open, wrong data): Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24
-# and 2814h for a 20-bit position in a field of 24 bits. Used: As printed. Why: The ASC85 manual has Variant 0-24++ and
-# 281Ah for 25 + 1 bits, where the low byte counts the whole field and not the position, and one bit more has one plus
-# less. A master that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28; asc85:
-# 6.4 p.23]
-#
-# Erratum biss_timeout (open, omission): Printed: The BiSS time-out adapts itself to the clock, 16 µs at most, without
-# saying how. Used: At most 16 µs. [6.5 p.34; prot: p.18; asc85: 6.5 p.32]
-
-BISS: Final = BissFacts(
-    clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.5 p.34"),
-    profile="Standard encoder profile, data format, Variant 0-24 (50 µm to 2 µm) or Variant 0-24+++ (1 µm)",
-    signals="EIA RS-422 for Clock (MA) and Data (SLO)",
-    network=Network(topology="point_to_point", multiple_slaves=False, source="6 p.24"),
-    timeout=Timeout(rule="follows_clock", at_most_ns=16_000, source="6.5 p.34"),
-    control_data=(
-        ControlField(name="register_address", bits=7, meaning="Register to read or to write", source="6.3 p.27"),
-        ControlField(
-            name="rw",
-            bits=2,
-            meaning="Direction of the access",
-            printed_name="RW",
-            values=(
-                NamedValue("write", 1, meaning="Write the register"),
-                NamedValue("read", 2, meaning="Read the register"),
-            ),
-            source="6.3 p.27",
-        ),
-        ControlField(
-            name="data",
-            bits=8,
-            meaning="Value to write, from the master, or value read, from the encoder; most significant bit first",
-            printed_name="DATA",
-            source="6.3 p.27",
-        ),
-        ControlField(
-            name="crc",
-            bits=4,
-            meaning="Check of the transmission, sent inverted",
-            crc="biss_4",
-            printed_name="CRC",
-            source="6.3 p.27",
-        ),
-    ),
-    control_data_note=(
-        "One bit per frame, for reading and writing the registers. The manual describes the main fields and refers to "
-        "the document \"Protocol description C-mode\" for the whole structure."
-    ),
-    timings=(
-        Timing(
-            name="eeprom_write",
-            meaning="From a write to the Command register to the next function, while the EEPROM is written",
-            at_least_us=30_000,
-            source="6.4 p.29",
-        ),
-    ),
-    note=(
-        "The encoder is a slave, alone with one master. It must not be connected in a network of several slaves. For "
-        "all that the manual leaves out it refers to www.biss-interface.com."
-    ),
-    source="6 p.24",
-)
 
 
 @by_class
 class SingleCycleData(NamedTuple):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + scd_padding_bits + 8`` bits, most
     significant first [6.2 p.25].
+
+    Attributes:
+        variant: The encoder that the frame belongs to.
+        position: Posizione: Position in counts; times the resolution it is a length. Unit: counts.
+        error: nE: Reading error (tape not read properly: mounted wrongly, for instance turned round or upside down, its
+            surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape). True at 0: an
+            error is present, the LED is red. False at 1: normal state, no active error, the LED is off. While it is
+            True, the position is not usable.
+        warning: Warning, nW: Used with the register Position check for an automatic check of the position; only for
+            Lika's technicians. True at 0: warning active. False at 1: no warning active. While it is True, the position
+            is usable, with a warning. Reserved for the manufacturer.
 
     In the manual: Single Cycle Data SCD.
 
@@ -892,23 +858,12 @@ class SingleCycleData(NamedTuple):
     sums up, stored ones until they are reset; usable with a warning with ea0, an alarm that ea0 sums up, or nW; usable
     while none is active (9.1). [6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47]
 
-    Attributes:
-        variant: The encoder that the frame belongs to.
-        position: Posizione: Position in counts; times the resolution it is a length. Unit: counts.
-        error: nE: Reading error (tape not read properly: mounted wrongly, for instance turned round or upside down, its
-            surface damaged, or the sensor faulty) or frequency error (sensor too fast over the tape). True at 0: an
-            error is present, the LED is red. False at 1: normal state, no active error, the LED is off. While it is
-            True, the position is not usable.
-        warning: Warning, nW: Used with the register Position check for an automatic check of the position; only for
-            Lika's technicians. True at 0: warning active. False at 1: no warning active. While it is True, the position
-            is usable, with a warning. Reserved for the manufacturer.
-
     Checked by decode():
         padding: Zeros above the position, part of the manual's Posizione; none while an offset is selected. Always 0.
         crc: CRC: Check of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
-    variant: Variant
+    variant: BissEncoder
     position: int
     error: bool = False
     warning: bool = False
@@ -923,8 +878,15 @@ class SingleCycleData(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active."""
+        from .facts.sma21 import REPORTS
+
         told = {
             "error": self.error,
             "warning": self.warning,
@@ -932,13 +894,13 @@ class SingleCycleData(NamedTuple):
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @staticmethod
-    def frame_bits(variant: Variant) -> int:
+    def frame_bits(variant: BissEncoder) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
         check_encoder(variant, Variant, _BISS)
         return variant.position_bits + variant.scd_padding_bits + 8
 
     @classmethod
-    def decode(cls, word: Word, variant: Variant, *, bits: int | None = None) -> SingleCycleData:
+    def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
         """The frame in ``word``: a number whose most significant bit was sent first, or text of 0 and 1.
 
         Args:
@@ -951,7 +913,7 @@ class SingleCycleData(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(word) is not int or bits is not None:
             word = as_word(word, variant.position_bits + variant.scd_padding_bits + 8, bits)
@@ -971,6 +933,16 @@ class SingleCycleData(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Words, variant: BissEncoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_single_cycle_data
+
+        return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -978,7 +950,7 @@ class SingleCycleData(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         position = check_width("position", self.position, variant.scd_value_bits)
         number = position << 8 | (not self.error) << 7 | (not self.warning) << 6
@@ -987,7 +959,7 @@ class SingleCycleData(NamedTuple):
         return number | _remainder_biss_6_33(number) ^ 0x3F
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (
@@ -1004,80 +976,14 @@ class SingleCycleData(NamedTuple):
 
 
 # RS-485
-#
-# Erratum zero_setting_rs485 (open, wrong limit): Printed: 3.3: zero setting and preset are needed after mounting but
-# available with BiSS only, not with SSI and RS-485. 7.3.3.2: data ID F resets the position to 0. Used: Data ID F as
-# described in 7.3.1 and 7.3.3.2. [3.3; 7.3.1 p.38; 7.3.3.2 p.41]
-#
-# Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in sequenza), at
-# transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request
-# before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
-
-RS485: Final = Rs485Facts(
-    port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
-    data_ids=(
-        DataIdFacts(
-            name="position",
-            id=0x04,
-            control=0xA2,
-            purpose="capture",
-            meaning="24-bit position and error code",
-            source="7.3.1 p.38; 7.3.3 p.39",
-        ),
-        DataIdFacts(
-            name="wide_position",
-            id=0x05,
-            control=0x2A,
-            purpose="capture",
-            meaning="48-bit position",
-            source="7.3.1 p.38; 7.3.3 p.39",
-        ),
-        DataIdFacts(
-            name="identification",
-            id=0x0A,
-            control=0x52,
-            purpose="capture",
-            meaning="24-bit position, encoder ID and error code",
-            source="7.3.1 p.38; 7.3.3 p.39",
-        ),
-        DataIdFacts(
-            name="reset_errors",
-            id=0x0B,
-            control=0xDA,
-            purpose="reset",
-            meaning="Reset all errors; the reply carries 24-bit position and error code",
-            source="7.3.1 p.38; 7.3.3.2 p.41",
-        ),
-        DataIdFacts(
-            name="reset_position",
-            id=0x0F,
-            control=0x7A,
-            purpose="reset",
-            meaning="Reset the position to 0; the reply carries 24-bit position and error code",
-            source="7.3.1 p.38; 7.3.3.2 p.41",
-        ),
-    ),
-    timings=(
-        Timing(
-            name="reset_interval",
-            meaning="Between the ten requests of a reset",
-            at_least_us=40,
-            source="7.3.3.2 p.41",
-        ),
-    ),
-    note=(
-        "Each byte goes over the line between a start bit, 0, and a delimiter, 1, its least significant bit first "
-        "(7.3.1 to 7.3.4): ten bits, as a serial port with one stop bit sends them. Of a number the low byte comes "
-        "first. The master asks, the encoder answers with the control field it received. A request is not valid if "
-        "its sync code, data ID, parity, delimiter or length is wrong."
-    ),
-    source="7 p.37",
-)
 
 
 @by_class
 class DataRequest(NamedTuple):
     """Data request, sent by the master over RS-485: 1 byte [7.2 p.37; 7.2.1 p.37].
+
+    Attributes:
+        data_id: cc0 ... cc3: What the request asks for; a reply repeats it.
 
     In the manual: Master → Encoder: CF.
 
@@ -1086,9 +992,6 @@ class DataRequest(NamedTuple):
     One byte, without a CRC.
 
     Of its parts, see ERRATA: control_field_structure.
-
-    Attributes:
-        data_id: cc0 ... cc3: What the request asks for; a reply repeats it.
 
     Checked by decode():
         sync: SC: Sync code, binary 010. Always 2.
@@ -1121,6 +1024,14 @@ class DataRequest(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_data_request
+
+        return decode_many(frames, shape_of_data_request(), None)
+
     def encode(self) -> bytes:
         """The bytes.
 
@@ -1146,31 +1057,6 @@ class DataRequest(NamedTuple):
 @by_class
 class PositionReply(NamedTuple):
     """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
-
-    In the manual: Encoder → Master: CF SF DF0 DF1 DF2 DF3 CRC.
-
-    Carries ``data_id`` 4 (position), B (reset_errors) or F (reset_position).
-
-    position = (DF2 << 16) + (DF1 << 8) + DF0, always binary; bits above the resolution are 0: bit 23, bits 23:22 or
-    bits 23:20.
-
-    Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value according to it,
-    without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position starts again after
-    2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart; the 48-bit
-    position goes below zero. [6.4 p.32; 7.3.3.2 p.41]
-
-    Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
-    Why: Seven digits are 28 bits. [7.3.3]
-
-    Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position by model. RS-485
-    has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50 µm, 22 at 10 µm, 23 at
-    5 µm, 24 at 2 µm and 1 µm. [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]
-
-    Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
-    marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
-    sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
-
-    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
 
     Attributes:
         variant: The encoder that the frame belongs to.
@@ -1199,6 +1085,31 @@ class PositionReply(NamedTuple):
         temperature_alarm: Temperature alarm: Not implemented.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
+    In the manual: Encoder → Master: CF SF DF0 DF1 DF2 DF3 CRC.
+
+    Carries ``data_id`` 4 (position), B (reset_errors) or F (reset_position).
+
+    position = (DF2 << 16) + (DF1 << 8) + DF0, always binary; bits above the resolution are 0: bit 23, bits 23:22 or
+    bits 23:20.
+
+    Erratum position_below_zero (open, omission): Printed: Positions before the preset get a value according to it,
+    without saying what is sent below zero or above the maximum. Used: Over SSI and BiSS the position starts again after
+    2^position_bits counts, in the 24-bit replies over RS-485 after as many as their bits tell apart; the 48-bit
+    position goes below zero. [6.4 p.32; 7.3.3.2 p.41]
+
+    Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+    Why: Seven digits are 28 bits. [7.3.3]
+
+    Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position by model. RS-485
+    has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50 µm, 22 at 10 µm, 23 at
+    5 µm, 24 at 2 µm and 1 µm. [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]
+
+    Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
+    marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
+    sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
+
+    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
+
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other
             bits here the rest is decoded all the same, and the position is usable, with a warning.
@@ -1211,7 +1122,7 @@ class PositionReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Variant
+    variant: Rs485Encoder
     data_id: DataId
     status_alarm: bool
     status_error: bool
@@ -1249,8 +1160,15 @@ class PositionReply(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        from .facts.sma21 import REPORTS
+
         told = {
             "status_alarm": self.status_alarm,
             "status_error": self.status_error,
@@ -1268,7 +1186,7 @@ class PositionReply(NamedTuple):
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> PositionReply:
+    def decode(cls, data: Data, variant: Rs485Encoder) -> PositionReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1279,7 +1197,7 @@ class PositionReply(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -1314,6 +1232,16 @@ class PositionReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_position_reply
+
+        return decode_many(frames, shape_of_position_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1321,7 +1249,7 @@ class PositionReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         data_id = whole_number("data_id", self.data_id)
         if data_id not in (4, 0xB, 0xF):
@@ -1350,7 +1278,7 @@ class PositionReply(NamedTuple):
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _RS485)
         return (
@@ -1378,6 +1306,19 @@ class PositionReply(NamedTuple):
 @by_class
 class WidePositionReply(NamedTuple):
     """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
+
+    Attributes:
+        status_alarm: ea0: Not stored; cleared as soon as the cause is gone. True at 1: encoder alarm (warning), the sum
+            of ALMC bits 6 and 7: danger of a fault, though the position is right. False at 0: no encoder alarm. Sums up
+            ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with a
+            warning.
+        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
+            bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. False at 0: no encoder error.
+            Sums up ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``, ``hardware_error``,
+            ``initialization_error`` and ``overspeed``. While it is True, the position is not usable.
+        position: ABS0 ... ABS5: Position in counts; times the resolution it is a length. Unit: counts. Signed, in two's
+            complement.
+        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
@@ -1408,19 +1349,6 @@ class WidePositionReply(NamedTuple):
     sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
 
     Of its parts, see ERRATA: control_field_structure, position_under_error, error_bit_level.
-
-    Attributes:
-        status_alarm: ea0: Not stored; cleared as soon as the cause is gone. True at 1: encoder alarm (warning), the sum
-            of ALMC bits 6 and 7: danger of a fault, though the position is right. False at 0: no encoder alarm. Sums up
-            ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the position is usable, with a
-            warning.
-        status_error: ea1: Stored in the encoder until the errors are reset. True at 1: encoder error, the sum of ALMC
-            bits 5 to 0: fault of the encoder, wrong position, or the motor has to stop. False at 0: no encoder error.
-            Sums up ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``, ``hardware_error``,
-            ``initialization_error`` and ``overspeed``. While it is True, the position is not usable.
-        position: ABS0 ... ABS5: Position in counts; times the resolution it is a length. Unit: counts. Signed, in two's
-            complement.
-        unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other
@@ -1459,8 +1387,15 @@ class WidePositionReply(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        from .facts.sma21 import REPORTS
+
         told = {
             "status_alarm": self.status_alarm,
             "status_error": self.status_error,
@@ -1499,6 +1434,14 @@ class WidePositionReply(NamedTuple):
             data[1] & 0xCF,
         )
         return made(cls, values)
+
+    @classmethod
+    def decode_many(cls, frames: Rows) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_wide_position_reply
+
+        return decode_many(frames, shape_of_wide_position_reply(), None)
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1539,23 +1482,6 @@ class WidePositionReply(NamedTuple):
 class IdentificationReply(NamedTuple):
     """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37; 7.3.3 p.39].
 
-    In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
-
-    Carries ``data_id`` A (identification).
-
-    Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
-    Why: Seven digits are 28 bits. [7.3.3]
-
-    Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position by model. RS-485
-    has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50 µm, 22 at 10 µm, 23 at
-    5 µm, 24 at 2 µm and 1 µm. [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]
-
-    Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
-    marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
-    sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
-
-    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
-
     Attributes:
         variant: The encoder that the frame belongs to.
         status_alarm: ea0: Not stored; cleared as soon as the cause is gone. True at 1: encoder alarm (warning), the sum
@@ -1582,6 +1508,23 @@ class IdentificationReply(NamedTuple):
         temperature_alarm: Temperature alarm: Not implemented.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
 
+    In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
+
+    Carries ``data_id`` A (identification).
+
+    Erratum abs_range_24 (settled, wrong limit): Printed: 24-bit position from 000000h to FFFFFFFh. Used: To FFFFFFh.
+    Why: Seven digits are 28 bits. [7.3.3]
+
+    Erratum rs485_position_width (open, omission): Printed: SSI and BiSS have a table of the position by model. RS-485
+    has examples of 23, 22 and 20 bits without a model, and at most 24 bits. Used: 20 bits at 50 µm, 22 at 10 µm, 23 at
+    5 µm, 24 at 2 µm and 1 µm. [4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2]
+
+    Erratum position_sending_order (settled, wrong data): Printed: An arrow from ABS5 to ABS0, and from ABS2 to ABS0,
+    marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
+    sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
+
+    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
+
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other
             bits here the rest is decoded all the same, and the position is usable, with a warning.
@@ -1596,7 +1539,7 @@ class IdentificationReply(NamedTuple):
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
 
-    variant: Variant
+    variant: Rs485Encoder
     status_alarm: bool
     status_error: bool
     position: int
@@ -1638,8 +1581,15 @@ class IdentificationReply(NamedTuple):
         return Verdict.USABLE
 
     @property
+    def usable_position(self) -> int | None:
+        """``position``, or None while the verdict is that it is not usable."""
+        return None if self.verdict is Verdict.NOT_USABLE else self.position
+
+    @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports: the flags that are active, and unused bits that are not as the manual has them."""
+        from .facts.sma21 import REPORTS
+
         told = {
             "status_alarm": self.status_alarm,
             "status_error": self.status_error,
@@ -1657,7 +1607,7 @@ class IdentificationReply(NamedTuple):
         return tuple(REPORTS[name] for name, active in told.items() if active)
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> IdentificationReply:
+    def decode(cls, data: Data, variant: Rs485Encoder) -> IdentificationReply:
         """The frame in ``data``, its bytes in the order in which they are sent.
 
         Raises:
@@ -1668,7 +1618,7 @@ class IdentificationReply(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -1706,6 +1656,16 @@ class IdentificationReply(NamedTuple):
         )
         return made(cls, values)
 
+    @classmethod
+    def decode_many(cls, frames: Rows, variant: Rs485Encoder) -> Table:
+        """Many such frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._many import decode_many
+        from ._shapes.sma21 import shape_of_identification_reply
+
+        return decode_many(frames, shape_of_identification_reply(variant), variant)
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1713,7 +1673,7 @@ class IdentificationReply(NamedTuple):
             RangeError: A value does not fit its field.
         """
         variant = self.variant
-        if not isinstance(variant, Variant) or variant.interface is not _RS485:
+        if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
         position = check_width("position", self.position, variant.rs485_position_bits)
         unused = check_bits("unused", self.unused, 0xCF)
@@ -1737,7 +1697,7 @@ class IdentificationReply(NamedTuple):
         return body + crc_rs485_8(body).to_bytes(1, "little")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: Rs485Encoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _RS485)
         return (
@@ -1769,7 +1729,7 @@ Request: TypeAlias = Union[
 ]
 
 
-def decode_request(data: Data, variant: Variant) -> Request:
+def decode_request(data: Data, variant: Rs485Encoder) -> Request:
     """The request in ``data``, told by its cc0 ... cc3.
 
     Raises:
@@ -1780,7 +1740,7 @@ def decode_request(data: Data, variant: Variant) -> Request:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+    if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
     if type(data) is not bytes:
         data = as_bytes(data)
@@ -1799,7 +1759,7 @@ Reply: TypeAlias = Union[
 ]
 
 
-def decode_reply(data: Data, variant: Variant) -> Reply:
+def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
     """The reply in ``data``, told by its cc0 ... cc3.
 
     Raises:
@@ -1810,7 +1770,7 @@ def decode_reply(data: Data, variant: Variant) -> Reply:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    if not isinstance(variant, Variant) or variant.interface is not _RS485:
+    if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
     if type(data) is not bytes:
         data = as_bytes(data)
@@ -1826,6 +1786,175 @@ def decode_reply(data: Data, variant: Variant) -> Reply:
     raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
 
 
+def _fast_ssi_word(variant: SsiEncoder) -> Callable[..., SsiWord]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.ssi_gray:
+        return careful
+    size_0 = variant.position_bits + 1
+
+    def decode(frame: Any, *, bits: int | None = None) -> SsiWord:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        return made(
+            SsiWord,
+            (
+                variant,
+                word >> 1,
+                not word & 0x01,
+            ),
+        )
+
+    return decode
+
+
+def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleData]:
+    """What decodes sound frames; what follows from the order code is worked out once."""
+    careful = variant._decode
+    if variant.biss_gray:
+        return careful
+    size_0 = variant.position_bits + variant.scd_padding_bits + 8
+    size_1 = variant.scd_value_bits + 8
+    ones_2 = (1 << variant.scd_value_bits) - 1
+    tables = crc_tables(crc_biss_6, variant.position_bits + variant.scd_padding_bits + 2, 6, 3)
+    table_0, table_1, table_2 = tables
+
+    def decode(frame: Any, *, bits: int | None = None) -> SingleCycleData:
+        if type(frame) is not int or bits is not None or frame >> size_0:
+            return careful(frame, bits=bits)
+        word = frame
+        low = word & 0xFFFF
+        if table_0[low] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32] or word >> size_1:
+            return careful(frame)
+        return made(
+            SingleCycleData,
+            (
+                variant,
+                word >> 8 & ones_2,
+                not low & 0x80,
+                not low & 0x40,
+            ),
+        )
+
+    return decode
+
+
+def _fast_position_reply(variant: Rs485Encoder) -> Callable[[bytes], PositionReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], PositionReply], variant._decode)
+    size_0 = variant.rs485_position_bits
+    heads = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
+
+    def decode(data: bytes) -> PositionReply:
+        if len(data) != 7:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 or (of_position := b2 | b3 << 8 | b4 << 16) >> size_0:
+            return careful(data)
+        return made(
+            PositionReply,
+            (
+                variant,
+                heads[b0],
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_position,
+                (b5 & 0x01) != 0,
+                (b5 & 0x02) != 0,
+                (b5 & 0x04) != 0,
+                (b5 & 0x08) != 0,
+                (b5 & 0x10) != 0,
+                (b5 & 0x20) != 0,
+                (b5 & 0x40) != 0,
+                (b5 & 0x80) != 0,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_wide_position_reply(variant: Rs485Encoder) -> Callable[[bytes], WidePositionReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], WidePositionReply], variant._decode)
+
+    def decode(data: bytes) -> WidePositionReply:
+        if len(data) != 9:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
+        if b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8:
+            return careful(data)
+        return made(
+            WidePositionReply,
+            (
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                signed(int.from_bytes(data[2:8], "little"), 48),
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _fast_identification_reply(variant: Rs485Encoder) -> Callable[[bytes], IdentificationReply]:
+    """What decodes sound frames whose first byte is right; what follows from the order code is worked out once."""
+    careful = cast(Callable[[bytes], IdentificationReply], variant._decode)
+    size_0 = variant.rs485_position_bits
+
+    def decode(data: bytes) -> IdentificationReply:
+        if len(data) != 9:
+            return careful(data)
+        b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
+        if (
+            b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8
+            or (of_position := b2 | b3 << 8 | b4 << 16) >> size_0
+            or (b5) != 0x51
+            or b6
+        ):
+            return careful(data)
+        return made(
+            IdentificationReply,
+            (
+                variant,
+                (b1 & 0x10) != 0,
+                (b1 & 0x20) != 0,
+                of_position,
+                (b7 & 0x01) != 0,
+                (b7 & 0x02) != 0,
+                (b7 & 0x04) != 0,
+                (b7 & 0x08) != 0,
+                (b7 & 0x10) != 0,
+                (b7 & 0x20) != 0,
+                (b7 & 0x40) != 0,
+                (b7 & 0x80) != 0,
+                b1 & 0xCF,
+            ),
+        )
+
+    return decode
+
+
+def _decode_reply_fast(variant: Rs485Encoder) -> Callable[..., Reply]:
+    """What decodes sound frames, told apart by their first byte; all else is left to what is careful."""
+    careful = variant._decode
+    kinds: dict[int, Callable[[bytes], Reply]] = {
+        **dict.fromkeys([0x7A, 0xA2, 0xDA], _fast_position_reply(variant)),
+        **dict.fromkeys([0x2A], _fast_wide_position_reply(variant)),
+        **dict.fromkeys([0x52], _fast_identification_reply(variant)),
+    }
+
+    def decode(frame: Any) -> Reply:
+        if type(frame) is bytes and frame:
+            fast = kinds.get(frame[0])
+            if fast is not None:
+                return fast(frame)
+        return careful(frame)
+
+    return decode
+
+
 #: Everything that an encoder of this family sends.
 Frame: TypeAlias = Union[
     SsiWord,
@@ -1834,566 +1963,6 @@ Frame: TypeAlias = Union[
     WidePositionReply,
     IdentificationReply,
 ]
-
-#: What frames report of the encoder, by name. Its objects are made when one is looked up first.
-REPORTS: Final[Mapping[str, Report]] = Reports(
-    lambda: (
-        Report(
-            name="error",
-            printed_name="",
-            meaning=(
-                "an error is present, the LED is red. Reading error (tape not read properly: mounted wrongly, for "
-                "instance turned round or upside down, its surface damaged, or the sensor faulty) or frequency error "
-                "(sensor too fast over the tape)."
-            ),
-            makes_position=Verdict.NOT_USABLE,
-            source="5.4 p.22",
-        ),
-        Report(
-            name="warning",
-            printed_name="Warning, nW",
-            meaning=(
-                "warning active. Used with the register Position check for an automatic check of the position; only "
-                "for Lika's technicians."
-            ),
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="6.2 p.26",
-        ),
-        Report(
-            name="status_info",
-            printed_name="dd0 ... dd3",
-            meaning="differs from the manual, which has 0 in these unused bits. Information, not used in this encoder.",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.38; a4: p.298",
-        ),
-        Report(
-            name="status_alarm",
-            printed_name="ea0",
-            meaning=(
-                "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
-                "right. Not stored; cleared as soon as the cause is gone."
-            ),
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.38; a4: p.298",
-        ),
-        Report(
-            name="status_error",
-            printed_name="ea1",
-            meaning=(
-                "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor has "
-                "to stop. Stored in the encoder until the errors are reset."
-            ),
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.2 p.38; a4: p.298",
-        ),
-        Report(
-            name="status_zero",
-            printed_name="",
-            meaning="differs from the manual, which has 0 in these unused bits",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.2 p.38; a4: p.298",
-        ),
-        Report(
-            name="overspeed",
-            printed_name="Overspeed",
-            meaning="speed too high",
-            remedy="Reset the errors with data ID B",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.2 p.38",
-        ),
-        Report(
-            name="initialization_error",
-            printed_name="Initialization error",
-            meaning="error during the initialization, or absolute position not found",
-            remedy=(
-                "Reset the errors with data ID B once the initialization is over and normal operation has started "
-                "again"
-            ),
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.3.2 p.41",
-        ),
-        Report(
-            name="hardware_error",
-            printed_name="Hardware error",
-            meaning="error in the EEPROM",
-            remedy="Reset the errors with data ID B",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.2 p.38",
-        ),
-        Report(
-            name="encoder_inharmonious_error",
-            printed_name="Encoder inharmonious error",
-            meaning="active, although the manual says that this encoder does not have it",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
-        ),
-        Report(
-            name="higher_track_error",
-            printed_name="Higher track error",
-            meaning="active, although the manual says that this encoder does not have it",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
-        ),
-        Report(
-            name="low_amplitude_error",
-            printed_name="Low amplitude error",
-            meaning="amplitude of the signal too low",
-            remedy="Reset the errors with data ID B",
-            makes_position=Verdict.NOT_USABLE,
-            source="7.3.3.1 p.40; 7.3.2 p.38",
-        ),
-        Report(
-            name="signal_strength_alarm",
-            printed_name="Signal on the strength alarm",
-            meaning="active, although the manual says that this encoder does not have it",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
-        ),
-        Report(
-            name="temperature_alarm",
-            printed_name="Temperature alarm",
-            meaning="active, although the manual says that this encoder does not have it",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.3.3 p.39; 7.3.3.1 p.40",
-        ),
-    )
-)
-
-#: What the manual says of each field of the frames, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
-    {
-        "ssi_word": (
-            FieldFacts(
-                name="position",
-                meaning="Position in counts; times the resolution it is a length",
-                unit="counts",
-            ),
-            FieldFacts(
-                name="error",
-                meaning=(
-                    "Reading error (tape not read properly: mounted wrongly, for instance turned round or upside "
-                    "down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the "
-                    "tape)"
-                ),
-                active="low",
-                when_active="an error is present, the LED is red",
-                when_inactive="normal state, no active error, the LED is off",
-                names=ReadOnly({"it": "Bit di errore"}),
-                source="5.4 p.22",
-            ),
-        ),
-        "single_cycle_data": (
-            FieldFacts(
-                name="padding",
-                meaning="Zeros above the position, part of the manual's Posizione; none while an offset is selected",
-                constant=0,
-            ),
-            FieldFacts(
-                name="position",
-                meaning="Position in counts; times the resolution it is a length",
-                unit="counts",
-                names=ReadOnly({"it": "Posizione"}),
-                source="6.2 p.25",
-            ),
-            FieldFacts(
-                name="error",
-                printed_name="nE",
-                meaning=(
-                    "Reading error (tape not read properly: mounted wrongly, for instance turned round or upside "
-                    "down, its surface damaged, or the sensor faulty) or frequency error (sensor too fast over the "
-                    "tape)"
-                ),
-                active="low",
-                when_active="an error is present, the LED is red",
-                when_inactive="normal state, no active error, the LED is off",
-                names=ReadOnly({"it": "Errore"}),
-                source="6.2 p.26",
-            ),
-            FieldFacts(
-                name="warning",
-                printed_name="Warning, nW",
-                meaning=(
-                    "Used with the register Position check for an automatic check of the position; only for Lika's "
-                    "technicians"
-                ),
-                active="low",
-                when_active="warning active",
-                when_inactive="no warning active",
-                reserved="maker",
-                source="6.2 p.26",
-            ),
-            FieldFacts(
-                name="crc",
-                printed_name="CRC",
-                meaning="Check of the transmission, sent inverted",
-                source="6.2 p.26",
-            ),
-        ),
-        "data_request": (
-            FieldFacts(
-                name="sync",
-                printed_name="SC",
-                meaning="Sync code, binary 010",
-                constant=2,
-                names=ReadOnly({"it": "Codice di sincronismo"}),
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="cc0 ... cc3",
-                meaning="What the request asks for; a reply repeats it",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="parity",
-                printed_name="cc4",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-        ),
-        "position_reply": (
-            FieldFacts(
-                name="sync",
-                printed_name="SC",
-                meaning="Sync code, binary 010",
-                constant=2,
-                names=ReadOnly({"it": "Codice di sincronismo"}),
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="cc0 ... cc3",
-                meaning="What the request asks for; a reply repeats it",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="parity",
-                printed_name="cc4",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="status_info",
-                printed_name="dd0 ... dd3",
-                meaning="Information, not used in this encoder",
-                unused=0,
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(
-                name="status_alarm",
-                printed_name="ea0",
-                meaning="Not stored; cleared as soon as the cause is gone",
-                active="high",
-                when_active=(
-                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
-                    "right"
-                ),
-                when_inactive="no encoder alarm",
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(
-                name="status_error",
-                printed_name="ea1",
-                meaning="Stored in the encoder until the errors are reset",
-                active="high",
-                when_active=(
-                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
-                    "has to stop"
-                ),
-                when_inactive="no encoder error",
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
-            FieldFacts(
-                name="position",
-                printed_name="ABS0, ABS1, ABS2",
-                meaning="Position in counts; times the resolution it is a length",
-                unit="counts",
-            ),
-            FieldFacts(name="position_padding", meaning="always zero", constant=0),
-            FieldFacts(
-                name="overspeed",
-                printed_name="Overspeed",
-                active="high",
-                when_active="speed too high",
-                when_inactive="no overspeed",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="initialization_error",
-                printed_name="Initialization error",
-                active="high",
-                when_active="error during the initialization, or absolute position not found",
-                when_inactive="no initialization error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="hardware_error",
-                printed_name="Hardware error",
-                active="high",
-                when_active="error in the EEPROM",
-                when_inactive="no hardware error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="encoder_inharmonious_error",
-                printed_name="Encoder inharmonious error",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="higher_track_error",
-                printed_name="Higher track error",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="low_amplitude_error",
-                printed_name="Low amplitude error",
-                active="high",
-                when_active="amplitude of the signal too low",
-                when_inactive="no low amplitude error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="signal_strength_alarm",
-                printed_name="Signal on the strength alarm",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="temperature_alarm",
-                printed_name="Temperature alarm",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "wide_position_reply": (
-            FieldFacts(
-                name="sync",
-                printed_name="SC",
-                meaning="Sync code, binary 010",
-                constant=2,
-                names=ReadOnly({"it": "Codice di sincronismo"}),
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="cc0 ... cc3",
-                meaning="What the request asks for; a reply repeats it",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="parity",
-                printed_name="cc4",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="status_info",
-                printed_name="dd0 ... dd3",
-                meaning="Information, not used in this encoder",
-                unused=0,
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(
-                name="status_alarm",
-                printed_name="ea0",
-                meaning="Not stored; cleared as soon as the cause is gone",
-                active="high",
-                when_active=(
-                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
-                    "right"
-                ),
-                when_inactive="no encoder alarm",
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(
-                name="status_error",
-                printed_name="ea1",
-                meaning="Stored in the encoder until the errors are reset",
-                active="high",
-                when_active=(
-                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
-                    "has to stop"
-                ),
-                when_inactive="no encoder error",
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
-            FieldFacts(
-                name="position",
-                printed_name="ABS0 ... ABS5",
-                meaning="Position in counts; times the resolution it is a length",
-                unit="counts",
-                signed=True,
-            ),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-        "identification_reply": (
-            FieldFacts(
-                name="sync",
-                printed_name="SC",
-                meaning="Sync code, binary 010",
-                constant=2,
-                names=ReadOnly({"it": "Codice di sincronismo"}),
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="data_id",
-                printed_name="cc0 ... cc3",
-                meaning="What the request asks for; a reply repeats it",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="parity",
-                printed_name="cc4",
-                source=(
-                    "7.3.1 p.38; stmbl: src/comps/smartabs.c; servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
-                ),
-            ),
-            FieldFacts(
-                name="status_info",
-                printed_name="dd0 ... dd3",
-                meaning="Information, not used in this encoder",
-                unused=0,
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(
-                name="status_alarm",
-                printed_name="ea0",
-                meaning="Not stored; cleared as soon as the cause is gone",
-                active="high",
-                when_active=(
-                    "encoder alarm (warning), the sum of ALMC bits 6 and 7: danger of a fault, though the position is "
-                    "right"
-                ),
-                when_inactive="no encoder alarm",
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(
-                name="status_error",
-                printed_name="ea1",
-                meaning="Stored in the encoder until the errors are reset",
-                active="high",
-                when_active=(
-                    "encoder error, the sum of ALMC bits 5 to 0: fault of the encoder, wrong position, or the motor "
-                    "has to stop"
-                ),
-                when_inactive="no encoder error",
-                source="7.3.2 p.38; a4: p.298",
-            ),
-            FieldFacts(name="status_zero", unused=0, source="7.3.2 p.38; a4: p.298"),
-            FieldFacts(
-                name="position",
-                printed_name="ABS0, ABS1, ABS2",
-                meaning="Position in counts; times the resolution it is a length",
-                unit="counts",
-            ),
-            FieldFacts(name="position_padding", meaning="always zero", constant=0),
-            FieldFacts(
-                name="encoder_id_1",
-                printed_name="ENID1",
-                meaning="Encoder ID, first byte, fixed for the absolute linear encoder",
-                constant=81,
-            ),
-            FieldFacts(name="encoder_id_2", printed_name="ENID2", meaning="Encoder ID, second byte, fixed", constant=0),
-            FieldFacts(
-                name="overspeed",
-                printed_name="Overspeed",
-                active="high",
-                when_active="speed too high",
-                when_inactive="no overspeed",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="initialization_error",
-                printed_name="Initialization error",
-                active="high",
-                when_active="error during the initialization, or absolute position not found",
-                when_inactive="no initialization error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="hardware_error",
-                printed_name="Hardware error",
-                active="high",
-                when_active="error in the EEPROM",
-                when_inactive="no hardware error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="encoder_inharmonious_error",
-                printed_name="Encoder inharmonious error",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="higher_track_error",
-                printed_name="Higher track error",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="low_amplitude_error",
-                printed_name="Low amplitude error",
-                active="high",
-                when_active="amplitude of the signal too low",
-                when_inactive="no low amplitude error",
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="signal_strength_alarm",
-                printed_name="Signal on the strength alarm",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(
-                name="temperature_alarm",
-                printed_name="Temperature alarm",
-                meaning="Not implemented",
-                active="high",
-                implemented=False,
-                source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
-            ),
-            FieldFacts(name="crc", printed_name="CRC"),
-        ),
-    }
-)
 
 
 # Registers
@@ -2415,244 +1984,14 @@ class Address:
     MANUFACTURER_ID: Final = 0x7E
 
 
-#: Every register by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
-    {
-        "profile_id": Register(
-            name="profile_id",
-            printed_name="",
-            address=0x42,
-            length=2,
-            access="read_only",
-            byte_order="high_byte_first",
-            names=ReadOnly({"it": "ID Profilo"}),
-            meaning="Code of the profile used",
-            note="Standard encoder profile, data format, Variant 0-24 from 50 µm to 2 µm, Variant 0-24+++ at 1 µm.",
-            source="6.4 p.28",
-        ),
-        "serial_number": Register(
-            name="serial_number",
-            printed_name="",
-            address=0x44,
-            length=4,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(name="year", meaning="Year of production"),
-                FieldFacts(name="week", meaning="Week of production"),
-                FieldFacts(name="number", meaning="Serial number in ascending order"),
-            ),
-            names=ReadOnly({"it": "Numero di serie"}),
-            meaning="Year and week of production and a running number, in hexadecimal",
-            source="6.4 p.29",
-        ),
-        "command": Register(
-            name="command",
-            printed_name="",
-            address=0x48,
-            length=1,
-            access="write_only",
-            byte_order="high_byte_first",
-            default=b"\x00",
-            clears_itself=True,
-            wait_ms=30,
-            fields=(FieldFacts(name="function"),),
-            names=ReadOnly({"it": "Comando"}),
-            meaning="Saves the parameters, activates preset or offset, or restores the defaults",
-            note="After a command the register goes back to 00 by itself.",
-            source="6.4 p.29; 12 p.51",
-        ),
-        "configuration": Register(
-            name="configuration",
-            printed_name="",
-            address=0x49,
-            length=1,
-            access="read_write",
-            byte_order="high_byte_first",
-            default=b"\x20",
-            volatile=True,
-            fields=(
-                FieldFacts(name="unused_7", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
-                FieldFacts(
-                    name="counting_direction",
-                    meaning="Counting direction of the absolute position; the incremental signals keep theirs",
-                    default=0,
-                    names=ReadOnly({"it": "Direzione di conteggio"}),
-                    source="6.4 p.31",
-                ),
-                FieldFacts(
-                    name="output_code",
-                    meaning="Code of the absolute position",
-                    default=1,
-                    names=ReadOnly({"it": "Codice d'uscita"}),
-                    source="6.4 p.31",
-                ),
-                FieldFacts(name="unused_3_4", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
-                FieldFacts(
-                    name="enable_preset_offset",
-                    meaning="Enables preset and offset; 0 enables",
-                    default=0,
-                    names=ReadOnly({"it": "Abilita preset / offset"}),
-                    source="6.4 p.30",
-                ),
-                FieldFacts(
-                    name="select_preset_offset",
-                    meaning=(
-                        "What the register Preset / Offset is; available only while the function is enabled (bit 2)"
-                    ),
-                    default=0,
-                    names=ReadOnly({"it": "Seleziona preset / offset"}),
-                    source="6.4 p.30",
-                ),
-                FieldFacts(name="unused_0", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
-            ),
-            names=ReadOnly({"it": "Configurazione"}),
-            meaning="Preset or offset, output code and counting direction",
-            note="A new setting is active at once after its transmission; save it with the Command register.",
-            source="6.4 p.30; 12 p.51",
-        ),
-        "absolute_resolution": Register(
-            name="absolute_resolution",
-            printed_name="",
-            address=0x4D,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            names=ReadOnly({"it": "Risoluzione assoluta"}),
-            meaning="Resolution of the absolute position",
-            note=(
-                "32h is 50 µm, 0Ah 10 µm, 05h 5 µm, 02h 2 µm and 01h 1 µm; the highest positions are 00 0F FF FFh (20 "
-                "bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF FFh (25 "
-                "bits)."
-            ),
-            source="6.4 p.31",
-        ),
-        "preset_offset": Register(
-            name="preset_offset",
-            printed_name="Preset / Offset",
-            address=0x50,
-            length=4,
-            access="read_write",
-            byte_order="high_byte_first",
-            default=b"\x00\x00\x00\x00",
-            opened_by="configuration",
-            opened_by_field="enable_preset_offset",
-            opened_by_value="enable",
-            volatile=True,
-            meanings=(
-                RegisterMeaning(
-                    "preset",
-                    "configuration.select_preset_offset",
-                    "preset",
-                    min="0",
-                    max="2^position_bits - 1",
-                    meaning=(
-                        "Value that the position gets, from the activation on, at the place where the sensor stands "
-                        "at that moment; all positions before and after follow from it. It serves, for instance, to "
-                        "bring the zero points of sensor and application together."
-                    ),
-                    source="6.4 p.32",
-                ),
-                RegisterMeaning(
-                    "offset",
-                    "configuration.select_preset_offset",
-                    "offset",
-                    min="0",
-                    max="2^scd_position_bits - 2^position_bits",
-                    meaning=(
-                        "Value by which the transmitted positions are shifted: as many positions as before, from the "
-                        "offset up. It is applied to the position where the sensor stands at the activation."
-                    ),
-                    source="6.4 p.32",
-                ),
-            ),
-            meaning="Preset or offset, as the bit Select preset / offset of the Configuration register says",
-            note=(
-                "Available only while the bit Enable preset / offset of the Configuration register is 0 (enable). "
-                "Activate it only with the device at rest, by the command Save and activate Preset / Offset. The "
-                "highest preset is 00 0F FF FFh at 50 µm, 00 3F FF FFh at 10 µm, 00 7F FF FFh at 5 µm, 00 FF FF FFh "
-                "at 2 µm and 01 FF FF FFh at 1 µm. The highest offset is the number of positions of the 24-bit or "
-                "25-bit field less the number of positions of the resolution: F0 00 00h at 50 µm, C0 00 00h at 10 µm, "
-                "80 00 00h at 5 µm, 0 at 2 µm and 1 µm."
-            ),
-            source="6.4 p.32; 12 p.51",
-        ),
-        "device_type": Register(
-            name="device_type",
-            printed_name="",
-            address=0x55,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            default=b"\x08",
-            fields=(
-                FieldFacts(name="type", meaning="08h: linear encoder, BiSS C-mode, with incremental signals AB /AB"),
-            ),
-            names=ReadOnly({"it": "Tipo di dispositivo"}),
-            meaning="Type of the device",
-            source="6.4 p.33",
-        ),
-        "sine_cosine_resolution": Register(
-            name="sine_cosine_resolution",
-            printed_name="",
-            address=0x58,
-            length=1,
-            access="read_only",
-            byte_order="high_byte_first",
-            default=b"\x00",
-            fields=(FieldFacts(name="period", meaning="00h: no sine and cosine signals"),),
-            names=ReadOnly({"it": "Risoluzione SENO-COSENO"}),
-            meaning="Period of the sine and cosine signals",
-            source="6.4 p.33",
-        ),
-        "position_check": Register(
-            name="position_check",
-            printed_name="",
-            address=0x59,
-            length=1,
-            access="read_write",
-            byte_order="high_byte_first",
-            default=b"\x00",
-            reserved="maker",
-            names=ReadOnly({"it": "Controllo posizione"}),
-            meaning="Used with the warning bit for an automatic check of the position",
-            note="Do not change the value; only for Lika's technicians.",
-            source="6.4 p.33",
-        ),
-        "device_id": Register(
-            name="device_id",
-            printed_name="",
-            address=0x78,
-            length=6,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(
-                FieldFacts(name="name", meaning="Name of the device, 53 4D 32 31 in hexadecimal"),
-                FieldFacts(name="release", meaning="Hardware-software release, printed as xx xx"),
-            ),
-            names=ReadOnly({"it": "ID dispositivo"}),
-            meaning="Name of the device and its hardware-software release",
-            source="6.4 p.34",
-        ),
-        "manufacturer_id": Register(
-            name="manufacturer_id",
-            printed_name="",
-            address=0x7E,
-            length=2,
-            access="read_only",
-            byte_order="high_byte_first",
-            fields=(FieldFacts(name="name", meaning="Lika Electronic, 4C 69 in hexadecimal"),),
-            names=ReadOnly({"it": "ID costruttore"}),
-            meaning="Manufacturer",
-            source="6.4 p.34",
-        ),
-    }
-)
-
-
 @by_class
 class ProfileId(NamedTuple):
     """Profile ID (it: ID Profilo), registers 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
+
+    Attributes:
+        variant: The encoder that the register belongs to.
+        profile_id: 28h and, in decimal, the bits of the position. Holds ``profile_id``, which identifies the encoder;
+            decoding accepts any value.
 
     Code of the profile used.
 
@@ -2665,14 +2004,9 @@ class ProfileId(NamedTuple):
     and 281Ah for 25 + 1 bits, where the low byte counts the whole field and not the position, and one bit more has one
     plus less. A master that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here. [6.4 p.28;
     asc85: 6.4 p.23]
-
-    Attributes:
-        variant: The encoder that the register belongs to.
-        profile_id: 28h and, in decimal, the bits of the position. Holds ``profile_id``, which identifies the encoder;
-            decoding accepts any value.
     """
 
-    variant: Variant
+    variant: BissEncoder
     profile_id: int
 
     @property
@@ -2681,7 +2015,7 @@ class ProfileId(NamedTuple):
         return self.profile_id == self.variant.profile_id
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> ProfileId:
+    def decode(cls, data: Data, variant: BissEncoder) -> ProfileId:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
@@ -2689,7 +2023,7 @@ class ProfileId(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -2711,7 +2045,7 @@ class ProfileId(NamedTuple):
         return profile_id.to_bytes(2, "big")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (BitField("profile_id", 0, 16),)
@@ -2721,6 +2055,11 @@ class ProfileId(NamedTuple):
 class SerialNumber(NamedTuple):
     """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.29].
 
+    Attributes:
+        year: Year of production.
+        week: Week of production.
+        number: Serial number in ascending order.
+
     Year and week of production and a running number, in hexadecimal.
 
     Byte order: high byte first, at 44h.
@@ -2728,11 +2067,6 @@ class SerialNumber(NamedTuple):
     Erratum serial_number_coding (open, omission): Printed: Year, week and number in hexadecimal (in esadecimale),
     without an example. Used: Three binary numbers: one byte, one byte, and two bytes with the high byte first. [6.4
     p.29; amm5: 6.4 p.38]
-
-    Attributes:
-        year: Year of production.
-        week: Week of production.
-        number: Serial number in ascending order.
     """
 
     year: int
@@ -2823,6 +2157,14 @@ class Command(IntEnum):
 class Configuration(NamedTuple):
     """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30; 12 p.51].
 
+    Attributes:
+        counting_direction: Direzione di conteggio: Counting direction of the absolute position; the incremental signals
+            keep theirs. Default: 0.
+        output_code: Codice d'uscita: Code of the absolute position. Default: 1.
+        enable_preset_offset: Abilita preset / offset: Enables preset and offset; 0 enables. Default: 0.
+        select_preset_offset: Seleziona preset / offset: What the register Preset / Offset is; available only while the
+            function is enabled (bit 2). Default: 0.
+
     Preset or offset, output code and counting direction.
 
     Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
@@ -2832,14 +2174,6 @@ class Configuration(NamedTuple):
     Erratum configuration_bit_8 (settled, wrong data): Printed: Bit 8 Direzione di conteggio. Used: Bit 6. Why: The
     register has bits 7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the example sets bits 6 and 5. [6.6.1
     p.35; 6.4 p.30]
-
-    Attributes:
-        counting_direction: Direzione di conteggio: Counting direction of the absolute position; the incremental signals
-            keep theirs. Default: 0.
-        output_code: Codice d'uscita: Code of the absolute position. Default: 1.
-        enable_preset_offset: Abilita preset / offset: Enables preset and offset; 0 enables. Default: 0.
-        select_preset_offset: Seleziona preset / offset: What the register Preset / Offset is; available only while the
-            function is enabled (bit 2). Default: 0.
 
     Checked by decode():
         unused_7: Non utilizzato: Not used. Always 0.
@@ -2919,18 +2253,18 @@ class Configuration(NamedTuple):
 class AbsoluteResolution(NamedTuple):
     """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read only, over BiSS C-mode [6.4 p.31].
 
-    Resolution of the absolute position.
-
-    32h is 50 µm, 0Ah 10 µm, 05h 5 µm, 02h 2 µm and 01h 1 µm; the highest positions are 00 0F FF FFh (20 bits), 00 3F FF
-    FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF FFh (25 bits).
-
     Attributes:
         variant: The encoder that the register belongs to.
         absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which identifies the encoder;
             decoding accepts any value.
+
+    Resolution of the absolute position.
+
+    32h is 50 µm, 0Ah 10 µm, 05h 5 µm, 02h 2 µm and 01h 1 µm; the highest positions are 00 0F FF FFh (20 bits), 00 3F FF
+    FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF FFh (25 bits).
     """
 
-    variant: Variant
+    variant: BissEncoder
     absolute_resolution: int
 
     @property
@@ -2939,7 +2273,7 @@ class AbsoluteResolution(NamedTuple):
         return self.absolute_resolution == self.variant.resolution_um
 
     @classmethod
-    def decode(cls, data: Data, variant: Variant) -> AbsoluteResolution:
+    def decode(cls, data: Data, variant: BissEncoder) -> AbsoluteResolution:
         """The register in ``data``, its bytes in ascending order of address.
 
         Raises:
@@ -2947,7 +2281,7 @@ class AbsoluteResolution(NamedTuple):
             FamilyError: The encoder is of another family.
             InterfaceError: The encoder has another interface.
         """
-        if not isinstance(variant, Variant) or variant.interface is not _BISS:
+        if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
@@ -2969,7 +2303,7 @@ class AbsoluteResolution(NamedTuple):
         return absolute_resolution.to_bytes(1, "big")
 
     @staticmethod
-    def bit_fields(variant: Variant) -> tuple[BitField, ...]:
+    def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         check_encoder(variant, Variant, _BISS)
         return (BitField("absolute_resolution", 0, 8),)
@@ -2978,6 +2312,9 @@ class AbsoluteResolution(NamedTuple):
 @by_class
 class PresetOffset(NamedTuple):
     """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32; 12 p.51].
+
+    Attributes:
+        preset_offset: Preset offset.
 
     Preset or offset, as the bit Select preset / offset of the Configuration register says.
 
@@ -3012,9 +2349,6 @@ class PresetOffset(NamedTuple):
 
     Erratum offset_range (settled, wrong limit): Printed: The values run from the offset to the sum of offset and number
     of positions. Used: To that sum less 1. [6.4 p.32]
-
-    Attributes:
-        preset_offset: Preset offset.
     """
 
     preset_offset: int
@@ -3056,13 +2390,13 @@ class PresetOffset(NamedTuple):
         return 0, (1 << 32) - 1
 
     @staticmethod
-    def preset_limits(variant: Variant) -> tuple[int, int]:
+    def preset_limits(variant: BissEncoder) -> tuple[int, int]:
         """Lowest and highest value while the register is the preset."""
         check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.position_bits) - 1
 
     @staticmethod
-    def offset_limits(variant: Variant) -> tuple[int, int]:
+    def offset_limits(variant: BissEncoder) -> tuple[int, int]:
         """Lowest and highest value while the register is the offset."""
         check_encoder(variant, Variant, _BISS)
         return 0, (1 << variant.scd_position_bits) - (1 << variant.position_bits)
@@ -3072,13 +2406,13 @@ class PresetOffset(NamedTuple):
 class DeviceType(NamedTuple):
     """Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
 
-    Type of the device.
-
-    Default: ``08``.
-
     Attributes:
         type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which identifies the
             encoder; decoding accepts any value.
+
+    Type of the device.
+
+    Default: ``08``.
     """
 
     type: int
@@ -3123,12 +2457,12 @@ class DeviceType(NamedTuple):
 class SineCosineResolution(NamedTuple):
     """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode [6.4 p.33].
 
+    Attributes:
+        period: 00h: no sine and cosine signals. Holds 00h, which identifies the encoder; decoding accepts any value.
+
     Period of the sine and cosine signals.
 
     Default: ``00``.
-
-    Attributes:
-        period: 00h: no sine and cosine signals. Holds 00h, which identifies the encoder; decoding accepts any value.
     """
 
     period: int
@@ -3173,6 +2507,9 @@ class SineCosineResolution(NamedTuple):
 class PositionCheck(NamedTuple):
     """Position check (it: Controllo posizione), register 59h, read and write, over BiSS C-mode [6.4 p.33].
 
+    Attributes:
+        position_check: Position check.
+
     Used with the warning bit for an automatic check of the position.
 
     Default: ``00``. Reserved for the manufacturer.
@@ -3181,9 +2518,6 @@ class PositionCheck(NamedTuple):
 
     Erratum position_check_default (open, omission): Printed: Register 59h can be written and has the default 00h; the
     list of defaults leaves it out. Used: 00h. [6.4 p.33; 12 p.51]
-
-    Attributes:
-        position_check: Position check.
     """
 
     position_check: int
@@ -3223,17 +2557,17 @@ class PositionCheck(NamedTuple):
 class DeviceId(NamedTuple):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
 
+    Attributes:
+        name: Name of the device, 53 4D 32 31 in hexadecimal. ASCII text. Holds ``SM21``, which identifies the encoder;
+            decoding accepts any value.
+        release: Hardware-software release, printed as xx xx.
+
     Name of the device and its hardware-software release.
 
     Byte order: high byte first, at 78h.
 
     Erratum device_id_shared (open, omission): Printed: One device ID, SM21 with the release, for all models. Used: As
     printed. [6.4 p.34; prot: p.14-15]
-
-    Attributes:
-        name: Name of the device, 53 4D 32 31 in hexadecimal. ASCII text. Holds ``SM21``, which identifies the encoder;
-            decoding accepts any value.
-        release: Hardware-software release, printed as xx xx.
     """
 
     name: str
@@ -3284,13 +2618,13 @@ class DeviceId(NamedTuple):
 class ManufacturerId(NamedTuple):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
 
-    Manufacturer.
-
-    Byte order: high byte first, at 7Eh.
-
     Attributes:
         name: Lika Electronic, 4C 69 in hexadecimal. ASCII text. Holds ``Li``, which identifies the encoder; decoding
             accepts any value.
+
+    Manufacturer.
+
+    Byte order: high byte first, at 7Eh.
     """
 
     name: str
@@ -3367,15 +2701,17 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     Raises:
         ValueError: There is no such register, or it has another length.
     """
+    from .facts.sma21 import REGISTERS
+
     held = held_bytes(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if variant.interface is Interface.BISS and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
     )
 
 
-def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
+def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
     return (
         agrees(held, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data, variant).is_as_documented)
         and agrees(
@@ -3399,7 +2735,7 @@ def _can_hold(variant: Variant, held: Mapping[int, int]) -> bool:
 # Procedures
 
 
-def set_configuration(configuration: Configuration | int, *, variant: Variant | None = None) -> tuple[Step, ...]:
+def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Set and save the configuration [6.4 p.31; 6.6.1 p.35].
 
     Result: The new configuration is active and saved.
@@ -3429,7 +2765,7 @@ def set_configuration(configuration: Configuration | int, *, variant: Variant | 
     )
 
 
-def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
+def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set, save and activate a preset [6.4 p.32; 6.6.2 p.35].
 
     Before: Sensor at rest at the wanted position. In the Configuration register preset and offset are enabled and
@@ -3465,7 +2801,7 @@ def set_preset(variant: Variant, position: int) -> tuple[Step, ...]:
     )
 
 
-def select_preset(variant: Variant | None = None) -> tuple[Step, ...]:
+def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Enable the function and select preset [6.4 p.30].
 
     Result: The register Preset / Offset holds a preset.
@@ -3487,7 +2823,7 @@ def select_preset(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def set_offset(variant: Variant, offset: int) -> tuple[Step, ...]:
+def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     """Select, set, save and activate an offset [6.4 p.30; 6.4 p.32].
 
     Before: Sensor at rest at the wanted position. At 2 µm and 1 µm only 0 is within the limits.
@@ -3540,7 +2876,7 @@ def set_offset(variant: Variant, offset: int) -> tuple[Step, ...]:
     )
 
 
-def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
+def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the parameters [6.4 p.29].
 
     Result: Newly set register values are saved.
@@ -3560,7 +2896,7 @@ def save_parameters(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
+def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Load and save all default parameters [6.4 p.29].
 
     Before: All parameters that were set before are lost.
@@ -3582,7 +2918,7 @@ def restore_defaults(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
+def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Identify the device [6.4 p.28].
 
     Result: Manufacturer, device, resolution and serial number are known; the supply is not.
@@ -3607,7 +2943,7 @@ def identify_steps(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
+def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset all errors [7.3.3.2 p.41].
 
     Result: All errors are reset and the encoder initializes itself.
@@ -3637,7 +2973,7 @@ def reset_errors(variant: Variant | None = None) -> tuple[Step, ...]:
     )
 
 
-def reset_position(variant: Variant | None = None) -> tuple[Step, ...]:
+def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset the position to 0 [7.3.3.2 p.41].
 
     Before: Encoder at rest.
@@ -3671,1408 +3007,14 @@ def reset_position(variant: Variant | None = None) -> tuple[Step, ...]:
         Send(b"\x7a", times=10, every_us=40, in_succession=True),
     )
 
-
-# Facts
-
-#: Errors and warnings: what they mean, whether they latch, how they are cleared.
-ALARMS: Final[tuple[Alarm, ...]] = (
-    Alarm(
-        name="temperature_alarm",
-        meaning="Not implemented",
-        printed_name="Temperature alarm",
-        field="temperature_alarm",
-        implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
-    ),
-    Alarm(
-        name="signal_strength_alarm",
-        meaning="Not implemented",
-        printed_name="Signal on the strength alarm",
-        field="signal_strength_alarm",
-        implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
-    ),
-    Alarm(
-        name="low_amplitude_error",
-        meaning="The amplitude of the signal is too low",
-        printed_name="Low amplitude error",
-        field="low_amplitude_error",
-        detected="In operation",
-        latch=True,
-        remedy="Reset the errors with data ID B",
-        cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.2 p.38",
-    ),
-    Alarm(
-        name="higher_track_error",
-        meaning="Not implemented",
-        printed_name="Higher track error",
-        field="higher_track_error",
-        implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
-    ),
-    Alarm(
-        name="encoder_inharmonious_error",
-        meaning="Not implemented",
-        printed_name="Encoder inharmonious error",
-        field="encoder_inharmonious_error",
-        implemented=False,
-        source="7.3.3 p.39; 7.3.3.1 p.40",
-    ),
-    Alarm(
-        name="hardware_error",
-        meaning="An error in the EEPROM",
-        printed_name="Hardware error",
-        field="hardware_error",
-        detected="At power-on",
-        latch=True,
-        remedy="Reset the errors with data ID B",
-        cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.2 p.38",
-    ),
-    Alarm(
-        name="initialization_error",
-        meaning=(
-            "One of the alarms named above came up during the initialization, or the absolute position cannot be "
-            "found"
-        ),
-        printed_name="Initialization error",
-        field="initialization_error",
-        detected="During the initialization right after power-on or after a reset ID",
-        latch=True,
-        remedy="Reset the errors with data ID B once the initialization is over and normal operation has started again",
-        cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.3.2 p.41",
-    ),
-    Alarm(
-        name="overspeed",
-        meaning="The speed is too high",
-        printed_name="Overspeed",
-        field="overspeed",
-        detected="In operation",
-        latch=True,
-        remedy="Reset the errors with data ID B",
-        cleared_by=("reset_errors",),
-        source="7.3.3.1 p.40; 7.3.2 p.38",
-    ),
-)
-
-#: Times that belong to the encoder as a whole.
-TIMINGS: Final[tuple[Timing, ...]] = ()
-
-#: Connectors and cables, contact by contact.
-CONNECTORS: Final[tuple[Connector, ...]] = (
-    Connector(
-        name="ssi_biss_m12_8",
-        kind="connector",
-        title="M12, 8 pins, male, A coding",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("1", "0Vdc"),
-            Contact("2", "+Vdc"),
-            Contact("3", "Clock IN + / MA +"),
-            Contact("4", "Clock IN - / MA -"),
-            Contact("5", "Data OUT + / SLO +"),
-            Contact("6", "Data OUT - / SLO -"),
-            Contact("7", "not connected"),
-            Contact("8", "not connected"),
-            Contact("Housing", "Shield"),
-        ),
-        note="No contacts for the incremental signals. +Vdc is that of the order code.",
-        source="4.1 p.15; 4.3 p.16",
-    ),
-    Connector(
-        name="ssi_biss_m12_12",
-        kind="connector",
-        title="M12, 12 pins, male",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("1", "0Vdc"),
-            Contact("2", "+Vdc"),
-            Contact("3", "Clock IN + / MA +"),
-            Contact("4", "Clock IN - / MA -"),
-            Contact("5", "Data OUT + / SLO +"),
-            Contact("6", "Data OUT - / SLO -"),
-            Contact("7", "not connected"),
-            Contact("8", "not connected"),
-            Contact("9", "A", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("10", "/A", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("11", "B", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("12", "/B", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("Housing", "Shield"),
-        ),
-        note="+Vdc is that of the order code.",
-        source="4.1 p.15; 4.4 p.16",
-    ),
-    Connector(
-        name="ssi_biss_cable",
-        kind="cable",
-        title="T12 cable",
-        interfaces=("ssi", "biss"),
-        contacts=(
-            Contact("White_Green", "0Vdc"),
-            Contact("Brown_Green", "+Vdc"),
-            Contact("Violet", "Clock IN + / MA +"),
-            Contact("Yellow", "Clock IN - / MA -"),
-            Contact("Grey", "Data OUT + / SLO +"),
-            Contact("Pink", "Data OUT - / SLO -"),
-            Contact("Green", "A", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("Brown", "/A", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("Red", "B", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("Black", "/B", only="SMA21-G1x-..., SMA21-SCx-..."),
-            Contact("White", "not connected"),
-            Contact("Blue", "not connected"),
-            Contact("Braid", "Shield"),
-        ),
-        note="+Vdc is that of the order code.",
-        source="4.1 p.15",
-    ),
-    Connector(
-        name="rs485_m12_8",
-        kind="connector",
-        title="M12, 8 pins, male, A coding",
-        interfaces=("rs485",),
-        contacts=(
-            Contact("1", "0Vdc"),
-            Contact("2", "+5Vdc ±5%"),
-            Contact("3", "reserved"),
-            Contact("4", "reserved"),
-            Contact("5", "A (REQ+ / SD+)"),
-            Contact("6", "B (REQ- / SD-)"),
-            Contact("7", "not connected"),
-            Contact("8", "not connected"),
-            Contact("Housing", "Shield"),
-        ),
-        source="4.2 p.16; 4.3 p.16",
-    ),
-    Connector(
-        name="rs485_m12_12",
-        kind="connector",
-        title="M12, 12 pins, male",
-        interfaces=("rs485",),
-        contacts=(
-            Contact("1", "0Vdc"),
-            Contact("2", "+5Vdc ±5%"),
-            Contact("3", "reserved"),
-            Contact("4", "reserved"),
-            Contact("5", "A (REQ+ / SD+)"),
-            Contact("6", "B (REQ- / SD-)"),
-            Contact("7", "not connected"),
-            Contact("8", "not connected"),
-            Contact("9", "not connected"),
-            Contact("10", "not connected"),
-            Contact("11", "not connected"),
-            Contact("12", "not connected"),
-            Contact("Housing", "Shield"),
-        ),
-        source="4.2 p.16; 4.4 p.16",
-    ),
-    Connector(
-        name="rs485_cable",
-        kind="cable",
-        title="T12 cable",
-        interfaces=("rs485",),
-        contacts=(
-            Contact("White_Green", "0Vdc"),
-            Contact("Brown_Green", "+5Vdc ±5%"),
-            Contact("Violet", "reserved"),
-            Contact("Yellow", "reserved"),
-            Contact("Grey", "A (REQ+ / SD+)"),
-            Contact("Pink", "B (REQ- / SD-)"),
-            Contact("White", "not connected"),
-            Contact("Blue", "not connected"),
-            Contact("Green", "not connected"),
-            Contact("Brown", "not connected"),
-            Contact("Red", "not connected"),
-            Contact("Black", "not connected"),
-            Contact("Braid", "Shield"),
-        ),
-        source="4.2 p.16",
-    ),
-)
-
-#: Lights and what their states mean.
-LEDS: Final[tuple[Led, ...]] = (
-    Led(
-        name="diagnostics",
-        title="Diagnostic LED",
-        states=(
-            LedState(
-                "off",
-                "The sensor works properly and the absolute position is sent correctly; so are the incremental signals",
-            ),
-            LedState(
-                "red after power-on",
-                (
-                    "The tape is not read properly: mounted wrongly (for instance turned round against the sensor, or "
-                    "upside down), its surface damaged, or the sensor faulty. Wrong data may be sent. The LED goes "
-                    "off as soon as the fault is gone."
-                ),
-            ),
-            LedState(
-                "red in operation",
-                (
-                    "As after power-on; besides, the sensor may be moving too fast over the tape (frequency error). "
-                    "The last valid position is frozen until a new valid one is read; then the LED goes off."
-                ),
-            ),
-            LedState(
-                "red",
-                (
-                    "An error, for instance: gap out of tolerance (Figure 2), sensor not mounted properly, sensor or "
-                    "tape mounted the wrong way round, sensor in the opposite direction to Figure 1, sensor too fast, "
-                    "or supply voltage not correct."
-                ),
-            ),
-        ),
-        source="9 p.47; 9.1 p.47",
-    ),
-)
-
-#: Tables of the manual.
-TABLES: Final[tuple[Table, ...]] = (
-    Table(
-        name="speeds",
-        title="Speed by resolution",
-        columns=("Order code", "Resolution µm", "Maximum speed m/s", "Recommended speed m/s for best performance"),
-        rows=(
-            ("SMA21-xxx-0050-...", "50", "10", "below 7"),
-            ("SMA21-xxx-0010-...", "10", "10", "below 7"),
-            ("SMA21-xxx-0005-...", "5", "10", "below 7"),
-            ("SMA21-xxx-0002-...", "2", "4.7", "below 2.8"),
-            ("SMA21-xxx-0001-...", "1", "2.4", "below 1.4"),
-        ),
-        source="4.10 p.18",
-    ),
-    Table(
-        name="lengths",
-        title="Length of tape and travel, and information",
-        columns=("Version", "Tape at most mm", "Useful travel at most mm"),
-        rows=(("RS-485 with 1 µm", "16410", "16339"), ("All others", "32820", "32749")),
-        note=(
-            "The travel is printed in the preliminary information and in 5.2 as well. Positions at most: 25 bits, "
-            "33,554,432, over SSI and BiSS; 24 bits, 16,777,216, over RS-485."
-        ),
-        source="4.10 p.18; Informazioni preliminari p.8; Cover",
-    ),
-    Table(
-        name="ab_signals",
-        title="Incremental signals by resolution",
-        columns=(
-            "Order code",
-            "Resolution µm",
-            "Minimum distance of edges µs",
-            "AB frequency at most kHz, periods",
-            "AB frequency at most kHz, edges",
-            "Maximum speed m/s",
-            "Recommended speed m/s for best performance",
-        ),
-        rows=(
-            ("SMA21-G1x-0050-... and SMA21-SCx-0050-...", "50", "0.25", "50", "200", "10", "below 7"),
-            ("SMA21-G1x-0010-... and SMA21-SCx-0010-...", "10", "0.25", "250", "1000", "10", "below 7"),
-            ("SMA21-G1x-0005-... and SMA21-SCx-0005-...", "5", "0.25", "500", "2000", "10", "below 7"),
-            ("SMA21-G1x-0002-... and SMA21-SCx-0002-...", "2", "0.25", "580", "2320", "4.7", "below 2.8"),
-            ("SMA21-G1x-0001-... and SMA21-SCx-0001-...", "1", "0.25", "580", "2320", "2.4", "below 1.4"),
-        ),
-        note=(
-            "The minimum distance of edges means a highest counting frequency of 4 MHz. The frequencies are said to "
-            "be worked out at the maximum speed with the minimum distance of edges."
-        ),
-        source="8 p.44",
-    ),
-    Table(
-        name="troubleshooting",
-        title="Faults and their possible causes",
-        columns=("Fault", "Possible cause"),
-        rows=(
-            (
-                "No output signals",
-                "Tape or sensor mounted wrongly: magnetic side not towards the sensor, or sensor turned (section 3)",
-            ),
-            (
-                "No output signals",
-                (
-                    "A protecting part between sensor and tape that is not allowed (for example steel that is not "
-                    "non-magnetic)"
-                ),
-            ),
-            (
-                "No output signals",
-                (
-                    "Mounting tolerances not kept: sensor damaged by touching the tape (see its active surface), or "
-                    "too far away"
-                ),
-            ),
-            (
-                "No output signals",
-                "Short circuit of the outputs or reversed supply; the sensor burns out and cannot be used any more",
-            ),
-            (
-                "Wrong measures or none at some positions",
-                "Coupling tolerances not kept over the whole axis (section 3)",
-            ),
-            ("Wrong measures or none at some positions", "Sensor mounted wrongly on the tape (section 3)"),
-            (
-                "Wrong measures or none at some positions",
-                "Electromagnetic noise: look for high-voltage cables nearby, check the ground",
-            ),
-            ("Wrong measures or none at some positions", "Frequency error: the sensor moves too fast over the tape"),
-            (
-                "Wrong measures or none at some positions",
-                "Clock of the master too high or too low to synchronise (sections 5 and 6)",
-            ),
-            ("Wrong measures or none at some positions", "Part of the tape damaged mechanically or magnetically"),
-            (
-                "Wrong measures or none at some positions",
-                "Torsion of the machine, not the sensor: check parallelism and symmetry of motion",
-            ),
-        ),
-        source="11 p.50",
-    ),
-)
-
-#: Further facts of the manual, as text.
-CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
-    Characteristic(
-        name="measuring_system",
-        value="Magnetic tape, magnetic sensor that travels over it without contact, and conversion electronics",
-        source="Informazioni preliminari p.8",
-    ),
-    Characteristic(
-        name="applications",
-        value="Long travels on automatic machines and in automation",
-        source="Informazioni preliminari p.8",
-    ),
-    Characteristic(
-        name="tape",
-        value=(
-            "The sensor works with magnetic tape MTA-A154 only. It is magnetised with alternating north and south "
-            "fields and may carry two tracks: the absolute one on one side and one for the incremental signals on the "
-            "other (certain models, Figure 1). Its mounting is described in its own documentation."
-        ),
-        source="Informazioni preliminari p.8; 3.2 p.11",
-    ),
-    Characteristic(name="tape_resistance", value="Immune to dust and liquids", source="Cover"),
-    Characteristic(name="pole_pitch", value="2 mm", source="Cover; 4.10 p.18; 8"),
-    Characteristic(
-        name="tape_orientation",
-        value=(
-            "The tape has one mounting direction in all cases; the system cannot work when it is mounted in another "
-            "way than Figure 1 shows"
-        ),
-        source="3.2 p.11; 3.3; 8 p.44",
-    ),
-    Characteristic(
-        name="tape_cover",
-        value="MTA-A154 may have a cover strip that protects the magnetic surface (see its order code)",
-        source="3.2 p.11; 3.3 p.12",
-    ),
-    Characteristic(
-        name="personnel",
-        value=(
-            "Installation and maintenance by qualified personnel only, with the power supply disconnected and the "
-            "mechanical parts at rest, and under the accident prevention rules of the country. Use only for the "
-            "purpose of its design; high currents, voltages and moving parts can injure or kill."
-        ),
-        source="1.1 p.9; 3 p.11; 4 p.15",
-    ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.9"),
-    Characteristic(
-        name="emc_directive",
-        value="Directive 2014/30/EU on electromagnetic compatibility",
-        source="1.2 p.9",
-    ),
-    Characteristic(
-        name="emc_precautions",
-        value=(
-            "Discharge body and tools before handling. Stabilised supply free of noise, with EMC filters where "
-            "needed. Shielded cables, twisted pairs where possible, no longer than necessary, away from power cables. "
-            "Mount as far as possible from sources of interference or shield the device from them. No strong magnets "
-            "near the unit."
-        ),
-        source="1.2 p.9",
-    ),
-    Characteristic(
-        name="cable_handling",
-        value="Do not pull the cable, nor carry or hold the device by it",
-        source="1.2 p.9",
-    ),
-    Characteristic(
-        name="shield_connection",
-        value=(
-            "Connect the cable shield (or the connector housing) and the body of the device to a good ground point "
-            "free of noise, on the device's side or on the user's, or both; which is best is for the user to find "
-            "out."
-        ),
-        source="1.2 p.9; 4.6 p.17",
-    ),
-    Characteristic(
-        name="mechanical_safety",
-        value=(
-            "Mount with the mechanical parts at rest. Do not disassemble or machine the device; no knocks or strong "
-            "stress; protect it from acid and other harmful substances; keep to the ambient conditions that the "
-            "manufacturer states."
-        ),
-        source="1.3 p.10",
-    ),
-    Characteristic(
-        name="chips",
-        value=(
-            "Mount sheltered from machining chips, above all of metal, or provide for cleaning (brushes, scrapers, "
-            "compressed air), so that sensor and tape do not seize."
-        ),
-        source="1.3 p.10; 3.2 p.11",
-    ),
-    Characteristic(
-        name="mounting_tolerances",
-        value=(
-            "Gap, flatness and parallelism between sensor and tape within the limits of Figure 2 over the whole "
-            "travel; sensor and tape must not touch."
-        ),
-        source="3.2 p.11; 3.3 p.12",
-    ),
-    Characteristic(
-        name="mounting_screws",
-        value="Two M3 cylinder-head screws, at least 20 mm long, through the two holes",
-        source="3.3 p.12",
-    ),
-    Characteristic(name="mounting_torque", value="1.1 Nm recommended", source="3.3 p.12"),
-    Characteristic(name="cable_bending_radius_mounted", value="At least 45 mm recommended", source="3.3 p.12"),
-    Characteristic(
-        name="gap_without_cover",
-        value="0.1 mm to 0.6 mm between sensor and tape (D) without cover strip",
-        source="3.3",
-    ),
-    Characteristic(
-        name="gap_with_cover",
-        value="0.1 mm to 0.4 mm between sensor and tape (D) with cover strip",
-        source="3.3",
-    ),
-    Characteristic(
-        name="zero_setting",
-        value=(
-            "After mounting, and whenever sensor or tape is replaced, the measuring system has to be zeroed or "
-            "preset. The manual says that only the BiSS models have that function. With SSI the master sets its own "
-            "zero, if the application needs one."
-        ),
-        source="3.3; 5.5 p.23",
-    ),
-    Characteristic(
-        name="tape_length",
-        value=(
-            "The whole sensor has to stay over the tape: tape = travel + 63 mm (base of the sensor head) + 4 mm (two "
-            "pole pitches) at each end, + 10 mm at each end with the optional end caps. For a travel of 5,000 mm at "
-            "least 5,071 mm."
-        ),
-        source="3.4 p.14",
-    ),
-    Characteristic(
-        name="wiring",
-        value=(
-            "Supply off while wiring. Cut the wires of unused signals to different lengths and insulate each; if they "
-            "touch, the device may be damaged beyond repair."
-        ),
-        source="1.2 p.9; 4 p.15",
-    ),
-    Characteristic(name="supply_1", value="+5 V DC ±5 %", only="SMA21-xx1-...", source="4.1 p.15; 4.2 p.16"),
-    Characteristic(name="supply_4", value="+5 V DC to +30 V DC", only="SMA21-xx4-...", source="4.1 p.15"),
-    Characteristic(name="cable_model", value="Lika High-Flex twisted encoder cable type T12", source="4.5 p.16"),
-    Characteristic(
-        name="cable_cross_section",
-        value="Twisted pairs, 4 × 2 × 0.14 mm² + 4 × 0.25 mm² (26/24 AWG)",
-        source="4.5 p.16",
-    ),
-    Characteristic(
-        name="cable_jacket",
-        value="TPU, halogen free, resistant to oil, abrasion and hydrolysis",
-        source="4.5 p.16",
-    ),
-    Characteristic(name="cable_shield", value="Tinned copper braid, coverage above 85 %", source="4.5 p.16"),
-    Characteristic(name="cable_diameter", value="6.1 mm ±0.1 mm", source="4.5 p.16"),
-    Characteristic(name="cable_bending_radius", value="7.5 × outer diameter", source="4.5 p.16"),
-    Characteristic(
-        name="cable_temperature",
-        value="−50 °C to +90 °C with fixed, −40 °C to +90 °C with moving installation",
-        source="4.5 p.16",
-    ),
-    Characteristic(
-        name="cable_resistance",
-        value="At most 148 Ω/km (0.14 mm²) and 90 Ω/km (0.25 mm²)",
-        source="4.5 p.16",
-    ),
-    Characteristic(
-        name="cable_length",
-        value=(
-            "At most as in the section \"Cable lengths\" of the catalogue of linear encoders, or as this manual says "
-            "for the output circuit; ask Lika for more"
-        ),
-        source="4.5",
-    ),
-    Characteristic(
-        name="counting_direction",
-        value=(
-            "Counts up when the sensor moves in the direction of the white arrow of Figure 1. Fixed with SSI and "
-            "RS-485; over BiSS it can be inverted (register Configuration), for the absolute position only, not for "
-            "the incremental signals."
-        ),
-        source="3.2 p.11; 4.7 p.17; 8",
-    ),
-    Characteristic(
-        name="inputs",
-        value="No inputs for zero setting or preset and for the counting direction",
-        only="SMA21-BGx-..., SMA21-GGx-..., SMA21-G1x-...",
-        source="5.5 p.23",
-    ),
-    Characteristic(
-        name="position_range",
-        value="The position counts up from a minimum to a maximum that depend on the tape",
-        only="SMA21-BGx-..., SMA21-GGx-..., SMA21-G1x-...",
-        source="5.5 p.23",
-    ),
-    Characteristic(
-        name="internal_update",
-        value="The internal position is updated at 30 kHz",
-        only="SMA21-SCx-...",
-        source="6.5 p.34",
-    ),
-    Characteristic(
-        name="incremental_signals",
-        value=(
-            "AB /AB square waves, Line Driver RS-422, 20 mA at most, protected against heat and short circuit, for "
-            "speed feedback. The tape then has the second track."
-        ),
-        only="SMA21-G1x-..., SMA21-SCx-...",
-        source="Informazioni preliminari p.8; 4.1 p.15; 4.8 p.17; 8 p.44",
-    ),
-    Characteristic(
-        name="incremental_resolution",
-        value=(
-            "The resolution is the distance between two successive edges of A and B. Edges per pole: the pole pitch "
-            "of 2,000 µm divided by the resolution, 40 at 50 µm. The manual's picture has 4 only as an example."
-        ),
-        only="SMA21-G1x-..., SMA21-SCx-...",
-        source="8 p.44",
-    ),
-    Characteristic(
-        name="incremental_load",
-        value="Load supply typically +5 V DC; it may be higher as long as the current stays within 20 mA",
-        only="SMA21-G1x-..., SMA21-SCx-...",
-        source="8.1 p.46",
-    ),
-    Characteristic(
-        name="incremental_cable_length",
-        value="150 m at most; the highest frequency depends on cable length and load",
-        only="SMA21-G1x-..., SMA21-SCx-...",
-        source="8.1 p.46",
-    ),
-    Characteristic(
-        name="error_position",
-        value=(
-            "When the tape cannot be read in operation, the last valid position is frozen until a new valid one is "
-            "read. At power-on wrong data may be sent as long as the error lasts."
-        ),
-        source="9 p.47",
-    ),
-    Characteristic(
-        name="diagnostic_led",
-        value="One LED on the front of the encoder, with two states, on and off",
-        source="9.1 p.47",
-    ),
-    Characteristic(
-        name="error_scope",
-        value="The LED and the error bit speak for the absolute position and for the incremental signals alike",
-        source="9.1 p.47",
-    ),
-    Characteristic(
-        name="maintenance",
-        value=(
-            "No special care. From time to time check the structure for loose screws, check the coupling tolerances "
-            "between sensor and tape over the whole travel (wear increases the play), and clean the tape with a soft, "
-            "clean cloth."
-        ),
-        source="10 p.49",
-    ),
-    Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
-)
-
-#: What only figures show that the text at hand does not contain.
-LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure("Encumbrance sizes.", source="3.1 p.11"),
-    LostFigure(
-        (
-            "Figure 1: how sensor and tape are paired, the tracks of the tape, the white arrow of the counting "
-            "direction, and the sizes 1 to 4 of the measuring length, given in words in 3.4."
-        ),
-        source="3.3 p.12",
-    ),
-    LostFigure(
-        (
-            "Figure 2: tolerances of gap, flatness and parallelism between sensor and tape. Of them only the gap is "
-            "in the text."
-        ),
-        source="3.3",
-    ),
-    LostFigure("What stands after the text on the measuring length, probably its picture.", source="3.4 p.14"),
-    LostFigure(
-        (
-            "Pictures of the two connectors with their pin numbers, contact side. The coding of the one with 12 pins "
-            "is not said."
-        ),
-        source="4.3 p.16; 4.4 p.16",
-    ),
-    LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm, described in words as well.",
-        source="5.1",
-    ),
-    LostFigure("What stands after the pause Tp, probably its picture.", source="5.3 p.22"),
-    LostFigure("Recommended SSI circuit.", source="5.6 p.23"),
-    LostFigure("What stands after the two kinds of transmission, probably a frame.", source="6.1 p.24"),
-    LostFigure(
-        "Logic circuit of the 6-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.2 p.26",
-    ),
-    LostFigure(
-        "Logic circuit of the 4-bit CRC; the start value, not in the text, is that of public documents.",
-        source="6.3 p.27",
-    ),
-    LostFigure("Recommended BiSS circuit.", source="6.7 p.36"),
-    LostFigure(
-        (
-            "Incremental signals against the pole pitch, with a factor of 4 as an example. Which of A and B leads is "
-            "not said in words."
-        ),
-        source="8 p.44",
-    ),
-    LostFigure("Recommended input circuit of the incremental signals.", source="8.1 p.46"),
-)
-
-#: Where the manual cannot be taken literally, and what is used instead.
-ERRATA: Final[tuple[Erratum, ...]] = (
-    Erratum(
-        name="parts_of_the_manual",
-        printed="The manual can be divided into four parts (quattro parti).",
-        used="Five parts",
-        why="The list that follows names five, the last on the incremental signals.",
-        status="settled",
-        severity="wording",
-        source="Informazioni preliminari p.8",
-    ),
-    Erratum(
-        name="order_code_blank",
-        printed="SMA21 -BGx-..., with a blank, on the cover",
-        used="SMA21-BGx-..., without it; a label with the blank is read all the same.",
-        why="Everywhere else, and for the same models, the manual has no blank.",
-        status="settled",
-        severity="wording",
-        affects=("order_code",),
-        source="Cover; Informazioni preliminari p.8; 5 p.19",
-    ),
-    Erratum(
-        name="order_code_key",
-        printed=(
-            "See the order code (si veda il codice di ordinazione), for the output code, the supply and the "
-            "incremental signals"
-        ),
-        used="BG is binary and GG is Gray; supply 1 is +5 V, 4 is +5 V to +30 V.",
-        why=(
-            "The key is not in the manual. It explains only G1 (Gray with AB /AB), SC, and by the example of SC the "
-            "supplies 1 and 4. BG is binary in the AMM5 manual of the same maker; GG is what is left. Other supply "
-            "digits and the rest of the label stay unexplained."
-        ),
-        status="open",
-        severity="omission",
-        affects=("order_code", "parameters.ssi_gray"),
-        source="4.1 p.15; 5.1; 5.2 p.20",
-    ),
-    Erratum(
-        name="biss_documents",
-        printed=(
-            "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"Protocol description "
-            "C-mode\""
-        ),
-        used="The BiSS C protocol description of iC-Haus",
-        why=(
-            "None of the names is the title of a public document; the protocol description is the one that the "
-            "manual's terms come from."
-        ),
-        status="open",
-        severity="wording",
-        affects=("interfaces.biss.control_data", "interfaces.biss.profile"),
-        source="6 p.24; 6.3 p.27; prot",
-    ),
-    Erratum(
-        name="biss_crc_start",
-        printed="Polynomials and inverted output of both CRCs, without a start value; the logic circuits are lost",
-        used="Start value 0",
-        why=(
-            "Public BiSS documents begin with 0 unless something else is stated, and BiSS devices may have another. "
-            "With another start value every frame fails its CRC, with or without errors on the line."
-        ),
-        status="open",
-        severity="omission",
-        affects=("crcs.biss_6", "crcs.biss_4"),
-        source="6.2 p.26; 6.3 p.27; prot: p.7-8; renishaw: data sheet; icmu: p.30",
-    ),
-    Erratum(
-        name="command_default",
-        printed="Register 48h is write only (wo); default 00, and the list of defaults has it",
-        used="Write only; 00 is what the register goes back to.",
-        why=(
-            "A default of what cannot be read shows to nobody. Whether 48h answers a read, with 00 or at all, is not "
-            "said."
-        ),
-        status="open",
-        severity="wording",
-        affects=("registers.command",),
-        source="6.4 p.29; 12 p.51",
-    ),
-    Erratum(
-        name="tape_length",
-        printed="Maximum length of the tape (lunghezza massima della banda): 16.339, without a unit, and 32.749 mm",
-        used="Tape of at most 16,410 mm and 32,820 mm; 16,339 mm and 32,749 mm are the travel.",
-        why=(
-            "4.10 lists both, and the preliminary information, 5.2 and the cover give the same numbers as measuring "
-            "length. The difference of 71 mm is the head of 63 mm and 4 mm at each end."
-        ),
-        status="settled",
-        severity="wrong_limit",
-        affects=("tables.lengths", "characteristics.tape_length"),
-        source="3.4 p.14; 4.10 p.18; Informazioni preliminari p.8",
-    ),
-    Erratum(
-        name="zero_setting_rs485",
-        printed=(
-            "3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and "
-            "RS-485. 7.3.3.2: data ID F resets the position to 0"
-        ),
-        used="Data ID F as described in 7.3.1 and 7.3.3.2",
-        why=(
-            "7.3.3.2 describes it in detail, with the EEPROM that is written. For the SSI models 5.5 leaves it to the "
-            "master, if needed."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=("characteristics.zero_setting", "procedures.reset_position", "interfaces.rs485.data_ids"),
-        source="3.3; 7.3.1 p.38; 7.3.3.2 p.41",
-    ),
-    Erratum(
-        name="bending_radius",
-        printed="3.3: bending radius of the cable at least 45 mm. 4.5: outer diameter × 7.5",
-        used="Both as printed",
-        why="7.5 × 6.1 mm is 45.75 mm, and 46.5 mm with the tolerance of the diameter; 45 mm is less.",
-        status="open",
-        severity="wrong_limit",
-        affects=("characteristics.cable_bending_radius", "characteristics.cable_bending_radius_mounted"),
-        source="3.3 p.12; 4.5 p.16",
-    ),
-    Erratum(
-        name="ssi_clock_count",
-        printed=(
-            "5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least as many clocks as "
-            "data bits"
-        ),
-        used="Neither is enforced; one clock more than the word has bits satisfies both.",
-        why=(
-            "The word is one bit longer than the resolution, by the error bit. n + 1 edges with the resolution as n "
-            "would only just bring that last bit; 5.1 speaks of SSI in general, where the word is the resolution."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.ssi_word",),
-        source="5.1; 5.2 p.20",
-    ),
-    Erratum(
-        name="ssi_cable_400_m",
-        printed="Below 400 m less than 100 kHz; the clock ranges from 100 kHz to 1 MHz",
-        used="Both as printed",
-        why="From 200 m on the table leaves no clock within the range.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3 p.22",
-    ),
-    Erratum(
-        name="ssi_cable_50_m",
-        printed="Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1 MHz",
-        used="Both as printed",
-        why="50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 1 MHz.",
-        status="open",
-        severity="wrong_limit",
-        affects=("interfaces.ssi.cable_lengths", "interfaces.ssi.clock"),
-        source="5.3 p.22",
-    ),
-    Erratum(
-        name="gray_scope",
-        printed="The output code can be binary or Gray, without saying which bits of the frame it covers",
-        used="The position alone; error and warning bit and the CRC are sent as they are.",
-        why=(
-            "6.4 speaks of the information of the absolute position, and a flag in Gray code would change with the "
-            "bit beside it. The zeros above the position in the BiSS frame are the same either way."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.ssi.ssi_word", "interfaces.biss.single_cycle_data"),
-        source="5.2 p.20; 6.4 p.31",
-    ),
-    Erratum(
-        name="control_data_bit",
-        printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="Nothing; no layout of the control frame is made from it.",
-        why=(
-            "By the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data, and only "
-            "the master's follows, during the time-out."
-        ),
-        status="settled",
-        severity="wording",
-        affects=("interfaces.biss.control_data",),
-        source="6.1 p.24; prot: p.3-5",
-    ),
-    Erratum(
-        name="scd_length",
-        printed="SCD (32 bit), with a position of 24 or 25 bits",
-        used="32 bits from 50 µm to 2 µm, 33 bits at 1 µm",
-        why=(
-            "Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm; the table below has bits 32 to 0 "
-            "for it."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("interfaces.biss.single_cycle_data",),
-        source="6.2 p.25",
-    ),
-    Erratum(
-        name="offset_in_the_padding",
-        printed=(
-            "6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions "
-            "of 20 bits"
-        ),
-        used=(
-            "6.4 while an offset is selected in the register Configuration: the position takes the whole field of 24 "
-            "or 25 bits. Otherwise 6.2: zeros above the position, and a frame with another bit there is refused."
-        ),
-        why=(
-            "The limit of the offset is the whole field less the positions of the resolution, with a reference to "
-            "that field: the sum is meant to fill it, so that from 50 µm to 5 µm the bits above the position carry "
-            "data. The zeros of 6.2 hold without an offset. Whether an encoder sends it so, only a frame of one with "
-            "an offset could show."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=(
-            "interfaces.biss.single_cycle_data",
-            "interfaces.biss.measurement",
-            "registers.preset_offset",
-            "procedures.set_offset",
-            "parameters.scd_padding_bits",
-            "parameters.offset_selected",
-            "parameters.scd_value_bits",
-        ),
-        source="6.2 p.25; 6.4 p.32",
-    ),
-    Erratum(
-        name="position_below_zero",
-        printed=(
-            "Positions before the preset get a value according to it, without saying what is sent below zero or above "
-            "the maximum"
-        ),
-        used=(
-            "Over SSI and BiSS the position starts again after 2^position_bits counts, in the 24-bit replies over "
-            "RS-485 after as many as their bits tell apart; the 48-bit position goes below zero."
-        ),
-        why=(
-            "A preset of 0, or a reset of the position, within the travel leaves places below it. The position fields "
-            "are unsigned, but that of data ID 5."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "measurement",
-            "interfaces.biss.single_cycle_data",
-            "interfaces.rs485.position_reply",
-            "interfaces.rs485.wide_position_reply",
-        ),
-        source="6.4 p.32; 7.3.3.2 p.41",
-    ),
-    Erratum(
-        name="warning_level",
-        printed="Warning, nW, without saying which level means a warning",
-        used="0 is a warning, as with the error bit",
-        why="The name nW and the BiSS documents have it active low. The bit is for Lika's technicians anyway.",
-        status="open",
-        severity="omission",
-        affects=("interfaces.biss.single_cycle_data",),
-        source="6.2 p.26; 9.1",
-    ),
-    Erratum(
-        name="profile_variants",
-        printed=(
-            "Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a "
-            "field of 24 bits"
-        ),
-        used="As printed",
-        why=(
-            "The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits, where the low byte counts the whole field "
-            "and not the position, and one bit more has one plus less. A master that takes the length of the data "
-            "from the profile ID would miss 4, 2 or 1 bits here."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.profile_id", "parameters.profile_id", "interfaces.biss.profile"),
-        source="6.4 p.28; asc85: 6.4 p.23",
-    ),
-    Erratum(
-        name="serial_number_coding",
-        printed="Year, week and number in hexadecimal (in esadecimale), without an example",
-        used="Three binary numbers: one byte, one byte, and two bytes with the high byte first",
-        why=(
-            "The text does not say whether the digits are binary or decimal in each byte, from which year it counts, "
-            "or which of 46h and 47h is the high byte. The AMM5 manual reads the same four registers as one number "
-            "whose decimal digits are year, week and number."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.serial_number",),
-        source="6.4 p.29; amm5: 6.4 p.38",
-    ),
-    Erratum(
-        name="resolution_set",
-        printed="Limits of preset and offset by the resolution that is set (risoluzione impostata)",
-        used="The resolution of the order code",
-        why="The register Absolute resolution is read only, and no other sets a resolution.",
-        status="settled",
-        severity="wording",
-        affects=("registers.absolute_resolution", "registers.preset_offset"),
-        source="6.4 p.31; 6.4 p.32",
-    ),
-    Erratum(
-        name="preset_direction",
-        printed="Preset: stop the sensor in the wanted direction (nella direzione desiderata)",
-        used="At the wanted position",
-        why="The same sentence under Offset has position (posizione); a preset is given to a position.",
-        status="settled",
-        severity="wording",
-        affects=("registers.preset_offset", "procedures.set_preset"),
-        source="6.4 p.32",
-    ),
-    Erratum(
-        name="offset_meaning",
-        printed=(
-            "An offset gives a position a wanted value, is applied to the position at its activation, and shifts all "
-            "values by its amount"
-        ),
-        used="All transmitted values are shifted by the offset.",
-        why=(
-            "The range that the text gives, from the offset up, and the limit fit a mere shift, which does not depend "
-            "on where the sensor stands; a value given to a position would be a preset."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=("registers.preset_offset", "procedures.set_offset"),
-        source="6.4 p.32",
-    ),
-    Erratum(
-        name="offset_range",
-        printed="The values run from the offset to the sum of offset and number of positions.",
-        used="To that sum less 1",
-        why=(
-            "As many values as before, beginning with the offset, end one below the sum. With the highest offset the "
-            "sum itself would need one bit more than the field has."
-        ),
-        status="settled",
-        severity="wrong_limit",
-        affects=("registers.preset_offset",),
-        source="6.4 p.32",
-    ),
-    Erratum(
-        name="sine_cosine_name",
-        printed="Risoluzione SENO-COSENSO, in the index SENO-COSEN0",
-        used="Risoluzione SENO-COSENO, the sine-cosine resolution",
-        why="The text of the entry has Seno-Coseno.",
-        status="settled",
-        severity="wording",
-        affects=("registers.sine_cosine_resolution",),
-        source="6.4 p.28",
-    ),
-    Erratum(
-        name="device_id_shared",
-        printed="One device ID, SM21 with the release, for all models",
-        used="As printed",
-        why=(
-            "BiSS asks for another device ID where the data length differs, and 1 µm has one bit more. Unless the "
-            "release bytes, printed as xx, differ, only the profile ID tells the models apart."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.device_id", "procedures.identify"),
-        source="6.4 p.34; prot: p.14-15",
-    ),
-    Erratum(
-        name="release_coding",
-        printed=(
-            "Name and release are expressed in hexadecimal values of ASCII. In the table 7Ch and 7Dh have xx, and in "
-            "its row ASCII a dash."
-        ),
-        used="A number of two bytes",
-        why="The dash contradicts the sentence before it; no value is printed that could tell.",
-        status="open",
-        severity="wording",
-        affects=("registers.device_id",),
-        source="6.4 p.34",
-    ),
-    Erratum(
-        name="biss_timeout",
-        printed="The BiSS time-out adapts itself to the clock, 16 µs at most, without saying how",
-        used="At most 16 µs",
-        why=(
-            "By the BiSS protocol description it takes 1.5 clock periods or more, which is 7.5 µs at 200 kHz; the "
-            "ASC85 manual has 3.5 periods, which would be 17.5 µs."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.biss.timeout",),
-        source="6.5 p.34; prot: p.18; asc85: 6.5 p.32",
-    ),
-    Erratum(
-        name="configuration_bit_8",
-        printed="Bit 8 Direzione di conteggio",
-        used="Bit 6",
-        why=(
-            "The register has bits 7 to 0, 6.4 and section 12 have bit 6, and the value 60h of the example sets bits "
-            "6 and 5."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=("registers.configuration.counting_direction", "examples.configuration_register"),
-        source="6.6.1 p.35; 6.4 p.30",
-    ),
-    Erratum(
-        name="reply_format_df7",
-        printed="Reply: CF SF DF0 ... DF7 CRC",
-        used="At most DF0 to DF5",
-        why="No data ID of this encoder has more than six data bytes.",
-        status="settled",
-        severity="wording",
-        affects=("interfaces.rs485.wide_position_reply", "interfaces.rs485.identification_reply"),
-        source="7.2 p.37; 7.3.3 p.39",
-    ),
-    Erratum(
-        name="control_field_structure",
-        printed="Five bits cc0 to cc4 as ID code",
-        used="cc0 to cc3 are the data ID, cc4 is its even parity bit.",
-        why=(
-            "7.2.2 speaks of a parity that the structure does not show. All five printed bytes fit; with five bits "
-            "A2h would be ID 14h, DAh 1Bh."
-        ),
-        status="settled",
-        severity="omission",
-        affects=("field_groups.control_field",),
-        source="7.3.1 p.38; 7.2.2 p.37; stmbl: src/comps/smartabs.c",
-    ),
-    Erratum(
-        name="alarm_storage",
-        printed=(
-            "ALMC is kept until the errors are reset; the alarm bit ea0, the sum of its bits 6 and 7, is cleared as "
-            "soon as the cause is gone"
-        ),
-        used="Both as printed",
-        why=(
-            "A sum of bits that are kept would be kept as well. Bits 6 and 7 are not implemented, so that nothing "
-            "comes of it."
-        ),
-        status="open",
-        severity="wording",
-        affects=("field_groups.status_field.status_alarm", "field_groups.alarm_field"),
-        source="7.3.2 p.38; 7.3.3",
-    ),
-    Erratum(
-        name="position_under_error",
-        printed=(
-            "ea0: danger of a fault, the position is right. ea1: a fault, or an error in the position, or the motor "
-            "has to stop. nE: the last valid position may be frozen, wrong data may be sent. What single alarms and "
-            "nW do to the position is not said."
-        ),
-        used=(
-            "Not usable with nE, ea1 or an alarm that ea1 sums up, stored ones until they are reset; usable with a "
-            "warning with ea0, an alarm that ea0 sums up, or nW; usable while none is active (9.1)."
-        ),
-        why=(
-            "ea1 does not tell which of the three it is. An error in the EEPROM alone may leave the position right; "
-            "nobody says so. nW is for Lika's technicians, and nothing is known against a position with it."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "field_groups.status_field",
-            "field_groups.alarm_field",
-            "interfaces.ssi.ssi_word.error",
-            "interfaces.biss.single_cycle_data.error",
-            "interfaces.biss.single_cycle_data.warning",
-        ),
-        source="6.2 p.26; 7.3.2 p.38; 9 p.47; 9.1 p.47",
-    ),
-    Erratum(
-        name="abs_range_48",
-        printed="48-bit position from 800000000000h to 7FFFFFFFFFh",
-        used="To 7FFFFFFFFFFFh",
-        why="Two digits are missing; the highest number of 48 bits as two's complement has twelve.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("interfaces.rs485.wide_position_reply",),
-        source="7.3.3; a4: p.298",
-    ),
-    Erratum(
-        name="abs_range_24",
-        printed="24-bit position from 000000h to FFFFFFFh",
-        used="To FFFFFFh",
-        why="Seven digits are 28 bits.",
-        status="settled",
-        severity="wrong_limit",
-        affects=("interfaces.rs485.position_reply", "interfaces.rs485.identification_reply"),
-        source="7.3.3",
-    ),
-    Erratum(
-        name="wide_position_sign",
-        printed="Unused high bits are 0; the 48-bit position is signed.",
-        used="Signed, over all 48 bits",
-        why=(
-            "A negative number has ones in its high bits. When it gets negative is not said, and the 24-bit position "
-            "of the same encoder is never."
-        ),
-        status="open",
-        severity="omission",
-        affects=("interfaces.rs485.wide_position_reply",),
-        source="7.3.3",
-    ),
-    Erratum(
-        name="rs485_position_width",
-        printed=(
-            "SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a "
-            "model, and at most 24 bits"
-        ),
-        used="20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, 24 at 2 µm and 1 µm",
-        why=(
-            "These are the widths of SSI and BiSS, cut to 24 bits at 1 µm, for which 4.10 halves the travel. That a "
-            "resolution has the width of the other interfaces is likely, but not said."
-        ),
-        status="open",
-        severity="omission",
-        affects=(
-            "parameters.rs485_position_bits",
-            "interfaces.rs485.position_reply",
-            "interfaces.rs485.identification_reply",
-        ),
-        source="4.10 p.18; 5.2 p.20; 6.2 p.25; 7.3.3.2",
-    ),
-    Erratum(
-        name="reset_interval",
-        printed="Ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs or more",
-        used="No other request in between, and 40 µs or more after each request before the next one begins",
-        why=(
-            "Whether an interval is the gap between two requests or runs from start to start is not said; a gap of 40 "
-            "µs satisfies both. Nor is said whether a request with another data ID begins the count anew."
-        ),
-        status="open",
-        severity="omission",
-        affects=("procedures.reset_errors", "procedures.reset_position", "interfaces.rs485.reset_interval"),
-        source="7.3.2 p.38; 7.3.3.2 p.41",
-    ),
-    Erratum(
-        name="shaft",
-        printed="Data ID F: while the shaft is at rest (mentre l'albero è in stop)",
-        used="While the sensor is at rest",
-        why="A linear encoder has no shaft.",
-        status="settled",
-        severity="wording",
-        affects=("procedures.reset_position",),
-        source="7.3.3.2 p.41",
-    ),
-    Erratum(
-        name="rs485_reset_duration",
-        printed=(
-            "Send no request until the initialization is over; none is accepted while the position is reset. No time "
-            "is given."
-        ),
-        used="No wait is made up.",
-        why="The AMM5 manual has 2 ms and 18 ms for its resets; nothing here says that they hold for this encoder.",
-        status="open",
-        severity="omission",
-        affects=("procedures.reset_errors", "procedures.reset_position"),
-        source="7.3.3.2 p.41",
-    ),
-    Erratum(
-        name="crc_coverage",
-        printed=(
-            "Calculation on all bits except start bit and delimiter of the fields rather than the CRC (piuttosto che "
-            "il CRC)"
-        ),
-        used="The CRC covers the 8 bits of every field before it, without start bits and delimiters.",
-        why="The sentence is garbled; the printed check values D4h and 90h are the XOR of the bytes before them.",
-        status="settled",
-        severity="wording",
-        affects=("crcs.rs485_8",),
-        source="7.3.4 p.42",
-    ),
-    Erratum(
-        name="data_id_5_example_status",
-        printed="Reply to data ID 5 with SF = 02h",
-        used=(
-            "dd0 to dd3 are unused and 0, as 7.3.2 has it; a reply that has them otherwise is decoded, and reports "
-            "them."
-        ),
-        why=(
-            "02h sets dd1, which 7.3.2 fixes at 0; alarm and error would be 10h and 20h. Yet it is the only reply to "
-            "data ID 5 that the manual prints, with a right CRC. Whether the example is wrong, or an encoder may set "
-            "these bits, only hardware can tell. The manual says nothing of the position then; it is taken as usable "
-            "with a warning."
-        ),
-        status="open",
-        severity="wrong_data",
-        affects=(
-            "examples.reply_of_data_id_5",
-            "field_groups.status_field.status_info",
-            "field_groups.status_field.status_zero",
-            "interfaces.rs485.wide_position_reply",
-        ),
-        source="7.3.4; 7.3.2 p.38",
-    ),
-    Erratum(
-        name="data_id_5_example_position",
-        printed="Position DAh 04h 00h 43h 25h 00h",
-        used="Nothing; no position of this encoder is like it.",
-        why=(
-            "It is 0025430004DAh or 160,037,864,666 counts, 160 km at 1 µm; RS-485 carries 24 bits and the tape ends "
-            "at 32.82 m."
-        ),
-        status="settled",
-        severity="wrong_limit",
-        affects=("examples.reply_of_data_id_5",),
-        source="7.3.4; 4.10 p.18",
-    ),
-    Erratum(
-        name="error_bit_level",
-        printed="When the fault is gone the error bit goes to the high level (commuta al livello logico alto).",
-        used=(
-            "So with SSI and BiSS. Over RS-485 the error bit is high while there is an error, and stays so until it "
-            "is reset."
-        ),
-        why="7.3.2 and the note in 9.1 say so; section 9 does not tell the interfaces apart.",
-        status="settled",
-        severity="wrong_data",
-        affects=("field_groups.status_field.status_error", "leds.diagnostics"),
-        source="9 p.47; 9.1; 7.3.2 p.38",
-    ),
-    Erratum(
-        name="ab_frequency",
-        printed=(
-            "580 kHz per period and 2320 kHz between edges, at 4.7 m/s with 2 µm and at 2.4 m/s with 1 µm, worked out "
-            "with the minimum distance of 0.25 µs"
-        ),
-        used="The table as printed",
-        why=(
-            "4.7 m/s is 587.5 and 2,350 kHz at 2 µm, 2.4 m/s is 600 and 2,400 kHz at 1 µm; 580 and 2,320 kHz belong "
-            "to 4.64 and 2.32 m/s. The other rows agree. At a distance of 0.25 µs it would be 4,000 kHz in every row."
-        ),
-        status="open",
-        severity="wrong_limit",
-        affects=("tables.ab_signals",),
-        source="8 p.44",
-    ),
-    Erratum(
-        name="position_sending_order",
-        printed="An arrow from ABS5 to ABS0, and from ABS2 to ABS0, marked as the order of transmission",
-        used="ABS0 first",
-        why=(
-            "The text above both tables says that the position is sent from the least to the most significant byte, "
-            "and the examples do so."
-        ),
-        status="settled",
-        severity="wrong_data",
-        affects=(
-            "interfaces.rs485.position_reply",
-            "interfaces.rs485.wide_position_reply",
-            "interfaces.rs485.identification_reply",
-        ),
-        source="7.3.3 p.39",
-    ),
-    Erratum(
-        name="preset_offset_default_length",
-        printed="Section 6.4: default 00h; list of defaults: 00 00 00 00",
-        used="Four bytes of 00",
-        why="The register has four bytes, 50h to 53h.",
-        status="settled",
-        severity="wording",
-        affects=("registers.preset_offset",),
-        source="6.4; 12 p.51",
-    ),
-    Erratum(
-        name="unimplemented_alarms",
-        printed=(
-            "ea0 stands for Signal on the strength alarm and Temperature alarm, ea1 among others for Encoder "
-            "inharmonious error and Higher track error; by the table of ALMC none of the four is implemented, and "
-            "release 1.1 removed one of them"
-        ),
-        used="As printed; a decoder does not refuse them",
-        why="What is not implemented cannot set ea0, and ea1 is left with bits 5, 2, 1 and 0 of ALMC.",
-        status="settled",
-        severity="wording",
-        affects=("field_groups.status_field", "field_groups.alarm_field"),
-        source="7.3.2 p.38; 7.3.3 p.39; 7.3.3.1 p.40",
-    ),
-    Erratum(
-        name="position_check_default",
-        printed="Register 59h can be written and has the default 00h; the list of defaults leaves it out.",
-        used="00h",
-        why=(
-            "Whether loading the defaults sets it back is not said; it is the only register of this kind that is "
-            "missing from the list."
-        ),
-        status="open",
-        severity="omission",
-        affects=("registers.position_check",),
-        source="6.4 p.33; 12 p.51",
-    ),
-)
-
-#: Documents that sources cite by their key.
-DOCUMENTS: Final[tuple[Document, ...]] = (
-    Document("prot", "BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus"),
-    Document("renishaw", "L-9709-9005-03-F, BiSS data sheet, Renishaw"),
-    Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
-    Document(
-        "ti_sdk",
-        "TexasInstruments/motor-control-sdk, T-format and BiSS drivers",
-        url="https://github.com/TexasInstruments/motor-control-sdk",
-    ),
-    Document("stmbl", "rene-dev/stmbl, servo drive with a T-format receiver", url="https://github.com/rene-dev/stmbl"),
-    Document(
-        "servo2",
-        "wiciu15/servo2, servo drive with a receiver for Panasonic encoders",
-        url="https://github.com/wiciu15/servo2",
-    ),
-    Document(
-        "a4",
-        "Panasonic A4 series manual, answers of serial communication",
-        url="http://office.manualsonline.com/manuals/mfg/panasonic/a4_series.html?p=298",
-    ),
-    Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
-    Document(
-        "biss_bridge",
-        "timonburkard/BiSS_Bridge, test bench of a BiSS C receiver",
-        url="https://github.com/timonburkard/BiSS_Bridge",
-    ),
-    Document("amm5", "AMM5A AMM5B manual, English edition 1.9, Lika Electronic"),
-    Document("asc85", "ASC85 manual, English edition 1.0, Lika Electronic"),
-)
-
 # Every order code that the manual lists
 
 VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
     {
         variant.code: variant
         for variant in (
-            Variant(
+            SsiEncoder(
                 "SMA21-BG1-0050",
-                Interface.SSI,
                 ("BG", "1", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5083,9 +3025,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG1-0010",
-                Interface.SSI,
                 ("BG", "1", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5096,9 +3037,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG1-0005",
-                Interface.SSI,
                 ("BG", "1", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5109,9 +3049,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG1-0002",
-                Interface.SSI,
                 ("BG", "1", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5122,9 +3061,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG1-0001",
-                Interface.SSI,
                 ("BG", "1", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5135,9 +3073,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG4-0050",
-                Interface.SSI,
                 ("BG", "4", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5148,9 +3085,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG4-0010",
-                Interface.SSI,
                 ("BG", "4", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5161,9 +3097,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG4-0005",
-                Interface.SSI,
                 ("BG", "4", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5174,9 +3109,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG4-0002",
-                Interface.SSI,
                 ("BG", "4", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5187,9 +3121,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-BG4-0001",
-                Interface.SSI,
                 ("BG", "4", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5200,9 +3133,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG1-0050",
-                Interface.SSI,
                 ("GG", "1", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5213,9 +3145,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG1-0010",
-                Interface.SSI,
                 ("GG", "1", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5226,9 +3157,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG1-0005",
-                Interface.SSI,
                 ("GG", "1", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5239,9 +3169,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG1-0002",
-                Interface.SSI,
                 ("GG", "1", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5252,9 +3181,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG1-0001",
-                Interface.SSI,
                 ("GG", "1", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5265,9 +3193,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG4-0050",
-                Interface.SSI,
                 ("GG", "4", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5278,9 +3205,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG4-0010",
-                Interface.SSI,
                 ("GG", "4", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5291,9 +3217,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG4-0005",
-                Interface.SSI,
                 ("GG", "4", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5304,9 +3229,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG4-0002",
-                Interface.SSI,
                 ("GG", "4", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5317,9 +3241,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-GG4-0001",
-                Interface.SSI,
                 ("GG", "4", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5330,9 +3253,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G11-0050",
-                Interface.SSI,
                 ("G1", "1", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5343,9 +3265,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G11-0010",
-                Interface.SSI,
                 ("G1", "1", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5356,9 +3277,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G11-0005",
-                Interface.SSI,
                 ("G1", "1", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5369,9 +3289,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G11-0002",
-                Interface.SSI,
                 ("G1", "1", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5382,9 +3301,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G11-0001",
-                Interface.SSI,
                 ("G1", "1", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5395,9 +3313,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G14-0050",
-                Interface.SSI,
                 ("G1", "4", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5408,9 +3325,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G14-0010",
-                Interface.SSI,
                 ("G1", "4", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5421,9 +3337,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G14-0005",
-                Interface.SSI,
                 ("G1", "4", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5434,9 +3349,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G14-0002",
-                Interface.SSI,
                 ("G1", "4", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5447,9 +3361,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            SsiEncoder(
                 "SMA21-G14-0001",
-                Interface.SSI,
                 ("G1", "4", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5460,9 +3373,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC1-0050",
-                Interface.BISS,
                 ("SC", "1", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5473,9 +3385,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC1-0010",
-                Interface.BISS,
                 ("SC", "1", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5486,9 +3397,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC1-0005",
-                Interface.BISS,
                 ("SC", "1", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5499,9 +3409,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC1-0002",
-                Interface.BISS,
                 ("SC", "1", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5512,9 +3421,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC1-0001",
-                Interface.BISS,
                 ("SC", "1", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5525,9 +3433,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC4-0050",
-                Interface.BISS,
                 ("SC", "4", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5538,9 +3445,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC4-0010",
-                Interface.BISS,
                 ("SC", "4", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5551,9 +3457,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC4-0005",
-                Interface.BISS,
                 ("SC", "4", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5564,9 +3469,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC4-0002",
-                Interface.BISS,
                 ("SC", "4", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5577,9 +3481,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            BissEncoder(
                 "SMA21-SC4-0001",
-                Interface.BISS,
                 ("SC", "4", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5590,9 +3493,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            Rs485Encoder(
                 "SMA21-JP1-0050",
-                Interface.RS485,
                 ("JP", "1", "0050"),
                 resolution_um=50,
                 position_bits=20,
@@ -5603,9 +3505,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=20,
             ),
-            Variant(
+            Rs485Encoder(
                 "SMA21-JP1-0010",
-                Interface.RS485,
                 ("JP", "1", "0010"),
                 resolution_um=10,
                 position_bits=22,
@@ -5616,9 +3517,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=22,
             ),
-            Variant(
+            Rs485Encoder(
                 "SMA21-JP1-0005",
-                Interface.RS485,
                 ("JP", "1", "0005"),
                 resolution_um=5,
                 position_bits=23,
@@ -5629,9 +3529,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=23,
             ),
-            Variant(
+            Rs485Encoder(
                 "SMA21-JP1-0002",
-                Interface.RS485,
                 ("JP", "1", "0002"),
                 resolution_um=2,
                 position_bits=24,
@@ -5642,9 +3541,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
                 output_code=1,
                 rs485_position_bits=24,
             ),
-            Variant(
+            Rs485Encoder(
                 "SMA21-JP1-0001",
-                Interface.RS485,
                 ("JP", "1", "0001"),
                 resolution_um=1,
                 position_bits=25,
@@ -5658,6 +3556,3 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
         )
     }
 )
-
-_PARTS: Final = {code: variant.parts for code, variant in VARIANTS.items()}
-_BY_PARTS: Final = {variant.parts: variant for variant in VARIANTS.values()}

@@ -18,7 +18,7 @@ from .context import Asked, Context
 from .encode import Maker
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
 from .literals import quoted
-from .names import ClassNames, interface_name, meaning_limits
+from .names import ClassNames, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
 
 #: The longest frame whose CRC is written out as one XOR of bytes.
@@ -53,7 +53,8 @@ class Coder:
         self.context, self.layout, self.register = context, layout, register
         self.plan = codec_of(context.device, layout)
         self.name = context.frames[layout.name] if register is None else context.registers[register.name]
-        self.interface = interface_name(interface)
+        self.layout_interface = interface
+        self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
         self.read = Reader(context.scope, self.plan)
         self.make = Maker(context.scope, self.plan, self.names)
@@ -83,7 +84,7 @@ class Coder:
     def given(self) -> list[tuple[str, str]]:
         """What belongs to it besides its fields: the encoder, and answers; each with its type."""
         return [
-            *([("variant", "Variant")] if self.takes_variant else []),
+            *([("variant", self.encoder)] if self.takes_variant else []),
             *((item.name, item.kind) for item in self.asked),
         ]
 
@@ -231,6 +232,14 @@ class Coder:
                 return Atom(quoted(characters))
             case value:
                 return Atom(coded(value or 0))
+
+    @property
+    def measured(self) -> str:
+        """The attribute that is the position, if the frame has one; empty where it has not, or only a part of it."""
+        measurement = self.context.device.measurement_of(self.layout_interface)
+        name = measurement.of if measurement is not None else "position"
+        numbers = {part.field.name for part in self.plan.parts if isinstance(part.field.kind, Number)}
+        return self.names.attribute(name) if name in numbers.union(item.name for item in self.layout.joins) else ""
 
     @cached_property
     def reports(self) -> FrameReports | None:

@@ -14,6 +14,7 @@ from .expr import Scope
 from .names import (
     BISS,
     CLASS_NAMES,
+    FOLDERS,
     IMPORTED,
     LOCAL_NAMES,
     MODULE_NAMES,
@@ -69,7 +70,7 @@ class Context:
 
     def __init__(self, device: Device) -> None:
         self.device = device
-        self.module = attribute(device.name, (*SHARED, BISS))
+        self.module = attribute(device.name, (*SHARED, *FOLDERS, BISS))
         self.parameters = {item.name: attribute(item.name, VARIANT_NAMES) for item in device.parameters}
         names = Names([*MODULE_NAMES, *IMPORTED])
         self.crcs = {item.name: names.take(f"crc_{item.name}", "_") for item in device.crcs}

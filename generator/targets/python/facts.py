@@ -33,10 +33,24 @@ from ...model import (
 from ...plan.reports import reports_of
 from ...say.lines import plain
 from ...say.report import alarm_of, meaning, remedy, source
-from .literals import Call, Code, Hex, Literal, call, quoted, record
+from .literals import Call, Code, Hex, Literal, Member, call, quoted, record
 
 #: Tables that every module has, even empty.
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
+
+
+#: The members of records whose values are those of an enumeration, and its name.
+_MEMBERS: Mapping[tuple[str, str], str] = {
+    ("Register", "access"): "Access",
+    ("Register", "byte_order"): "ByteOrder",
+    ("Register", "above_max"): "AboveMax",
+    ("SsiFacts", "alignment"): "Alignment",
+    ("Timeout", "rule"): "TimeoutRule",
+    ("DataIdFacts", "purpose"): "Purpose",
+    ("Connector", "kind"): "ConnectorKind",
+    ("Erratum", "status"): "Status",
+    ("Erratum", "severity"): "Severity",
+}
 
 
 @dataclass(frozen=True)
@@ -57,6 +71,8 @@ def _row(function: str, item: object, needed: str, optional: str = "", **made: L
 
     def value(name: str) -> Literal:
         found: Literal = made[name] if name in made else getattr(item, name)
+        if isinstance(found, str) and (function, name) in _MEMBERS:
+            return Member(_MEMBERS[function, name], found) if found else None
         return cite(getattr(item, name)) if name == "source" else found
 
     return record(function, {n: value(n) for n in needed.split()}, **{n: value(n) for n in optional.split()})
@@ -70,7 +86,13 @@ def _rows(function: str, items: Iterable[object], needed: str, optional: str = "
 
 
 def family(device: Device) -> Call:
-    return call("Family", device.name, plain(device.title), device.movement, plain(device.manufacturer.title))
+    return call(
+        "Family",
+        device.name,
+        plain(device.title),
+        Member("Movement", device.movement),
+        plain(device.manufacturer.title),
+    )
 
 
 def manual(manual: Manual) -> Call:
@@ -179,7 +201,9 @@ def _timings(of: Device | Interface) -> tuple[Call, ...]:
 def _connectors(device: Device) -> Iterator[Call]:
     for item in device.connectors:
         contacts = tuple(call("Contact", part.contact, part.signal, only=part.only) for part in item.contacts)
-        yield _row("Connector", item, "name kind title interfaces contacts", "mating note source", contacts=contacts)
+        interfaces = tuple(Member("Interface", name) for name in item.interfaces)
+        needed = "name kind title interfaces contacts"
+        yield _row("Connector", item, needed, "mating note source", interfaces=interfaces, contacts=contacts)
 
 
 def _leds(device: Device) -> Iterator[Call]:
@@ -211,7 +235,7 @@ def _report(name: str, item: Field, alarm: Alarm | None) -> Call:
         "Report",
         {"name": name, "printed_name": item.printed_name, "meaning": meaning(item, alarm)},
         remedy=remedy(alarm),
-        makes_position=Code(f"Verdict.{worth.name}") if worth is not None else None,
+        makes_position=Member("Verdict", worth.name) if worth is not None else None,
         source=cite(source(item, alarm)),
     )
 

@@ -14,9 +14,9 @@ from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss
 from .filters import FILTERS, FUNCTIONS, TESTS
-from .imports import imports, public
+from .imports import fact_imports, facts, imports, public
 from .module import Module
-from .names import BISS, SHARED
+from .names import BISS, FOLDERS, SHARED
 from .readme import Shown, start
 
 #: The files that a package has once: beside its folder, and in it.
@@ -43,9 +43,14 @@ class Package(TypedDict):
     identified: Annotated[list[str], "the names of the modules whose families can be told by their registers"]
 
 
+class Folder(Package):
+    folder: Annotated[str, "the name of the folder"]
+
+
 class Family(Package):
     module: Annotated[Module, "the family and the parts of its module, their names and expressions"]
     imports: Annotated[list[list[tuple[str, list[str]]]], "the modules that it imports from, in groups, and the names"]
+    facts: Annotated[list[str], "the names of its tables of facts, in order"]
     offers: Annotated[list[str], "the names that it offers, in order"]
 
 
@@ -86,6 +91,10 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
     files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in (*_INSIDE, *biss)}
     files[f"{package}/py.typed"] = ""
+    for folder in FOLDERS:
+        files[f"{package}/{folder}/__init__.py"] = TEMPLATES.render(
+            "folder.py.jinja", {**values, "folder": folder}, own
+        )
     for module in modules:
         header = _header(f"the specification of {plain(module.device.title)}")
         family: Family = {
@@ -93,9 +102,13 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
             "header": header,
             "module": module,
             "imports": imports(module),
+            "facts": facts(module),
             "offers": public(module),
         }
         files[f"{package}/{module.name}.py"] = TEMPLATES.render("device.py.jinja", family, own)
+        family["imports"] = fact_imports(module)
+        files[f"{package}/facts/{module.name}.py"] = TEMPLATES.render("facts.py.jinja", family, own)
+        files[f"{package}/_shapes/{module.name}.py"] = TEMPLATES.render("shapes.py.jinja", family, own)
     return files
 
 
@@ -118,6 +131,9 @@ TEMPLATES = Templates(
     our_templates("python"),
     values={
         "device.py.jinja": Family,
+        "facts.py.jinja": Family,
+        "folder.py.jinja": Folder,
+        "shapes.py.jinja": Family,
         **{f"{name}.jinja": Package for name in (*_BESIDE, *(f"{name}.py" for name in (*_INSIDE, BISS)))},
     },
     filters=FILTERS,

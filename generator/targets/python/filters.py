@@ -16,7 +16,7 @@ from .expr import Expr, coded, grouped, mask
 from .lines import broken
 from .literals import constant, literal, quoted, table
 from .module import Enumeration
-from .names import interface_name
+from .names import encoder_name, interface_name
 from .text import of_answer, of_crc, of_value
 
 
@@ -35,6 +35,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "broken": broken,
     "byte_order": byte_order,
     "coded": coded,
+    "encoder": encoder_name,
     "digit": digit,
     "grouped": grouped,
     "interface": interface_name,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ...model import Choice, Decimal, Flag, Form, Text
 from ...model.never import assert_never
@@ -24,7 +24,7 @@ from ...plan.steps import AsNumber, Beyond, Operation, Polls, Reads, Sends, Stat
 from .codec import Coder
 from .literals import Call, functions
 from .module import Enumeration, Module
-from .names import PACKAGE, STANDARD
+from .names import FACTS, PACKAGE, STANDARD, encoder_name
 from .procedures import Steps
 from .variants import Variants
 
@@ -32,18 +32,34 @@ from .variants import Variants
 def imports(module: Module) -> list[list[tuple[str, list[str]]]]:
     """The modules that a device module imports from, first those of Python, and the names."""
     used = {name for names in _used(module) for name in names.split()}
-    used |= {name for item in _literals(module) for name in functions(item)}
-    groups = [{source: [n for n in names if n in used] for source, names in of.items()} for of in (STANDARD, PACKAGE)]
-    return [[(source, names) for source, names in group.items() if names] for group in groups]
+    used |= {name for item in (module.family, *(row for _, row in module.codes.held)) for name in functions(item)}
+    return _groups(used, STANDARD, PACKAGE)
 
 
-def _literals(module: Module) -> Iterator[Call]:
-    yield from (module.family, module.manual, module.order_code, *module.crcs, *module.register_rows.values())
+def fact_imports(module: Module) -> list[list[tuple[str, list[str]]]]:
+    """The same of the module that holds its facts."""
+    used = {"Final", *(item.kind for item in module.tables)}
+    used |= {name for item in _facts(module) for name in functions(item)}
+    given = (
+        (module.reports, "Mapping Report Reports"),
+        (module.frame_rows, "FieldFacts Mapping MappingProxyType"),
+        (module.registers, "Mapping MappingProxyType Register"),
+        (module.crcs, "Crc"),
+    )
+    return _groups(used.union(*(_if(what, names).split() for what, names in given)), STANDARD, FACTS)
+
+
+def _groups(used: set[str], *groups: Mapping[str, tuple[str, ...]]) -> list[list[tuple[str, list[str]]]]:
+    named = [{source: [n for n in names if n in used] for source, names in of.items()} for of in groups]
+    return [[(source, names) for source, names in group.items() if names] for group in named]
+
+
+def _facts(module: Module) -> Iterator[Call]:
+    yield from (module.manual, module.order_code, *module.crcs, *module.register_rows.values())
     yield from (section.facts for section in module.sections)
     yield from (row for item in module.tables for row in item.rows)
     yield from module.reports
     yield from (row for rows in module.frame_rows.values() for row in rows)
-    yield from (record for _, record in module.codes.held)
 
 
 def _if(condition: object, names: str) -> str:
@@ -52,12 +68,7 @@ def _if(condition: object, names: str) -> str:
 
 def _used(module: Module) -> Iterator[str]:
     """Names, some with blanks between them."""
-    yield "ClassVar Final Interface Mapping MappingProxyType"
-    yield from (item.kind for item in module.tables)
-    yield _if(module.registers, "Register")
-    yield _if(module.crcs, "Crc")
-    yield _if(module.reports, "Reports")
-    yield _if(any("makes_position" in dict(row.arguments) for row in module.reports), "Verdict")
+    yield "ClassVar Encoder Final Interface Mapping MappingProxyType TYPE_CHECKING checked fact overload"
     yield _if(module.enums, "IntEnum")
     yield _if(module.alternatives, "Enum decided")
     yield _if(module.identities, "Data agrees held_bytes")
@@ -82,13 +93,17 @@ def _used(module: Module) -> Iterator[str]:
 
 def _of_variants(codes: Variants) -> Iterator[str]:
     carried = {kind.in_bytes for kind in codes.frame_kinds}
-    yield _if(codes.sent, "FieldFacts TypeAlias Union")
-    yield _if(True in carried, "Data")
-    yield _if(False in carried, "Word")
-    yield _if(len(carried) == 2, "Any overload")
+    yield _if(codes.sent, "Any FrameError TypeAlias Union")
+    yield _if(True in carried, "Data Rows")
+    yield _if(False in carried, "Word Words")
+    yield _if(any(kind.dispatch or kind.fast for kind in codes.frame_kinds), "Callable")
+    fast = [item for kind in codes.frame_kinds for item in kind.fast]
+    yield _if(any(item.tables for item in fast), "crc_tables")
+    yield _if(any(item.plan.in_bytes for item in fast), "cast")
     yield _if(codes.steps_per_turn.cases or codes.step_um.cases, "index")
+    yield _if(codes.steps_per_turn.cases, "tau")
     yield _if(codes.modulus.cases, "unwrap")
-    yield _if(codes.held, "held_parameters held_text")
+    yield _if(codes.held, "TypeVar held_parameters held_text")
     yield _if(any(kind.asked and not kind.dispatch for kind in codes.frame_kinds), "cast")
 
 
@@ -99,6 +114,8 @@ def _of_coder(coder: Coder) -> Iterator[str]:
     yield _if(plan.reserved, "check_bits")
     yield "BitField NamedTuple by_class"
     yield "Data LengthError as_bytes" if plan.in_bytes else "Word as_word too_long"
+    if coder.register is None:
+        yield "Rows" if plan.in_bytes else "Words"
     yield _if(coder.takes_variant or coder.attributes, "made")
     yield _if(coder.takes_variant, "check_encoder wrong_encoder")
     yield _if(plan.gray, "from_gray to_gray")
@@ -174,20 +191,26 @@ def _of_step(op: Operation, steps: Steps) -> str:
             assert_never(op)
 
 
+def facts(module: Module) -> list[str]:
+    """The names of the tables of facts, in order."""
+    names = {"MANUAL", "ORDER_CODE", *(item.name for item in module.tables)}
+    names |= {section.interface.name.upper() for section in module.sections}
+    given = ((module.crcs, "CRCS"), (module.frame_rows, "FRAMES"), (module.registers, "REGISTERS"))
+    return sorted(names.union(*(_if(what, listed).split() for what, listed in (*given, (module.reports, "REPORTS")))))
+
+
 def public(module: Module) -> list[str]:
     """The names that a module offers, in order."""
-    names = {"FAMILY", "MANUAL", "ORDER_CODE", "VARIANTS", "Variant", "lookup", *module.context.crc_functions}
+    names = {"FAMILY", "VARIANTS", "Variant", "lookup", *facts(module), *module.context.crc_functions}
     names |= {item.kind for item, _ in module.alternatives}
-    for item in (*module.enums, *module.registers, *module.coders, *module.procedures, *module.tables):
+    for item in (*module.enums, *module.registers, *module.coders, *module.procedures):
         names.add(item.name)
     for section in module.sections:
-        names |= {section.interface.name.upper(), *(name for d in section.dispatchers for name in (d.name, d.union))}
+        names |= {encoder_name(section.interface.name)}
+        names |= {name for dispatcher in section.dispatchers for name in (dispatcher.name, dispatcher.union)}
     given = (
-        (module.crcs, "CRCS"),
-        (module.frame_rows, "FRAMES"),
         (module.codes.sent, "Frame"),
-        (module.registers, "Address REGISTERS"),
-        (module.reports, "REPORTS"),
+        (module.registers, "Address"),
         (module.identities, "identify"),
     )
     return sorted(names.union(*(_if(what, listed).split() for what, listed in given)))

@@ -28,6 +28,14 @@ class Code:
 
 
 @dataclass(frozen=True)
+class Member:
+    """A member of an enumeration, by its value in the spec."""
+
+    kind: str
+    value: str
+
+
+@dataclass(frozen=True)
 class Hex:
     """A number in hexadecimal, in at least two digits."""
 
@@ -48,7 +56,7 @@ class Call:
         return f"{self.function}({', '.join(arguments)})"
 
 
-Literal = None | bool | int | str | bytes | Code | Hex | Call | Sequence["Literal"] | Mapping[str, str]
+Literal = None | bool | int | str | bytes | Code | Member | Hex | Call | Sequence["Literal"] | Mapping[str, str]
 
 
 def call(function: str, *positional: Literal, **optional: Literal) -> Call:
@@ -70,8 +78,10 @@ def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
 
 
 def functions(value: Literal) -> Iterator[str]:
-    """The functions that a literal calls."""
+    """The functions that a literal calls, and the enumerations that it names."""
     match value:
+        case Member(kind):
+            yield kind
         case Call(function, arguments):
             yield function
             for _, item in arguments:
@@ -102,6 +112,8 @@ def literal(value: Literal) -> str:
         return value.text
     if isinstance(value, Hex):
         return f"0x{value.number:02X}"
+    if isinstance(value, Member):
+        return f"{value.kind}.{value.value.upper()}"
     if isinstance(value, Call):
         return value.flat
     if value is None or isinstance(value, bool):

@@ -16,10 +16,11 @@ from .codec import Coder
 from .context import Asked, Context, is_one_choice
 from .docstrings import Block, Lines, docstring
 from .expr import Expr
-from .literals import Call
-from .names import LOCAL_NAMES, attribute, camel, interface_name
+from .literals import Call, functions
+from .names import LOCAL_NAMES, attribute, camel, encoder_name, interface_name
 from .procedures import Steps
 from .readme import Readme
+from .shapes import Shape
 from .variants import FrameKind, Variants
 
 
@@ -41,6 +42,7 @@ class Dispatcher:
     name: str
     union: str
     interface: str
+    encoder: str
     coders: tuple[Coder, ...]
     fallback: Coder | None
 
@@ -115,7 +117,17 @@ class Module:
 
     @property
     def doc(self) -> str:
-        return text.of_module(self.device, self._example())
+        return text.of_module(self.device, self._contents(), self._example())
+
+    def _contents(self) -> Iterator[tuple[str, str]]:
+        """What the module holds, in groups, for its first screen."""
+        yield "Encoders", ", ".join(["lookup", *(item.encoder for item in self.codes.listed_by_interface), "VARIANTS"])
+        for section in self.sections:
+            names = [*(item.name for item in section.coders), *(item.name for item in section.dispatchers)]
+            yield section.interface.title, ", ".join(names)
+        yield "Registers", ", ".join(item.name for item in self.registers)
+        yield "Procedures", ", ".join(item.name for item in self.procedures)
+        yield "Facts", ", ".join(["MANUAL", "ORDER_CODE", *(item.name for item in self.tables)])
 
     def _example(self) -> Iterable[Block]:
         """A few lines that decode a frame and look at its verdict before they use it."""
@@ -139,8 +151,41 @@ class Module:
 
     @property
     def known_by(self) -> list[str]:
-        """The interfaces whose registers tell which encoder it is."""
-        return [f"Interface.{item.interface.upper()}" for item in self.identities]
+        """The classes of the encoders whose registers tell which encoder it is."""
+        return [encoder_name(item.interface) for item in self.identities]
+
+    @cached_property
+    def shapes(self) -> list[Shape]:
+        """How many frames are decoded at once, of each frame."""
+        frames = (item for section in self.sections for item in section.coders)
+        told = self.context.reportings
+        return [Shape(item, told[item.layout.name].judgement if item.layout.name in told else None) for item in frames]
+
+    @property
+    def judged(self) -> bool:
+        """Whether any frame tells what its position is worth."""
+        return any(item.otherwise for item in self.shapes)
+
+    @property
+    def shape_parts(self) -> list[str]:
+        """What the descriptions of frames for many at once are made of."""
+        used = {name for item in self.shapes for _, rows in item.rows for row in rows for name in functions(row)}
+        crcs = [item.plan.crc for item in self.shapes if item.plan.crc is not None]
+        used |= {"CrcOf"} if crcs else set()
+        used |= {"Fold"} if any(item.steps for item in crcs) else set()
+        used |= {"of_bytes" if item.plan.in_bytes else "of_bits" for item in self.shapes if item.plan.crc is not None}
+        return sorted((used | {"Shape"}) - {"Fault", "Verdict"})
+
+    @property
+    def shape_faults(self) -> bool:
+        """Whether any of them has to say which fault a check finds."""
+        return any(name == "checks" and rows for item in self.shapes for name, rows in item.rows)
+
+    @property
+    def shape_needs(self) -> list[str]:
+        """What they need of the module: classes of encoders and answers, and functions of CRCs."""
+        given = {kind for item in self.shapes for _, kind in item.coder.given}
+        return sorted(given | {item.coder.crc_name for item in self.shapes if item.plan.crc is not None})
 
     # -- its parts
 
@@ -174,6 +219,7 @@ class Module:
             f"decode_{word}",
             camel(word),
             interface_name(interface.name),
+            encoder_name(interface.name),
             tuple(of[branch.layout.name] for branch in plan.branches),
             of[plan.fallback.name] if plan.fallback is not None else None,
         )
@@ -191,7 +237,9 @@ class Module:
             told = next((item for item in section.dispatchers if item.plan.sender == "encoder"), None)
             if first is not None:
                 asked = told.asked if told is not None else first.asked
-                yield FrameKind(section.interface.name, first, told.name if told is not None else "", asked)
+                names = (told.name, told.union) if told is not None else ("", "")
+                members = told.members if told is not None else (first,)
+                yield FrameKind(section.interface.name, first, *names, asked, members)
 
 
 def _about(choice: Field) -> str:

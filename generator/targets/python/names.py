@@ -9,51 +9,80 @@ from ...model import Digits, Field, Layout, Register, RegisterMeaning
 
 #: What a device module imports where it needs it, by the module that has it.
 STANDARD: Mapping[str, tuple[str, ...]] = {
-    "collections.abc": ("Mapping",),
+    "collections.abc": ("Callable", "Mapping"),
     "enum": ("Enum", "IntEnum"),
+    "math": ("tau",),
     "operator": ("index",),
     "types": ("MappingProxyType",),
-    "typing": ("Any", "ClassVar", "Final", "NamedTuple", "TypeAlias", "Union", "cast", "overload"),
+    "typing": (
+        *(
+            "TYPE_CHECKING",
+            "Any",
+            "ClassVar",
+            "Final",
+            "NamedTuple",
+            "TypeAlias",
+            "TypeVar",
+            "Union",
+            "cast",
+            "overload",
+        ),
+    ),
 }
 PACKAGE: Mapping[str, tuple[str, ...]] = {
     module: tuple(names.split())
     for module, names in {
-        "._codec": """BitField ConstantError CrcError Data Interface LengthError RangeError Word as_bytes as_word
-            by_class check_bits check_encoder check_limits check_power_of_two check_signed check_width choice crc_by_xor
-            crc_of_bits crc_of_bytes decided from_gray made signed text_number to_gray too_long unwrap whole_number
-            wrong_encoder zero_for""",
-        "._facts": """Alarm BissFacts CableLength Characteristic Clock Connector Contact ControlField Crc DataIdFacts
-            Document Edition Erratum Family FieldFacts Input Led LedState LostFigure Manual MemoryAccess NamedValue
-            Network Port PrintedTimeout ReadOnly Register RegisterMeaning Report Reports Revision Rs485Facts SsiFacts
-            Table Timeout Timing Verdict""",
-        "._order_codes": "OrderCode Part PartValue SpelledValue Spelling",
+        "._codec": """BitField ConstantError CrcError Data FrameError Interface LengthError RangeError Rows Word
+            Words as_bytes as_word by_class check_bits check_encoder check_limits check_power_of_two check_signed
+            check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
+            to_gray too_long unwrap whole_number wrong_encoder zero_for""",
+        "._encoder": "Encoder fact",
+        "._order_codes": "checked",
         "._registers": "Held agrees held_bytes held_parameters held_text whole",
+        "._reports": "Family Movement Report Verdict",
         "._steps": "Modify Poll Read Send Step Wait writes",
     }.items()
 }
 
+#: What the facts of a device import.
+FACTS: Mapping[str, tuple[str, ...]] = {
+    module: tuple(names.split())
+    for module, names in {
+        ".._codec": "Interface",
+        ".._facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
+            ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum FieldFacts Input Led LedState
+            LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Register RegisterMeaning
+            Revision Rs485Facts Severity SsiFacts Status Table Timeout TimeoutRule Timing""",
+        ".._order_codes": "OrderCode Part PartValue SpelledValue Spelling",
+        ".._reports": "ReadOnly Report Reports Verdict",
+    }.items()
+}
+
 #: What the package's modules are called that hold no device.
-SHARED = ("_codec", "_facts", "_order_codes", "_registers", "_steps")
+SHARED = tuple("_codec _codes _encoder _facts _many _order_codes _registers _reports _run _steps _table _why".split())
+#: The folders for what is loaded only when it is asked for, with a module for each device.
+FOLDERS = ("facts", "_shapes")
 #: The module for register access over BiSS, in packages with a family that speaks it.
 BISS = "biss"
 
 #: Everything that a device module can import.
 IMPORTED = [name for module in (STANDARD, PACKAGE) for names in module.values() for name in names]
 #: The functions that a device module imports.
-FUNCTIONS = ("cast", "index", *(name for names in PACKAGE.values() for name in names if name.islower()))
+FUNCTIONS = ("cast", "index", "round", "tau", *(name for names in PACKAGE.values() for name in names if name.islower()))
 #: Names that every device module uses for itself, besides what it imports.
-MODULE_NAMES = """ALARMS Address ArithmeticError BISS CHARACTERISTICS CONNECTORS CRCS DOCUMENTS
+MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTICS CONNECTORS CRCS DOCUMENTS
     ERRATA Ellipsis Exception FAMILY FRAMES Frame INPUTS LEDS LOST_FIGURES MANUAL NotImplemented
-    ORDER_CODE REGISTERS REPORTS RS485 Reply Request SSI TABLES TIMINGS TypeError VARIANTS ValueError
-    Variant Warning annotations dataclasses decode_reply decode_request identify isinstance len
+    ORDER_CODE REGISTERS REPORTS RS485 Reply Request Rs485Encoder SSI SsiEncoder TABLES TIMINGS TypeError
+    VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses for itself.
-VARIANT_NAMES = """bytes cls code decode degrees family frame_bits highest interface micrometres millimetres
-    modulus parts self special special_code tail turns unlisted unwrap with_registers
+VARIANT_NAMES = """bytes cls code decode decode_many degrees family frame_bits from_degrees from_millimetres
+    from_radians from_turns highest interface metres micrometres millimetres modulus parts
+    radians self special special_code tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = """bit_fields check_width cls count decode encode frame_bits index is_as_documented limits reports self
-    variant verdict""".split()
+CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode frame_bits index is_as_documented
+    limits reports self usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits body cls computed data isinstance len number remainder self type values variant word".split(),
     *FUNCTIONS,
@@ -74,6 +103,11 @@ def attribute(name: str, taken: Iterable[str] = ()) -> str:
 def camel(name: str) -> str:
     """``single_cycle_data`` as ``SingleCycleData``."""
     return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+
+
+def encoder_name(kind: str) -> str:
+    """The class of the encoders with an interface."""
+    return f"{kind.capitalize()}Encoder"
 
 
 def interface_name(kind: str) -> str:

@@ -17,6 +17,7 @@ from ...plan.steps import (
     Given,
     Operation,
     Polls,
+    Stated,
     Undecodable,
     Writes,
     run_of,
@@ -26,7 +27,7 @@ from .codec import Coder, between, differ
 from .context import Context
 from .encode import digit
 from .expr import Atom, Expr, moved
-from .names import PROCEDURE_NAMES, attribute, interface_name, meaning_limits
+from .names import PROCEDURE_NAMES, attribute, encoder_name, interface_name, meaning_limits
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Steps:
         self.context, self.coders, self.procedure = context, coders, procedure
         self.run = run_of(context.device, procedure)
         self.name = context.procedures[procedure.name]
-        self.interface = interface_name(procedure.interface)
+        self.interface, self.encoder = interface_name(procedure.interface), encoder_name(procedure.interface)
         self.scope = context.scope
         self.steps = self.run.operations
         self.arguments = self.run.arguments
@@ -83,6 +84,11 @@ class Steps:
             last = self.steps[end - 1]
             checked = [item for item in self.arguments if self.steps.index(item.written[0]) in range(start, end)]
             yield Segment(checked, self.steps[start:end], last if isinstance(last, Writes) and last.teaches else None)
+
+    def closes(self, op: Writes) -> bool:
+        """Whether a step writes something else into a register that opens others than what opens them."""
+        opened = {item.opened_by_value for item in self.context.device.registers if item.opened_by == op.register.name}
+        return bool(opened) and isinstance(op.value, Stated) and getattr(op.step, "value_name", "") not in opened
 
     # -- names
 

@@ -25,6 +25,7 @@ from ...model import (
 )
 from ...plan.measure import counts
 from ...reference import codec
+from ...say.report import alarm_of, meaning
 from .codec import Coder
 from .context import Context
 from .expr import grouped
@@ -39,9 +40,10 @@ _REGISTERS, _PROCEDURES = 3, 2
 class Shown:
     """An example in the README: what is called, and what comes out.
 
-    ``judged`` is a frame that tells what its position is worth; ``spoilt`` is the same frame with a position that is
-    not usable, and ``reported`` what it reports. Of a frame that is a string of bits there are their number and
-    ``digits``.
+    ``judged`` is a frame that tells what its position is worth; ``spoilt`` is the same frame with a position that
+    is not usable, ``reported`` what it reports, and ``tried`` what is printed of both and of a damaged one.
+    ``kind`` is its class where the encoder sends several. Of a frame that is a string of bits there are their
+    number and ``digits``.
     """
 
     code: str
@@ -51,6 +53,8 @@ class Shown:
     judged: bool = False
     spoilt: str = ""
     reported: str = ""
+    tried: str = ""
+    kind: str = ""
     bits: int = 0
     digits: str = ""
 
@@ -85,7 +89,11 @@ class Readme:
     @cached_property
     def frames(self) -> list[Shown]:
         """One frame of each interface, its values made up, its bits from the model."""
-        found = [self._frame(kind.coder, self._example_variant(kind.interface)) for kind in self._kinds]
+        made = ((kind, self._frame(kind.coder, self._example_variant(kind.interface))) for kind in self._kinds)
+        found = [
+            replace(item, kind=kind.coder.name if kind.dispatch else "") if item is not None else None
+            for kind, item in made
+        ]
         # The first example is the one that is copied: it shows a frame that can report an error, where there is one.
         return sorted((item for item in found if item is not None), key=lambda item: not item.spoilt)
 
@@ -117,7 +125,15 @@ class Readme:
             return made
         flag = layout.spoiling_flags[0]
         spoilt = codec.encode(self.device, placed, {**values, flag.name: True})
-        return replace(made, spoilt=_text(placed, spoilt), reported=coder.reports.name_of(flag))
+        made = replace(made, spoilt=_text(placed, spoilt), reported=coder.reports.name_of(flag))
+        end = layout.crc_field
+        if end is None or layout.in_bytes or not coder.measured:
+            return made
+        received = (number ^ 1) & ((1 << end.widest) - 1)
+        damaged = f"the CRC is {received:#04x}; over these bits it has to be {received ^ 1:#04x}"
+        told = meaning(flag, alarm_of(self.device, flag))
+        lines = (str(shown[coder.measured]), told, f"no sound frame of {variant.code}: {damaged}")
+        return replace(made, tried="\n".join(lines))
 
     def _example_variant(self, kind: str) -> Variant | None:
         """An order code of this interface: that of an example of the manual, else the one with the most bits."""

@@ -34,7 +34,8 @@ from .docstrings import Block, docstring
 # -- the module
 
 
-def of_module(device: Device, example: Iterable[Block]) -> str:
+def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
+    """``contents`` are what the module holds, in a few groups."""
     manual = device.manual
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
@@ -47,6 +48,7 @@ def of_module(device: Device, example: Iterable[Block]) -> str:
         *paragraphs(taken_away(device)),
         "Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for"
         " itself ends in an underscore.",
+        ("In here", [item for item in contents if item[1]]),
         *example,
         " ".join(device.manufacturer.trademarks),
     )
@@ -82,8 +84,8 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "The encoder's family."),
-        ("code", "Order code, without what may follow it on the label."),
         ("interface", "How the encoder is connected."),
+        ("code", "Order code, without what may follow it on the label."),
         ("parts", f"The parts of the order code: {parts}."),
         *set_here,
         ("unlisted", "Parts of the order code that the manual leaves open."),
@@ -91,7 +93,11 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         ("special_code", f"What the label ends in as /Sxxx. {sentence(device.order_code.special)}".strip()),
         ("written_as_in", "Where codes are written like the label, if that is not as the order codes are listed."),
     ]
-    return docstring("An encoder as its order code describes it.", ("Attributes", attributes), indent=4)
+    return docstring(
+        "An encoder as its order code describes it; that of each interface has a class of its own.",
+        ("Attributes", attributes),
+        indent=4,
+    )
 
 
 def of_alternative(device: Device, item: Alternative) -> str:
@@ -138,7 +144,7 @@ def of_class(
     """The docstring of a class; ``of_variant`` is what belongs to the encoder, if it matters which one."""
     variant = [("variant", f"The encoder that the {of_variant} belongs to.")] if of_variant else []
     summary, blocks = about
-    return docstring(summary, *blocks, ("Attributes", [*variant, *attributes]), *others, indent=4)
+    return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *others, indent=4)
 
 
 def of_crc(device: Device, item: Crc, over: str) -> list[str]:

@@ -14,8 +14,9 @@ from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
 from .expr import Atom, Expr, Operation, Scope, joined, number
+from .fast import Fast
 from .literals import Call, Code, Literal, record
-from .names import attribute
+from .names import attribute, camel, encoder_name
 
 
 @dataclass(frozen=True)
@@ -25,11 +26,37 @@ class FrameKind:
     interface: str
     coder: Coder
     dispatch: str
+    union: str
     asked: Sequence[Asked] = ()
+    members: tuple[Coder, ...] = ()
+
+    @cached_property
+    def fast(self) -> list[Fast]:
+        """What decodes sound frames in the shortest time, of each kind that has it."""
+        return [item for item in map(Fast, self.members) if item.applies]
 
     @property
     def in_bytes(self) -> bool:
         return self.coder.plan.in_bytes
+
+    @property
+    def listed(self) -> list[tuple[str, str]]:
+        """The arguments for what the manual leaves open, each with what it is for."""
+        return [(item.name, item.about) for item in self.asked]
+
+    @property
+    def judged(self) -> bool:
+        """Whether any of its frames tells what its position is worth."""
+        return self.coder.reports is not None and bool(self.coder.reports.otherwise)
+
+
+@dataclass(frozen=True)
+class Listed:
+    """The listed order codes of one interface: the name of their type, the class of the encoder, and the codes."""
+
+    literal: str
+    encoder: str
+    codes: tuple[str, ...]
 
 
 class Variants:
@@ -46,28 +73,43 @@ class Variants:
 
     def _row(self, variant: Variant) -> Call:
         parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
-        given: tuple[Literal, ...] = (variant.code, Code(f"Interface.{variant.interface.upper()}"), parts)
+        given: tuple[Literal, ...] = (variant.code, parts)
         set_here = (
             (self.context.parameters[item.name], variant.parameters[item.name]) for item in self.device.set_parameters
         )
-        return Call("Variant", (*(("", item) for item in given), *set_here))
+        return Call(encoder_name(variant.interface), (*(("", item) for item in given), *set_here))
 
     # -- the class of the variants
 
     @property
-    def asked(self) -> list[Asked]:
-        """What ``decode`` may have to be told, because the manual leaves it open."""
-        return list({item.name: item for kind in self.frame_kinds for item in kind.asked}.values())
+    def names(self) -> list[str]:
+        """The parameters that each encoder has a value of its own for."""
+        return [self.context.parameters[item.name] for item in self.device.set_parameters]
 
     @property
-    def listed(self) -> list[tuple[str, str]]:
-        """The arguments for that, each with what it is for."""
-        return [(item.name, item.about) for item in self.asked]
+    def beginnings(self) -> tuple[str, ...]:
+        """How labels of the family can begin, in capitals and without blanks; an empty text where in any way."""
+        code, found = self.device.order_code, set[str]()
+        for pattern, spelled in ((code.pattern, ()), *((item.pattern, item.values) for item in code.also_written)):
+            text, _, rest = pattern.partition("{")
+            texts = [text]
+            if not text.strip():
+                part = next(item for item in code.parts if item.name == rest.partition("}")[0])
+                here = [item.text for item in spelled if item.part == part.name]
+                texts = here or [item.text for item in part.values] + ([""] if part.open else [])
+            found |= {"".join(item.split()).upper() for item in texts}
+        return tuple(sorted(item for item in found if not any(item != o and item.startswith(o) for o in found)))
 
-    def asked_of(self, in_bytes: bool) -> list[Asked]:
-        """The same of the interfaces that carry bytes, or of those that carry bits."""
-        kinds = [kind for kind in self.frame_kinds if kind.in_bytes is in_bytes]
-        return [item for item in self.asked if any(item in kind.asked for kind in kinds)]
+    @cached_property
+    def listed_by_interface(self) -> list[Listed]:
+        """The listed order codes of each interface, for those who check types."""
+        found = []
+        for interface in self.device.interfaces:
+            codes = tuple(item.code for item in self.device.variants if item.interface == interface.name)
+            literal = f"{camel(self.context.module)}{interface.name.capitalize()}"
+            if codes:
+                found.append(Listed(literal, encoder_name(interface.name), codes))
+        return found
 
     @property
     def doc(self) -> str:

@@ -1,0 +1,109 @@
+"""How many frames are read at once: the same operations as for one frame, each over bits of the number that it makes.
+
+A decoder of columns looks at no byte by itself: what a frame's bytes are taken for, one by one, is told here by the
+place in their number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..model import Choice, Decimal, Flag, Layout, Text, Verdict
+from ..model.expressions import Expression
+from .codec import AlwaysIs, AtMost, Check, Codec, Fixed, IsOneOf, ParityIs, ParityOf, Part, Reserved, ZerosAbove
+from .reports import Judgement
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """``width`` bits from ``low`` up."""
+
+    low: Expression
+    width: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """Bits that are one of ``values``, or at most ``limit``, or the parity of the bits at ``parity_of``."""
+
+    place: Place
+    check: Check
+    values: tuple[int, ...] = ()
+    limit: int | None = None
+    parity_of: Place | None = None
+    odd: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Worth:
+    """A verdict, and what leads to it: a flag unless one of others speaks, or one of some unused bits."""
+
+    verdict: Verdict
+    flag: Part | None
+    unless: tuple[Part, ...]
+    mask: int
+
+
+def conditions(codec: Codec) -> Iterator[Condition]:
+    """What has to hold of a frame, in the order in which one frame is checked; the CRC left out."""
+    for item in codec.checks:
+        match item:
+            case AlwaysIs(field, _, value):
+                yield Condition(Place(field.low, field.width), item, (value,))
+            case ZerosAbove(padding=padding):
+                yield Condition(Place(padding.low, padding.width), item, (0,))
+            case ParityIs(field=field, of=of, odd=odd):
+                place = Place(of.low, of.width)
+                yield Condition(Place(field.low, field.width), item, parity_of=place, odd=odd)
+            case IsOneOf(field, _, values):
+                yield Condition(Place(field.low, field.width), item, values)
+            case AtMost(field=field, limit=limit):
+                yield Condition(Place(field.low, field.width), item, limit=limit)
+
+
+def kind_of(part: Part) -> str:
+    """What the bits of a field stand for, in one word."""
+    match part.field.kind:
+        case Flag(active_low=active_low):
+            return "not_flag" if active_low else "flag"
+        case Choice():
+            return "choice"
+        case Decimal():
+            return "digits"
+        case Text():
+            return "text"
+        case _:
+            return "signed" if part.field.number.signed else "number"
+
+
+def worth(judgement: Judgement) -> Iterator[Worth]:
+    """What decides about the position, the worst first."""
+    speaking = ((Verdict.NOT_USABLE, judgement.not_usable), (Verdict.USABLE_WITH_WARNING, judgement.with_warning))
+    for verdict, items in speaking:
+        for item in items:
+            if isinstance(item.by, Reserved):
+                yield Worth(verdict, None, (), ((1 << item.by.bits.widest) - 1) << item.by.place)
+            else:
+                yield Worth(verdict, item.by, item.unless, 0)
+
+
+def crc_place(layout: Layout, width: int) -> int:
+    """The lowest bit of the CRC that ends a frame, in the number that the frame makes."""
+    ends_on_top = layout.in_bytes and layout.byte_order == "low_byte_first"
+    return layout.widest - width if ends_on_top else 0
+
+
+def fixed(codec: Codec) -> Iterator[tuple[Place, int]]:
+    """The bits that every such frame has."""
+    for item in codec.terms:
+        if isinstance(item.value, Fixed) and item.value.number:
+            yield Place(item.field.low, item.field.width), item.value.number
+
+
+def parities(codec: Codec) -> Iterator[tuple[Place, Place, bool]]:
+    """The parity bits of a frame that is made, each with the bits that it is taken over."""
+    for item in codec.terms:
+        if isinstance(item.value, ParityOf):
+            of = item.value.of
+            yield Place(item.field.low, item.field.width), Place(of.low, of.width), item.value.odd

@@ -1,0 +1,179 @@
+"""How a sound frame is decoded in the shortest time: what follows from the order code is worked out once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ...model import Choice, Decimal, Flag, Text
+from ...model.expressions import Expression
+from ...plan.codec import AlwaysIs, Check, IsOneOf, ParityIs, Part, ZerosAbove, parity
+from .bits import Reader
+from .codec import Coder
+from .expr import Atom, Expr, Scope, coded, mask
+
+#: A CRC is looked up in tables of so many bits each.
+TABLE_BITS = 16
+
+
+@dataclass(frozen=True)
+class Once(Scope):
+    """A scope that gives each value that follows from the order code a name, and remembers what it stands for."""
+
+    named: dict[str, str] = field(default_factory=dict)
+
+    def of(self, value: Expression) -> Expr:
+        return super().of(value) if value.is_constant else self._name("size", super().of(value))
+
+    def ones(self, width: Expression) -> Expr:
+        return super().ones(width) if width.is_constant else self._name("ones", super().ones(width))
+
+    def power(self, width: Expression) -> Expr:
+        return Scope(self.names, self.owner).power(width)
+
+    def _name(self, kind: str, value: Expr) -> Expr:
+        known = {text: name for name, text in self.named.items()}
+        name = known.get(str(value), f"{kind}_{len(self.named)}")
+        self.named[name] = str(value)
+        return Atom(name)
+
+
+class Fast:
+    """The function that decodes sound frames of one kind, as its template asks for it."""
+
+    def __init__(self, coder: Coder) -> None:
+        self.coder, self.plan = coder, coder.plan
+        self.name = f"_fast_{coder.layout.name}"
+        self._once = Once(coder.context.scope.names)
+        self.read = Reader(self._once, coder.plan)
+        self.bits = self._once.of(coder.layout.bits)
+        self._checked = [item for item in self.plan.checks if not self._in_head(item)]
+
+    @property
+    def applies(self) -> bool:
+        """Whether its frames are of a kind that this is for; others are decoded as carefully as ever."""
+        plan = self.plan
+        plain = not plan.alternatives and not any(isinstance(item.field.kind, (Decimal, Text)) for item in plan.parts)
+        known = all(isinstance(item, (AlwaysIs, ZerosAbove)) for item in self._checked)
+        chosen = all(self.coder.selects(p.field) for p in plan.parts if isinstance(p.field.kind, Choice))
+        if not plan.in_bytes:
+            return plain and known and chosen and not any(isinstance(item, ZerosAbove) for item in self._checked)
+        fits = not plan.by_word and (plan.crc is None or self.coder.crc_is_unrolled)
+        return plain and known and chosen and fits and bool(self.heads) and plan.length > 1
+
+    # -- the first byte of a frame that is made of bytes
+
+    def _in_head(self, item: Check) -> bool:
+        """Whether a check looks at nothing but the first byte."""
+        if not self.plan.in_bytes or self.plan.by_word or not isinstance(item, (AlwaysIs, ParityIs, IsOneOf)):
+            return False
+        pieces = [*item.bits.pieces, *(item.of_bits.pieces if isinstance(item, ParityIs) else ())]
+        return bool(pieces) and all(piece.byte == 0 for piece in pieces)
+
+    @cached_property
+    def heads(self) -> list[tuple[int, int]]:
+        """Every first byte that such a frame can have, and the selector in it."""
+        checks = [item for item in self.plan.checks if self._in_head(item)]
+        selector = next((item for item in checks if isinstance(item, IsOneOf) and self.coder.selects(item.field)), None)
+        if selector is None:
+            return []
+        sound = (byte for byte in range(256) if all(self._holds(item, byte) for item in checks))
+        return [(byte, self._of(selector.bits.pieces, byte)) for byte in sound]
+
+    def _holds(self, item: Check, byte: int) -> bool:
+        found = self._of(item.bits.pieces, byte)
+        match item:
+            case AlwaysIs(value=value):
+                return found == value
+            case ParityIs(of_bits=of, odd=odd):
+                return found == parity(self._of(of.pieces, byte), odd)
+            case IsOneOf(values=values):
+                return found in values
+            case _:
+                return True
+
+    @staticmethod
+    def _of(pieces: object, byte: int) -> int:
+        return sum((byte >> piece.right & piece.mask) << piece.left for piece in pieces)  # type: ignore[attr-defined]
+
+    @property
+    def members(self) -> list[tuple[int, str]]:
+        """What the selector stands for, by first byte, where the frame shows it; empty where it does not."""
+        shown = next((item for item in self.plan.parts if self.coder.selects(item.field)), None)
+        if shown is None:
+            return []
+        if not isinstance(shown.field.kind, Choice):
+            return [(byte, coded(value)) for byte, value in self.heads]
+        names = {item.value: f"{self.coder.enum(shown.field)}.{item.name.upper()}" for item in shown.field.values}
+        return [(byte, names[value]) for byte, value in self.heads if value in names]
+
+    # -- what is worked out once, and what is looked at in each frame
+
+    @property
+    def tables(self) -> int:
+        """In how many tables the CRC of a word is looked up; 0 where it has none."""
+        has_crc = self.plan.crc is not None and not self.plan.in_bytes
+        return -(-self.coder.layout.widest // TABLE_BITS) if has_crc else 0
+
+    @cached_property
+    def conditions(self) -> list[str]:
+        """What is true of a frame that has to be looked at more carefully."""
+        return [*self._conditions()]
+
+    def _conditions(self) -> Iterator[str]:
+        if self.plan.in_bytes and self.plan.crc is not None:
+            xorout = self.plan.crc.crc.xorout
+            every = " ^ ".join(f"b{place}" for place in range(self.plan.length))
+            yield f"({every}) != 0x{xorout:02X}" if xorout else every
+        for item in self._checked:
+            if isinstance(item, ZerosAbove):
+                width, whole = self._once.of(item.bits.width), self._text(self.read.of_bytes(item.field.pieces))
+                yield f"({self._local(item.field.name)} := {whole}) >> {width}"
+            elif isinstance(item, AlwaysIs):
+                found = self._text(self.read.bits(item.bits))
+                yield f"({found}) != {mask(item.value)}" if item.value else found
+
+    @cached_property
+    def values(self) -> list[str]:
+        """The attributes of the frame, in order."""
+        given = ["variant"] if self.coder.takes_variant else []
+        reserved = [self._text(self.read.unused())] if self.plan.reserved else []
+        return [*given, *(self._value(part) for part in self.plan.parts), *reserved]
+
+    def _value(self, part: Part) -> str:
+        if self.coder.selects(part.field):
+            return "heads[b0]"
+        if isinstance(part.field.kind, Flag):
+            bit = self._text(self.read.bit(part.bits))
+            # The lowest bits have a number of their own, which is shorter.
+            low = part.bits.low
+            if self.tables and low.is_constant and low.constant < TABLE_BITS:
+                bit = re.sub(r"^word ", "low ", bit)
+            return f"not {bit}" if part.field.kind.active_low else f"({bit}) != 0"
+        padded = {item.field.name for item in self._checked if isinstance(item, ZerosAbove)}
+        bits = self._local(part.field.name) if part.field.name in padded else self._text(self.read.bits(part.bits))
+        if part.field.number.signed:
+            return f"signed({bits}, {self._once.of(part.field.width)})"
+        return f"({bits}) or {part.field.number.zero_means}" if part.field.number.zero_means else bits
+
+    @property
+    def named(self) -> dict[str, str]:
+        """The values that follow from the order code, by name; known once all of the rest has been asked for."""
+        _ = (self.conditions, self.values, self.bits)
+        return self._once.named
+
+    @staticmethod
+    def listed(name: str, count: int) -> str:
+        """``count`` names beside each other, to be given values at once."""
+        return ", ".join(f"{name}{place}" for place in range(count)) + ("," if count == 1 else "")
+
+    @staticmethod
+    def _local(name: str) -> str:
+        return f"of_{name}"
+
+    @staticmethod
+    def _text(value: Expr) -> str:
+        """An expression over bytes that have names of their own."""
+        return re.sub(r"\bdata\[(\d+)\]", r"b\1", str(value))

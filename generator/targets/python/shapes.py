@@ -1,0 +1,104 @@
+"""What the description of a frame for ``decode_many`` is made of: expressions and literals over the plan of columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+from ...model import Choice
+from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, kind_of, parities, worth
+from ...plan.reports import Judgement
+from .codec import Coder
+from .expr import Expr
+from .literals import Call, Code, Literal, Member, record
+
+
+class Shape:
+    """The columns of one frame, as its template asks for them."""
+
+    def __init__(self, coder: Coder, judgement: Judgement | None) -> None:
+        self.coder, self.plan, self._judgement = coder, coder.plan, judgement
+        self.name = f"shape_of_{coder.layout.name}"
+
+    @cached_property
+    def rows(self) -> list[tuple[str, list[Literal]]]:
+        """The members that are tuples, by name."""
+        return [*self._rows()]
+
+    def _rows(self) -> Iterator[tuple[str, list[Literal]]]:
+        yield "columns", [*self._columns()]
+        yield "joins", [*self._joins()]
+        yield "unused", [*self._unused()]
+        yield "checks", [self._check(item) for item in conditions(self.plan)]
+        yield "parities", [*self._parities()]
+        judgement = self._judgement
+        yield "speaks", [self._speaks(item) for item in worth(judgement)] if judgement is not None else []
+
+    def _at(self, place: Place) -> dict[str, Literal]:
+        return {"low": self._code(place.low), "width": self._code(place.width)}
+
+    def _code(self, value: object) -> Code:
+        return Code(str(value if isinstance(value, Expr) else self.coder.number(value)))  # type: ignore[arg-type]
+
+    def _columns(self) -> Iterator[Call]:
+        names = self.coder.names
+        for part in self.plan.parts:
+            field, kind = part.field, kind_of(part)
+            runs = tuple((names.attribute(run.name), run.divisor, run.modulus) for run in field.runs)
+            needed: dict[str, Literal] = {"": names.attribute(field.name), **self._at(Place(field.low, field.width))}
+            zero_means = 0 if isinstance(field.kind, Choice) else field.number.zero_means
+            made = "" if kind == "number" else kind
+            yield record("Column", needed, kind=made, zero_means=zero_means or None, runs=runs)
+
+    def _joins(self) -> Iterator[Call]:
+        names = self.coder.names
+        for whole in self.plan.wholes:
+            fields = tuple((names.attribute(item.name), self._code(low)) for item, low in whole.from_low)
+            yield Call("Join", (("", names.attribute(whole.join.name)), ("", fields)))
+
+    def _unused(self) -> Iterator[Call]:
+        for item in self.plan.reserved:
+            yield record(
+                "Unused",
+                {**self._at(Place(item.field.low, item.field.width)), "value": item.value, "place": item.place},
+            )
+
+    def _check(self, item: Condition) -> Call:
+        of = item.parity_of
+        return record(
+            "Check",
+            {**self._at(item.place), "fault": Member("Fault", item.check.fault.name)},
+            values=item.values,
+            limit=item.limit,
+            parity_of=(self._code(of.low), self._code(of.width)) if of is not None else None,
+            odd=item.odd or None,
+        )
+
+    def _parities(self) -> Iterator[Call]:
+        for place, of, odd in parities(self.plan):
+            bits = (self._code(of.low), self._code(of.width))
+            fault = Member("Fault", "CONSTANT")
+            yield record("Check", {**self._at(place), "fault": fault}, parity_of=bits, odd=odd or None)
+
+    def _speaks(self, item: Worth) -> Call:
+        names = self.coder.names
+        flag = names.attribute(item.flag.field.name) if item.flag is not None else ""
+        unless = tuple(names.attribute(part.field.name) for part in item.unless)
+        verdict = Member("Verdict", item.verdict.name)
+        return record("Speaks", {"": verdict}, flag=flag, unless=unless, mask=item.mask or None)
+
+    @property
+    def otherwise(self) -> str:
+        return self._judgement.otherwise.name if self._judgement is not None else ""
+
+    @property
+    def fixed(self) -> str:
+        """The bits that every such frame has, as one number."""
+        terms = [f"{value:#x} << {self._code(place.low).text}" for place, value in fixed(self.plan)]
+        return " | ".join(f"({item})" if len(terms) > 1 else item for item in terms)
+
+    @property
+    def crc_low(self) -> int:
+        """Where the CRC begins."""
+        crc = self.plan.crc
+        return crc_place(self.coder.layout, crc.crc.width) if crc is not None else 0

@@ -1,0 +1,74 @@
+"""What decodes sound frames in the shortest time says the same as what decodes with care, of any frame."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import random
+from typing import Any
+
+import numpy
+import pytest
+from test_agreement import ALL, FAMILIES, Family, cases, families, family
+from test_many import numbers
+
+__all__ = ["families", "family"]
+pytestmark = pytest.mark.slow
+
+
+def told(decode: Any, frame: object, **more: object) -> object:
+    """The frame, or the error: its class, what it says and which frame it was."""
+    try:
+        return decode(frame, **more)
+    except (ValueError, TypeError) as error:
+        return type(error), str(error), getattr(error, "frame", None), getattr(error, "order_code", "")
+
+
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_it_says_the_same(family: Family) -> None:
+    source = random.Random(family.device.name)
+    seen = 0
+    for case in cases(family):
+        encoder = case.made
+        if case.register is not None or case.layout.sender != "encoder" or not hasattr(encoder, "_decode"):
+            continue
+        for number in numbers(case, 300, source):
+            wire = case.carried(number)
+            careful, quick = told(encoder._decode, wire), told(encoder.decode, wire)
+            assert quick == careful
+            assert type(quick) is type(careful)
+            seen += not isinstance(quick, tuple) or hasattr(quick, "_fields")
+        assert "decode" in vars(encoder)
+        for odd in (-1, 1 << 80, "0101", b"", b"x", 1.5, None, True, numpy.uint32(5), "0b" + "0" * case.placed.bits):
+            assert told(encoder.decode, odd) == told(encoder._decode, odd)
+    assert seen or family.device.name not in FAMILIES
+
+
+def test_a_bound_encoder_can_still_be_copied(families: dict[str, Family]) -> None:
+    encoder = families["amm5"].module.lookup("AMM5A21/65KSC1")
+    unbound = encoder.decode
+    frame = encoder.decode(0x55BCD15E2)
+    assert unbound(0x55BCD15E2) == encoder.decode("0b" + f"{0x55BCD15E2:045b}", bits=45) == frame
+    for again in (copy.copy(encoder), copy.deepcopy(encoder), pickle.loads(pickle.dumps(encoder))):
+        assert again == encoder
+        assert again.decode(0x55BCD15E2) == frame
+    assert pickle.loads(pickle.dumps(frame)) == frame
+
+
+def test_other_registers_make_another_decoder(families: dict[str, Family]) -> None:
+    """What was bound for an encoder as delivered is not used for one whose registers hold something else."""
+    encoder = families["am36"].module.lookup("AM3616/4096-I7")
+    before = encoder.decode(0x2ABCD15EF)
+    other = encoder.with_registers({0x56: 0x10})
+    assert before.variant is encoder
+    assert len({encoder.frame_bits, other.frame_bits}) == 2
+    assert "decode" not in vars(other)
+
+
+def test_an_error_says_which_frame_it_was(families: dict[str, Family]) -> None:
+    encoder = families["amm5"].module.lookup("AMM5A21/65KSC1")
+    with pytest.raises(ValueError) as caught:
+        encoder.decode(0x55BCD15E3)
+    assert (caught.value.frame, caught.value.order_code) == (0x55BCD15E3, "AMM5A21/65KSC1")
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (again.frame, again.order_code, str(again)) == (0x55BCD15E3, "AMM5A21/65KSC1", str(caught.value))

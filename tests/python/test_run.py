@@ -1,0 +1,168 @@
+"""Procedures carried out: on a made-up memory, over the register access of BiSS, and with each step failing."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+
+class Memory:
+    """Registers that hold what is written; the access ``fails_at`` fails, and none after it if ``lost``."""
+
+    def __init__(self, held: dict[int, int] | None = None, fails_at: int = -1, lost: bool = False) -> None:
+        self.held = dict(held or {})
+        self.fails_at, self.lost, self.count = fails_at, lost, 0
+        self.written: list[tuple[int, bytes]] = []
+
+    def _counted(self) -> None:
+        self.count += 1
+        if self.count - 1 == self.fails_at or (self.lost and self.fails_at >= 0 and self.count > self.fails_at):
+            raise OSError("the line is cut")
+
+    def read(self, address: int, length: int, /) -> bytes:
+        self._counted()
+        return bytes(self.held.get(address + place, 0) for place in range(length))
+
+    def write(self, address: int, data: bytes, /) -> None:
+        self._counted()
+        self.written.append((address, bytes(data)))
+        self.held.update(enumerate(data, address))
+
+
+@pytest.fixture
+def lika(generated_python: tuple[Path, ModuleType]) -> Any:
+    return generated_python[1]
+
+
+def test_a_preset_as_the_manual_has_it(lika: Any) -> None:
+    """The worked example: 1,000,003 with 21 bits, opened by 01h at 40h and closed before it is saved."""
+    memory, waited, seen = Memory(), [], []
+    steps = lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003)
+    found = lika.run(steps, memory, wait=waited.append, progress=lambda at, of, step: seen.append((at, of, step)))
+    assert found == ()
+    assert bytes(data[0] for _, data in memory.written) == bytes.fromhex("01 00 30 24 f4 00 00 00 00 01 02")
+    assert [address for address, _ in memory.written] == [0x40, *range(0x11, 0x18), 0x40, 0x77, 0x77]
+    assert waited == [0.03, 0.03]
+    assert seen == [(at, len(steps), step) for at, step in enumerate(steps)]
+
+
+@pytest.mark.parametrize("at", range(11))
+def test_what_was_opened_is_closed_when_a_step_fails(lika: Any, at: int) -> None:
+    memory = Memory(fails_at=at)
+    steps = lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003)
+    with pytest.raises(lika.StepError, match="the line is cut") as caught:
+        lika.run(steps, memory, wait=lambda seconds: None)
+    assert isinstance(caught.value.__cause__, OSError)
+    assert caught.value.left_open == ()
+    assert caught.value.done == steps[: caught.value.at]
+    # Closed in any case, and no command was given that was not due.
+    assert memory.held.get(0x40, 0) == 0
+    assert [data for address, data in memory.written if address == 0x77] == [b"\x01", b"\x02"][: max(0, at - 9)]
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+
+
+def test_what_stays_open_is_told(lika: Any) -> None:
+    memory = Memory(fails_at=3, lost=True)
+    with pytest.raises(lika.StepError) as caught:
+        lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 5), memory)
+    assert caught.value.left_open == ("preset_setting_enable",)
+    assert str(caught.value) == (
+        "step 4, Write (write the seven Preset registers): the line is cut; still open: preset_setting_enable"
+    )
+
+
+def test_an_interrupted_run_closes_too(lika: Any) -> None:
+    memory = Memory()
+
+    def interrupt(at: int, of: int, step: object) -> None:
+        if at == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 5), memory, progress=interrupt)
+    assert memory.held[0x40] == 0
+
+
+def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
+    """AM36 opens its preset by a bit of the configuration, whose other bits stay."""
+    steps = lika.am36.set_preset(lika.lookup("AM3616/4096-I7"), 100_000)
+    change = next(step for step in steps if isinstance(step, lika.Modify))
+    before = 0xFF & ~change.mask
+    sound, broken = Memory({change.address: before}), Memory({change.address: before}, fails_at=4)
+    lika.run(steps, sound, wait=lambda seconds: None)
+    assert sound.held[change.address] == before | change.value
+    with pytest.raises(lika.StepError):
+        lika.run(steps, broken, wait=lambda seconds: None)
+    assert broken.held[change.address] == before
+
+
+def test_byte_order_of_a_step(lika: Any) -> None:
+    for order, expected in (("little", b"\x01\x80"), ("big", b"\x80\x01")):
+        memory = Memory({5: 1, 6: 0} if order == "little" else {5: 0, 6: 1})
+        lika.run([lika.Modify(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
+        assert memory.read(5, 2) == expected
+        lika.run([lika.Poll(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
+        with pytest.raises(lika.StepError, match=r"does not become what is waited for within 0\.01 s"):
+            lika.run([lika.Poll(5, 2, "it", 0xFFFF, 1, order=order)], memory, poll_s=0.01)
+
+
+def test_what_is_read_is_given(lika: Any) -> None:
+    steps = lika.asc85.reset_errors(lika.lookup("ASC8525/SC1"))
+    found = lika.run(steps, Memory({0x69: 7}))
+    assert [(item.step.register, len(item.data)) for item in found] == [
+        (step.register, step.length) for step in steps if isinstance(step, lika.Read)
+    ]
+    assert found[0].data == b"\x07"
+
+
+def test_requests_are_sent(lika: Any) -> None:
+    sent: list[bytes] = []
+    waited: list[float] = []
+
+    class Line:
+        def send(self, request: bytes, /) -> None:
+            sent.append(request)
+
+    lika.run(lika.amm5.reset_errors(lika.lookup("AMM5A23/65KJP1")), Line(), wait=waited.append)
+    assert sent == [b"\xba"] * 10
+    assert waited == [*[0.00004] * 10, 0.002]
+
+
+def test_over_the_registers_of_biss(lika: Any) -> None:
+    """The bits of each frame, between a master and a slave of the package."""
+    from importlib import import_module
+
+    biss = import_module("lika_encoders.biss")
+    held = {0x40: 0, 0x78: 0x4C, 0x79: 0x69}
+    slave = biss.Slave(readable=range(0x40, 0x80), writable=[0x40, *range(0x11, 0x18), 0x77])
+
+    def exchange(cdm: int) -> int:
+        cds = slave.next(cdm)
+        if slave.wants is biss.Wants.BYTE:
+            slave.give(held.get(slave.address, 0))
+        elif slave.wants is biss.Wants.STORE:
+            held[slave.address] = slave.value
+            slave.stored()
+        return int(cds)
+
+    bus = biss.RegisterBus(exchange, busy_limit=3)
+    assert bus.read(0x78, 2) == b"Li"
+    lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003), bus, wait=lambda seconds: None)
+    assert bytes(held[place] for place in range(0x11, 0x18)) == bytes.fromhex("00 30 24 f4 00 00 00")
+    assert (held[0x40], held[0x77]) == (0, 2)
+    with pytest.raises(biss.AccessError, match="78h on: the register is not implemented or protected"):
+        bus.write(0x78, b"x")
+
+
+def test_steps_are_logged(lika: Any, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.DEBUG, logger="lika_encoders"):
+        lika.run([lika.Write(5, 6, "it")], Memory())
+        with pytest.raises(lika.StepError):
+            lika.run([lika.Write(5, 6, "it")], Memory(fails_at=0))
+    assert [record.levelname for record in caplog.records] == ["DEBUG", "DEBUG", "WARNING"]
+    assert caplog.records[0].getMessage().startswith("step 1 of 1: Write(address=5, value=6")
