@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ..model import Crc
 
 _BRIDGE = "timonburkard/BiSS_Bridge: 2_hdl/tb/tb_data_checker.vhd"
-_MOTEUS = "mjbots/moteus: fw/test/bissc_extract_test.cc"
+_EXTRACT = "mjbots/moteus: fw/test/bissc_extract_test.cc"
 _TI = "TexasInstruments/motor-control-sdk: bissc_hex_control_commands.png"
 
 
@@ -39,7 +39,7 @@ _CRC_6 = (
     _single_cycle("22 bits, captured", 192458, 3, 28),
     _single_cycle("22 bits, error active", 74565, 1, 11),
     _single_cycle("22 bits, warning active", 74565, 2, 14),
-    PublicVector("16 bits", 0x1234, 7, _MOTEUS),
+    PublicVector("16 bits", 0x1234, 7, _EXTRACT),
 )
 _CRC_4 = (PublicVector("data byte 40h", 0x40, 8, _TI), PublicVector("data byte 06h", 0x06, 5, _TI))
 

@@ -140,7 +140,7 @@ def test_python_has_the_editions_side_by_side(generated: Path) -> None:
     program = """
 import lika_encoders as lika
 new, old = lika.lookup("AMM5A21/65KSC1"), lika.amm5_1_6.lookup("AMM5A21/65KSC1")
-assert type(new) is lika.amm5.Variant and type(old) is lika.amm5_1_6.Variant
+assert isinstance(new, lika.amm5.Variant) and isinstance(old, lika.amm5_1_6.Variant)
 assert new.decode(0xF4243D3).position == old.decode(0xF4243D3).position == 1000003
 assert str(lika.amm5.SerialNumber.decode(bytes.fromhex("0ae869ee"))).endswith("week=30, number=3630)")
 assert not hasattr(lika.amm5_1_6, "SerialNumber") and not hasattr(lika.amm5_1_3, "set_preset")

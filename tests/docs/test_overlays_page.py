@@ -89,7 +89,7 @@ def test_the_generated_python_has_it(generated: Path) -> None:
     program = """
 from tolvarn_encoders import Wait, lookup, tv62, tv62_s042
 special, standard = lookup("TV62-M17-B1-5M/S042"), lookup("TV62-M17-B1-5M")
-assert type(special) is tv62_s042.Variant and type(standard) is tv62.Variant
+assert isinstance(special, tv62_s042.Variant) and isinstance(standard, tv62.Variant)
 waits = [step.microseconds for step in tv62_s042.set_preset(special, 1) if isinstance(step, Wait)]
 assert waits[0] == 80_000, waits
 waits = [step.microseconds for step in tv62.set_preset(standard, 1) if isinstance(step, Wait)]

@@ -178,7 +178,7 @@ IN_CODE = {
     ("python", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): (
         'CableLength(shorter_than_m=50, below_hz=400_000, source="5.2")'
     ),
-    ("python", "ssi", "Alignment: right: zeros come before the word [5]."): 'alignment="lsb_right"',
+    ("python", "ssi", "Alignment: right: zeros come before the word [5]."): "alignment=Alignment.LSB_RIGHT",
     ("python", "ssi", "Code: binary or Gray, by order code [5]."): 'output_code="by_order_code"',
     ("python", "biss", "Time-out: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."): (
         'half_clock_periods=3, printed=(PrintedTimeout(1_000_000, 1500),), source="6.3"'
@@ -200,7 +200,8 @@ def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     shown = [device_text(device), *(variant_text(device, find(device, item.code)) for item in device.variants)]
     page = generate(Library((device,)))["docs/said.md"]
     header = re.sub(r"\n +\* ", " ", generate_c(Library((device,)))["c/include/acme/said.h"])
-    module = generate_python(Library((device,)))["python/acme_encoders/said.py"]
+    files = generate_python(Library((device,)))
+    module = files["python/acme_encoders/said.py"] + files["python/acme_encoders/facts/said.py"]
     return {
         "show": (flat(" ".join(shown)), BY_NAME.phrase),
         "docs": (flat(page), MARKDOWN.phrase),

@@ -33,9 +33,6 @@ class Package(TypedDict):
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
     start: Annotated[Shown, "the frame with which the README begins"]
-    names: Annotated[
-        list[str], "the names of the modules of families, without those of special models and other editions"
-    ]
     families: Annotated[list[str], "the names of all modules of families"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and what their order codes end in"]
     biss: Annotated[tuple[str, ...], "the name of the module of what all BiSS encoders share, if there is one"]
@@ -78,7 +75,6 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
         "modules": modules,
         "start": start([module.readme for module in modules]),
-        "names": [module.name for module in modules if not module.device.base],
         "families": [module.name for module in modules],
         "specials": [
             (module.name, item.special) for module in modules for item in module.device.overlays if item.special
