@@ -193,7 +193,9 @@ uint64_t position(uint64_t word)
 
 
 def alone(text: str) -> str:
-    """The code of a header, its space made even and pieces of one string put together."""
+    """The code of a header, its space made even, pieces of one string put together and the generation left out, which
+    follows from the texts of the headers that all share."""
+    text = re.sub(r"(_GENERATION (?:!= )?)0x[0-9A-F]{8}U", r"\1", text)
     return re.sub(r'""(?: "")+', '""', " ".join(without_texts(text).split()))
 
 

@@ -57,10 +57,10 @@ FAULTS = {
     "CRC of bytes": ("sma21.h", r"(lika_sma21_crc_rs485_8\(.*?)\^", r"\1+"),
     "shift of a frame": ("amm5.h", r"(lika_amm5_singleturn_reply_decode\(.*?)<< 8U", r"\1<< 7U"),
     "shift of a register": ("am36.h", r"(lika_am36_reg_preset_decode\(.*?)<< 8U", r"\1<< 9U"),
-    "level of a flag": ("sma21.h", r"(lika_sma21_single_cycle_data_decode\(.*?)(==|!=) 0U\);", r"\1 > 1U);"),
+    "level of a flag": ("sma21.h", r"(static inline lika_result lika_sma21_single_cycle_data_decode\(.*?)(==|!=) 0U\);", r"\1 > 1U);"),
     "order of a procedure": ("amm5.h", r"(lika_amm5_set_preset_steps\(.*?)lika_step_write\(0x40U, 0xFFU, 0x01U\)",
         r"\1lika_step_write(0x41U, 0xFFU, 0x01U)"),
-    "words of BiSS": ("biss.h", r"(lika_biss_request_encode\(.*?)<< 17U", r"\1<< 16U"),
+    "words of BiSS": ("biss.h", r"(static inline lika_result lika_biss_request_encode\(.*?)<< 15U", r"\1<< 14U"),
     "a count that goes on": ("tracker.h", r"forward \+= modulus;", "forward += 1U;"),
     "an angle": ("angle.h", r"bit \+= 16U;", "bit += 15U;"),
 }  # fmt: skip
