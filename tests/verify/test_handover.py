@@ -138,8 +138,8 @@ def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:
     run(cmake, "-S", folder, "-B", tmp_path / "b", "-DLIKA_ENCODERS_EXAMPLES=ON", cwd=tmp_path)
     run(cmake, "--build", tmp_path / "b", cwd=tmp_path)
     programs = sorted(path.stem for path in (folder / "examples").glob("*.c"))
-    assert {name.rpartition("_")[2] for name in programs} == {"biss", "rs485", "ssi"}
-    assert len(programs) == 10
+    assert {name.rpartition("_")[2] for name in programs} == {"biss", "dma", "rs485", "ssi"}
+    assert len(programs) == 14
     for name in programs:
         run(tmp_path / "b" / name, cwd=tmp_path)
     prints(tmp_path / "b" / "amm5_biss")

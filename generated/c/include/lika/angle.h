@@ -17,7 +17,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xA174B2DDU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x5995123DU)
 #error "lika/angle.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -119,8 +119,8 @@ static inline int16_t lika_angle_q15(uint32_t angle)
 {
     const uint32_t upper = angle >> 16U;
     int32_t parts = (int32_t)upper;
-    if (parts >= 0x8000) {
-        parts -= 0x10000;
+    if (parts >= 32768) {
+        parts -= 65536;
     }
     return (int16_t)parts;
 }
