@@ -722,3 +722,23 @@ def test_a_list_of_ones_own_closes(fails: int, seen: list[str], ways: Callable[[
     assert answer.record == seen
     assert answer.result == TRANSPORT
     assert answer.left_open == (fails in (2, 4))
+
+
+def test_all_that_is_open_is_tried(ways: Callable[[str], Machine]) -> None:
+    """The bus is gone from the third access on: both closings are tried."""
+    steps = [
+        (WAIT, 0x20, 0, 0, 0, 1),
+        (WRITE, 0x20, 0xFF, 1, 1, 0),
+        (WRITE, 0x21, 0xFF, 5, 1, 0),
+        (WRITE, 0x22, 0xFF, 7, 1, 0),
+        (CLOSE, 0x20, 0xFF, 0, 1, 0),
+        (CLOSE, 0x21, 0xFF, 0, 1, 0),
+    ]
+    answer = ways("amm5").steps(steps, 0, Encoder(fail_at=2, error=1, fail_on=True))
+    assert [item for item in answer.record if item.startswith("w ")][-2:] == ["w 20 00", "w 21 00"]
+    assert (answer.result, answer.left_open) == (TRANSPORT, True)
+
+
+def test_a_request_that_is_sent_no_times_is_none(ways: Callable[[str], Machine]) -> None:
+    answer = ways("amm5").steps([(SEND, 0, 0, 0x55, 0, 0), (WRITE, 0x20, 0xFF, 1, 1, 0)], 0, Encoder())
+    assert (answer.result, answer.record) == (OK, ["w 20 01"])
