@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0x5995123DU
+#define LIKA_GENERATION 0xB636E3D8U
 
 #ifdef __cplusplus
 extern "C" {
@@ -488,7 +488,7 @@ static inline bool lika_step_closes(
 static inline bool lika_run_closing(
     const lika_transport *transport, const lika_step *steps, size_t count, size_t failed)
 {
-    bool well = steps[failed].kind != LIKA_STEP_CLOSE;
+    bool well = (failed < count) && (steps[failed].kind != LIKA_STEP_CLOSE);
     size_t index;
     for (index = failed + 1U; index < count; index++) {
         if (lika_step_closes(steps, failed + 1U, &steps[index])) {
