@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0xB636E3D8U
+#define LIKA_GENERATION 0x7EA4B158U
 
 #ifdef __cplusplus
 extern "C" {
@@ -467,13 +467,13 @@ static inline uint16_t lika_step_address(const lika_step *step)
  * knows whether it arrived.
  */
 static inline bool lika_step_closes(
-    const lika_step *steps, size_t begun, const lika_step *step)
+    const lika_step *steps, size_t count, const lika_step *step)
 {
     size_t index;
     if (step->kind != LIKA_STEP_CLOSE) {
         return false;
     }
-    for (index = 0U; index < begun; index++) {
+    for (index = 0U; index < count; index++) {
         if ((steps[index].kind == LIKA_STEP_WRITE) && (steps[index].address == step->address)) {
             return true;
         }

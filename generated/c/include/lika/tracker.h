@@ -21,7 +21,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xB636E3D8U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
 #error "lika/tracker.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
