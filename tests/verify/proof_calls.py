@@ -17,6 +17,8 @@ from proof import PARTLY, PRELUDE, UNDEFINED, Function, Header, Proof, Variants
 TRANSPORT, UNSUPPORTED = 5, 7
 #: Bounds of what is given: bytes of a buffer, steps of a procedure, characters of a label, repetitions of a step.
 BYTES, STEPS, LABEL, TIMES = 16, 2, 12, 2
+#: How long the longest reply is that there is a place for.
+REPLY = 16
 #: How far a position goes in either direction:
 #: times a step of one byte it still fits into 64 bits, as the headers ask for.
 POSITION = "(1LL << 55)"
@@ -97,6 +99,13 @@ static @maker@_result any_run(
 """
 
 
+def _bounded(step: str) -> str:
+    """What is assumed of a step, so that its loops end within the rounds: few repetitions, and a reply, whose length
+    stands in place of an address, that is as short or longer than there is a place for."""
+    reply = f"{step}.address <= {TIMES} || {step}.address > {REPLY}"
+    return f"__CPROVER_assume({step}.times <= {TIMES}); __CPROVER_assume({reply});"
+
+
 class _Given:
     """What a function is given: lines that declare it, what is passed on, and the results by type and name."""
 
@@ -136,9 +145,7 @@ class _Given:
         else:
             self.lines.append(f"{plain} *{local} = malloc({count} * sizeof({plain})); __CPROVER_assume({local} != 0);")
         if plain != "uint8_t" and kind.startswith("const"):
-            self.lines.append(
-                f"for (size_t at = 0; at < {count}; at++) __CPROVER_assume({local}[at].times <= {TIMES});"
-            )
+            self.lines.append(f"for (size_t at = 0; at < {count}; at++) {{ {_bounded(f'{local}[at]')} }}")
         self.passed.append(local)
 
     def _pointer(self, plain: str, kind: str, local: str) -> None:
@@ -150,11 +157,11 @@ class _Given:
         elif plain == f"{of.maker}_transport":
             self.lines.append(f"const {plain} {local} = any_transport();")
         elif plain == f"{of.maker}_failure":
-            self.lines.append(f"{plain} failure;")
+            self.lines.append(f"{plain} failure; failure.left_open = 0;")
         else:
             self.lines += [line.strip() for line in of.header.anything(plain, local).splitlines()]
             if plain == f"{of.maker}_step":
-                self.lines.append(f"__CPROVER_assume({local}.times <= {TIMES});")
+                self.lines.append(_bounded(local))
             if not kind.startswith("const"):
                 self.results.append((plain, local))
         if plain == f"{of.maker}_failure":
@@ -220,8 +227,10 @@ class CallProof:
             same = " && ".join(f"{name}{place} == before_{name}{place}" for place in places)
             yield f'__CPROVER_assert(found == 0 || ({same}), "a fault leaves the result as it was");'
         if given.transport:
-            yield f'__CPROVER_assert(failed_with == 0 || found == {TRANSPORT}, "a failure is reported");'
-            yield '__CPROVER_assert(failed_with == 0 || failure.error == failed_with, "with its function\'s number");'
+            # A step that failed otherwise stays the reason, also where closing fails after it.
+            told = f"found == {TRANSPORT} || (found != 0 && failure.left_open)"
+            yield f'__CPROVER_assert(failed_with == 0 || {told}, "a failure is reported");'
+            yield f'__CPROVER_assert(found != {TRANSPORT} || failure.error == failed_with, "with its number");'
             yield f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");'
 
     def proofs(self, together: int = 10) -> Iterable[Proof]:
