@@ -99,12 +99,10 @@ def equals(raw: Raw, context: Context) -> Expression | int | str | None:
     return found if isinstance(found, (int, str)) else None
 
 
-def zero_field(
-    name: str, low: Expression, width: Expression, site: Site, source: Sources, padding_of: str = ""
-) -> Field:
+def zero_field(name: str, kind: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
     return Field(
         name=name,
-        kind=Constant(padding_of=padding_of),
+        kind=kind,
         low=low,
         width=width,
         widest=site.widest(width),

@@ -50,7 +50,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
 
 def _check_field(layout: Layout, field: Field, site: Site) -> None:
     kind, bits = field.kind, field.widest
-    is_zeros = field.padding_of or field.name.startswith("zero_")
+    is_zeros = field.padding_of or field.fills_gap
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
         site.report("too-long", f"'{field.name}' takes {bits} bits; {LARGEST_NUMBER} is the most")
     match kind:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..model import INTERFACES, CrcValue, Field, FoldStep, Form, Join, Layout
+from ..model import INTERFACES, Constant, CrcValue, Field, FoldStep, Form, Join, Layout
 from ..model.expressions import Expression
 from ..reference.crc import fold_plan
 from ..spec.problems import Path
@@ -283,14 +283,8 @@ def _fields(item: Item, site: Site) -> Iterable[Field]:
         )
         if container:
             rest = part.span - width
-            yield zero_field(
-                f"{raw['name']}_padding",
-                part.low + width,
-                rest,
-                site,
-                sources(raw),
-                padding_of=raw["name"],
-            )
+            padding = Constant(padding_of=raw["name"])
+            yield zero_field(f"{raw['name']}_padding", padding, part.low + width, rest, site, sources(raw))
 
 
 def _with_places(fields: Sequence[Field], site: Site) -> list[Field]:
@@ -350,7 +344,7 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) ->
 
 def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
     """The fields with a constant zero field in every gap, from the lowest up; None where fields change places."""
-    zeros = []
+    zero, zeros = Constant(fills_gap=True), []
     for below, above, low, width in _gaps(fields, bits):
         for parameters in site.sets:
             if width.value(parameters) < 0 and below is not None and above is not None:
@@ -364,5 +358,5 @@ def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[F
             if below is not None
             else "zero"
         )
-        zeros.append(zero_field(name, low, width, site, (above or below or fields[0]).source))
+        zeros.append(zero_field(name, zero, low, width, site, (above or below or fields[0]).source))
     return _with_places([*fields, *zeros], site)

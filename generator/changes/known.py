@@ -11,7 +11,6 @@ from ..model import (
     Alternative,
     Biss,
     CodePart,
-    Constant,
     Crc,
     DataId,
     Device,
@@ -31,7 +30,6 @@ from .pairs import Pair, pairs
 from .sides import Sides
 
 _Named = TypeVar("_Named")
-_FILLING = ("zero_above_", "zero_below_")
 _Mark = Callable[[Any], Hashable | None]
 
 
@@ -117,13 +115,8 @@ def fields(sides: Sides, old: Layout, new: Layout, interface: str) -> list[Pair[
         at = {item.name: place for item, place in zip(layout.fields, places, strict=True)}
         return lambda item: (at[item.name], item.carries_data)
 
-    olds, news = ([item for item in layout.fields if not _fills(layout, item)] for layout in (old, new))
+    olds, news = ([item for item in layout.fields if not item.fills_gap] for layout in (old, new))
     return named(olds, news, mark(old, True), mark(new, False))
-
-
-def _fills(layout: Layout, field: Field) -> bool:
-    """Whether it stands for the zeros between other fields, so that it follows from them."""
-    return bool(layout.gaps) and isinstance(field.kind, Constant) and field.name.startswith(_FILLING)
 
 
 def joins(sides: Sides, old: Layout, new: Layout, scope: str) -> list[Pair[Join]]:

@@ -121,7 +121,7 @@ def _box(item: Field) -> str:
     if not isinstance(item.kind, Constant):
         return item.name
     constant = field.short(item.kind.value)
-    return constant if item.padding_of or item.name.startswith("zero") else f"{item.name} = {constant}"
+    return constant if item.padding_of or item.fills_gap else f"{item.name} = {constant}"
 
 
 def alternative_lines(device: Device) -> list[str]:

@@ -77,11 +77,12 @@ class Constant:
     """Always the same bits.
 
     ``padding_of`` names the field for whose sake zeros are sent; the two together fill its ``container`` from the low
-    end.
+    end. Zeros that fill a gap between fields are no field of the spec: they follow from their neighbours.
     """
 
     value: int = 0
     padding_of: str = ""
+    fills_gap: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -147,6 +147,11 @@ class Field:
         """The field that it pads, if it is padding."""
         return self.kind.padding_of if isinstance(self.kind, Constant) else ""
 
+    @property
+    def fills_gap(self) -> bool:
+        """Whether it is the zeros between two fields of the spec, or beside one."""
+        return isinstance(self.kind, Constant) and self.kind.fills_gap
+
 
 @dataclass(frozen=True, slots=True)
 class Join:

@@ -101,6 +101,20 @@ def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
     return own or {value.text: value.text for value in part.values}
 
 
+def beginnings(code: OrderCode) -> tuple[str, ...]:
+    """How labels of the family can begin, in capitals and without blanks; an empty text where in any way."""
+    found = set[str]()
+    for spelling in (_as_listed(code), *code.also_written):
+        text, *pieces = _BRACES.split(spelling.pattern)
+        texts = [text]
+        if not text.strip():
+            part = next(item for item in code.parts if item.name == pieces[0])
+            is_open = part.open and part.name not in {item.part for item in spelling.values}
+            texts = [*spelled(part, spelling), *([""] if is_open else [])]
+        found |= {without_blanks(item).upper() for item in texts}
+    return tuple(sorted(item for item in found if not any(item != o and item.startswith(o) for o in found)))
+
+
 def _as_listed(order_code: OrderCode) -> Spelling:
     """Order codes as the manual lists them, as a spelling among others."""
     return Spelling(order_code.pattern, "", (), "", ())

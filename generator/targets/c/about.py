@@ -92,12 +92,16 @@ def _derivation(item: Crc) -> str:
     width, middle = item.width, (item.poly >> 1).bit_length()
     if not middle:
         return f"x^{width} leaves 1: the bits from {width} on go down by {width}, until {width} are left."
-    powers = [f"x^{width << up} leaves x^{middle << up} + 1".replace("x^1 ", "x ") for up in range(3)]
+    powers = [f"{_power(width << up)} leaves {_power(middle << up)} + 1" for up in range(3)]
     return (
         f"How it folds: {powers[0]}, so that {powers[1]} (the square) and {powers[2]}. With h = v >> {4 * width}, "
         f"v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}); in the same way at {2 * width} with "
         f"{2 * middle}, and at {width} with {middle}, until {width} bits are left."
     )
+
+
+def _power(exponent: int) -> str:
+    return f"x^{exponent}" if exponent > 1 else "x"
 
 
 # -- layouts
@@ -141,7 +145,7 @@ def _holds(struct: Struct, item: Field) -> str:
 def table(struct: Struct) -> Iterator[Paragraph]:
     """One line for each field: where it is, its name, and what no member says."""
     rows = [
-        (place(struct.layout, item), "-" if item.name.startswith("zero_") else item.name, _holds(struct, item))
+        (place(struct.layout, item), "-" if item.fills_gap else item.name, _holds(struct, item))
         for item in struct.layout.fields
         if struct.plan.by_word or not item.padding_of
     ]

@@ -26,14 +26,17 @@ class LengthCode:
         #: How many bits of acknowledge a buffer has room for; 0 where there is none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.maker.name, interface, found))
-        stems = {id(row.variant): row.macro for row in rows}
-        self.macros = [macro for item in found for macro in self._macros(stems[id(item.variant)], item)]
+        self._stems = {id(row.variant): row.macro for row in rows}
+        self.macros = [macro for item in found for macro in self.macros_of(item)]
 
     def declared(self) -> Iterator[Declared]:
         yield from ((item.name, ("interfaces", self.interface.name)) for item in self.macros)
 
-    def _macros(self, code: str, item: Received) -> Iterator[Macro]:
-        stem = f"{code}_{self.interface.name}" + (f"_{item.layout.name}" if len(self.layouts) > 1 else "")
+    def macros_of(self, item: Received) -> Iterator[Macro]:
+        """How many bits come, and how many bytes they fill."""
+        stem = f"{self._stems[id(item.variant)]}_{self.interface.name}" + (
+            f"_{item.layout.name}" if len(self.layouts) > 1 else ""
+        )
         yield Macro(f"{stem}_BITS".upper(), number(item.bits))
         yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes))
 

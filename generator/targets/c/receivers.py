@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 
 from ...model import Biss
 from ...plan.received import received
-from .device import DeviceView
 from .examples import ExampleCode
 from .variants import CodeRow
 
@@ -25,13 +24,7 @@ class ReceiverCode:
         self.longest = max(frames, key=lambda item: item.bits)
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
-        (self.bits, self.size) = self._constants(view)
-
-    def _constants(self, view: DeviceView) -> tuple[str, str]:
-        """The macros of its length."""
-        own = (item.name for item in view.lengths[self.example.interface.name].macros)
-        bits, size = (name for name in own if name.startswith(f"{self.row.macro}_"))
-        return bits, size
+        self.bits, self.size = (item.name for item in view.lengths[example.interface.name].macros_of(self.longest))
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:

@@ -14,8 +14,8 @@ from .expr import Atom, Expr, Operation, Scope, call, joined, mask, moved, numbe
 class Reader:
     """What stands for bits in ``decode``: in ``number`` or ``word``, or in the bytes of ``data`` one by one."""
 
-    def __init__(self, scope: Scope, codec: Codec) -> None:
-        self.scope, self.codec = scope, codec
+    def __init__(self, scope: Scope, codec: Codec, byte: str = "data[{}]") -> None:
+        self.scope, self.codec, self._byte = scope, codec, byte
         self.source = "number" if codec.in_bytes else "word"
 
     def bits(self, bits: Bits) -> Expr:
@@ -26,18 +26,21 @@ class Reader:
         return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
     def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
-        return from_pieces(pieces, self.codec.length)
+        return from_pieces(pieces, self.codec.length, self._byte)
 
-    def bit(self, bits: Bits) -> Expr:
-        """What is not 0 where the bit is set."""
-        place: Expr = Atom(self.source)
+    def bit(self, bits: Bits, word: str = "") -> Expr:
+        """What is not 0 where the bit is set; ``word`` is the number that has it, if not all bits are in one."""
+        place: Expr = Atom(word or self.source)
         if not self.codec.by_word:
-            place, low = Atom(f"data[{bits.pieces[0].byte}]"), Expression(bits.pieces[0].right)
+            place, low = self._atom(bits.pieces[0].byte), Expression(bits.pieces[0].right)
         else:
             low = bits.low
         if low.is_constant:
             return Operation(place, "&", Atom(f"0x{1 << low.constant:02X}"))
         return Operation(moved(place, ">>", self.scope.of(low)), "&", number(1))
+
+    def _atom(self, byte: int) -> Atom:
+        return Atom(self._byte.format(byte))
 
     def unused(self) -> Expr:
         """Which unused bits are not as the manual has them, each at its place in one number."""
@@ -59,7 +62,7 @@ class Reader:
                 yield piece.byte, piece.right - place, piece.mask << place, value << place
 
     def _taken(self, byte: int, above: int, ones: int, value: int) -> Expr:
-        source = Atom(self.source if self.codec.by_word else f"data[{byte}]")
+        source = Atom(self.source) if self.codec.by_word else self._atom(byte)
         down, up = max(above, 0), max(-above, 0)
         found = moved(source, ">>", number(down))
         if self.codec.by_word or ones >> up != 0xFF:
@@ -87,8 +90,11 @@ def _ascend(places: Sequence[int]) -> bool:
     return all(after - before == 1 for before, after in pairwise(places))
 
 
-def from_pieces(pieces: Sequence[Piece], length: int = 0) -> Expr:
-    """The number that the pieces make; ``length`` is how many bytes there are, where that is known."""
+def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
+    """The number that the pieces make; ``length`` is how many bytes there are, where that is known.
+
+    ``byte`` is what a byte is called.
+    """
     places = [piece.byte for piece in pieces]
     low_first = places[0] <= places[-1]
     ascending = places if low_first else places[::-1]
@@ -96,11 +102,11 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0) -> Expr:
         first, end = ascending[0], ascending[-1] + 1
         part = "data" if (first, end) == (0, length) else f"data[{first}:{end}]"
         return call("int.from_bytes", part, '"little"' if low_first else '"big"')
-    return joined("|", map(_from_piece, pieces if low_first else reversed(pieces)))
+    return joined("|", (_from_piece(piece, byte) for piece in (pieces if low_first else reversed(pieces))))
 
 
-def _from_piece(piece: Piece) -> Expr:
-    found = moved(Atom(f"data[{piece.byte}]"), ">>", number(piece.right))
+def _from_piece(piece: Piece, byte: str) -> Expr:
+    found = moved(Atom(byte.format(piece.byte)), ">>", number(piece.right))
     if piece.mask << piece.right & 0xFF != 0xFF >> piece.right << piece.right:
         found = Operation(found, "&", mask(piece.mask))
     return moved(found, "<<", number(piece.left))

@@ -227,7 +227,7 @@ class Coder:
     def stated(self, field: Field) -> Expr:
         match field.equals:
             case Expression() as value:
-                return Scope(self.context.parameters, "self.variant").of(value)
+                return self.context.scope_of("self.variant").of(value)
             case str(characters):
                 return Atom(quoted(characters))
             case value:

@@ -79,8 +79,12 @@ class Context:
         self.procedures = {item.name: names.take(attribute(item.name), "_steps") for item in device.procedures}
         self.asked = {item.name: self._asked(item, names) for item in device.alternatives}
         answered = {name: f"{item.name}.{member}" for item in self.asked.values() for name, member in item.members}
-        self.scope = Scope({**self.parameters, **answered})
+        self.scope = Scope({**self.scope_of("variant").names, **answered})
         self._enums = {key: names.take(camel(item.name), "Value") for key, item in self.choices.items()}
+
+    def scope_of(self, owner: str) -> Scope:
+        """The parameters as members of ``owner``."""
+        return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _asked(self, item: Alternative, names: Names) -> Asked:
         layouts = [layout for layout in self.coded_layouts() if item in self.device.alternatives_of(layout)]

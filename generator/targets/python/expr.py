@@ -9,8 +9,9 @@ from functools import reduce
 from ...model.expressions import Expression, Factor, Term
 
 #: How tightly operators bind, the loosest first; arithmetic as an operand of an operator of bits is put in parentheses.
-_LEVELS = {"not": 0, "|": 1, "^": 2, "&": 3, "<<": 4, ">>": 4, "+": 5, "-": 5, "*": 6, "//": 6, "%": 6}
-_ARITHMETIC, _ATOM = 5, 7
+_LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
+_LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
+_ARITHMETIC, _ATOM = _LEVELS["+"], len(_LOOSEST_FIRST)
 
 
 class Expr:
@@ -123,10 +124,9 @@ def moved(value: Expr, operator: str, by: Expr) -> Expr:
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """How parameters are written: by their names in Python, as members of ``owner`` where a name has none itself."""
+    """How parameters are written."""
 
     names: Mapping[str, str]
-    owner: str = "variant"
 
     def of(self, value: Expression) -> Expr:
         if value.is_constant:
@@ -156,6 +156,5 @@ class Scope:
         return joined("*", map(self._factor, term.factors))
 
     def _factor(self, item: Factor) -> Expr:
-        name = self.names.get(item.parameter, item.parameter)
-        found = Atom(name if "." in name else f"{self.owner}.{name}")
+        found = Atom(self.names[item.parameter])
         return Operation(number(1), "<<", found) if item.power else found

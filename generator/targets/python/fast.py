@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -31,7 +30,7 @@ class Once(Scope):
         return super().ones(width) if width.is_constant else self._name("ones", super().ones(width))
 
     def power(self, width: Expression) -> Expr:
-        return Scope(self.names, self.owner).power(width)
+        return Scope(self.names).power(width)
 
     def _name(self, kind: str, value: Expr) -> Expr:
         known = {text: name for name, text in self.named.items()}
@@ -47,7 +46,7 @@ class Fast:
         self.coder, self.plan = coder, coder.plan
         self.name = f"_fast_{coder.layout.name}"
         self._once = Once(coder.context.scope.names)
-        self.read = Reader(self._once, coder.plan)
+        self.read = Reader(self._once, coder.plan, byte="b{}")
         self.bits = self._once.of(coder.layout.bits)
         self._checked = [item for item in self.plan.checks if not self._in_head(item)]
 
@@ -129,31 +128,30 @@ class Fast:
             yield f"({every}) != 0x{xorout:02X}" if xorout else every
         for item in self._checked:
             if isinstance(item, ZerosAbove):
-                width, whole = self._once.of(item.bits.width), self._text(self.read.of_bytes(item.field.pieces))
+                width, whole = self._once.of(item.bits.width), self.read.of_bytes(item.field.pieces)
                 yield f"({self._local(item.field.name)} := {whole}) >> {width}"
             elif isinstance(item, AlwaysIs):
-                found = self._text(self.read.bits(item.bits))
-                yield f"({found}) != {mask(item.value)}" if item.value else found
+                found = self.read.bits(item.bits)
+                yield f"({found}) != {mask(item.value)}" if item.value else str(found)
 
     @cached_property
     def values(self) -> list[str]:
         """The attributes of the frame, in order."""
         given = ["variant"] if self.coder.takes_variant else []
-        reserved = [self._text(self.read.unused())] if self.plan.reserved else []
+        reserved = [str(self.read.unused())] if self.plan.reserved else []
         return [*given, *(self._value(part) for part in self.plan.parts), *reserved]
 
     def _value(self, part: Part) -> str:
         if self.coder.selects(part.field):
             return "heads[b0]"
         if isinstance(part.field.kind, Flag):
-            bit = self._text(self.read.bit(part.bits))
             # The lowest bits have a number of their own, which is shorter.
             low = part.bits.low
-            if self.tables and low.is_constant and low.constant < TABLE_BITS:
-                bit = re.sub(r"^word ", "low ", bit)
+            is_low = self.tables and low.is_constant and low.constant < TABLE_BITS
+            bit = self.read.bit(part.bits, "low" if is_low else "")
             return f"not {bit}" if part.field.kind.active_low else f"({bit}) != 0"
         padded = {item.field.name for item in self._checked if isinstance(item, ZerosAbove)}
-        bits = self._local(part.field.name) if part.field.name in padded else self._text(self.read.bits(part.bits))
+        bits = self._local(part.field.name) if part.field.name in padded else str(self.read.bits(part.bits))
         if part.field.number.signed:
             return f"signed({bits}, {self._once.of(part.field.width)})"
         return f"({bits}) or {part.field.number.zero_means}" if part.field.number.zero_means else bits
@@ -172,8 +170,3 @@ class Fast:
     @staticmethod
     def _local(name: str) -> str:
         return f"of_{name}"
-
-    @staticmethod
-    def _text(value: Expr) -> str:
-        """An expression over bytes that have names of their own."""
-        return re.sub(r"\bdata\[(\d+)\]", r"b\1", str(value))

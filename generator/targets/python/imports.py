@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from ...model import Choice, Decimal, Flag, Form, Text
 from ...model.never import assert_never
@@ -46,7 +46,7 @@ def fact_imports(module: Module) -> list[list[tuple[str, list[str]]]]:
         (module.registers, "Mapping MappingProxyType Register"),
         (module.crcs, "Crc"),
     )
-    return _groups(used.union(*(_if(what, names).split() for what, names in given)), STANDARD, FACTS)
+    return _groups(used | _named(given), STANDARD, FACTS)
 
 
 def _groups(used: set[str], *groups: Mapping[str, tuple[str, ...]]) -> list[list[tuple[str, list[str]]]]:
@@ -60,6 +60,11 @@ def _facts(module: Module) -> Iterator[Call]:
     yield from (row for item in module.tables for row in item.rows)
     yield from module.reports
     yield from (row for rows in module.frame_rows.values() for row in rows)
+
+
+def _named(given: Iterable[tuple[object, str]]) -> set[str]:
+    """The names that go with what there is."""
+    return {name for what, names in given if what for name in names.split()}
 
 
 def _if(condition: object, names: str) -> str:
@@ -195,8 +200,13 @@ def facts(module: Module) -> list[str]:
     """The names of the tables of facts, in order."""
     names = {"MANUAL", "ORDER_CODE", *(item.name for item in module.tables)}
     names |= {section.interface.name.upper() for section in module.sections}
-    given = ((module.crcs, "CRCS"), (module.frame_rows, "FRAMES"), (module.registers, "REGISTERS"))
-    return sorted(names.union(*(_if(what, listed).split() for what, listed in (*given, (module.reports, "REPORTS")))))
+    given = (
+        (module.crcs, "CRCS"),
+        (module.frame_rows, "FRAMES"),
+        (module.registers, "REGISTERS"),
+        (module.reports, "REPORTS"),
+    )
+    return sorted(names | _named(given))
 
 
 def public(module: Module) -> list[str]:
@@ -213,4 +223,4 @@ def public(module: Module) -> list[str]:
         (module.registers, "Address"),
         (module.identities, "identify"),
     )
-    return sorted(names.union(*(_if(what, listed).split() for what, listed in given)))
+    return sorted(names | _named(given))

@@ -43,7 +43,7 @@ class Shown:
     ``judged`` is a frame that tells what its position is worth; ``spoilt`` is the same frame with a position that
     is not usable, ``reported`` what it reports, and ``tried`` what is printed of both and of a damaged one.
     ``kind`` is its class where the encoder sends several. Of a frame that is a string of bits there are their
-    number and ``digits``.
+    number and ``digits``. ``looked_up`` says that the call needs the encoder.
     """
 
     code: str
@@ -53,10 +53,11 @@ class Shown:
     judged: bool = False
     spoilt: str = ""
     reported: str = ""
-    tried: str = ""
+    tried: tuple[str, ...] = ()
     kind: str = ""
     bits: int = 0
     digits: str = ""
+    looked_up: bool = False
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -132,8 +133,8 @@ class Readme:
         received = (number ^ 1) & ((1 << end.widest) - 1)
         damaged = f"the CRC is {received:#04x}; over these bits it has to be {received ^ 1:#04x}"
         told = meaning(flag, alarm_of(self.device, flag))
-        lines = (str(shown[coder.measured]), told, f"no sound frame of {variant.code}: {damaged}")
-        return replace(made, tried="\n".join(lines))
+        tried = (str(shown[coder.measured]), told, f"no sound frame of {variant.code}: {damaged}")
+        return replace(made, tried=tried)
 
     def _example_variant(self, kind: str) -> Variant | None:
         """An order code of this interface: that of an example of the manual, else the one with the most bits."""
@@ -242,7 +243,8 @@ def _register(example: RegisterExample, coder: Coder) -> Shown:
         named = isinstance(value, str) and types.get(made) != "str"
         shown.append(f"register.{made}" + (".name" if named else ""))
         values.append(repr(value.upper() if named and isinstance(value, str) else value))
-    return Shown(f"{coder.name}.decode({_bytes(example.bytes)}{variant})", "", _tuple(shown), _tuple(values))
+    code = f"{coder.name}.decode({_bytes(example.bytes)}{variant})"
+    return Shown(code, "", _tuple(shown), _tuple(values), looked_up=coder.takes_variant)
 
 
 def _made_up(item: Field, width: int, layout: Layout) -> int | str | bool:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from ...model import Field
 from ...plan.codec import Codec, Part, Reserved
 from ...plan.reports import Reporting, Speaks
-from .expr import Atom, Expr, Operation, mask
+from .expr import Atom, Expr, Not, Operation, joined, mask
 from .names import ClassNames
 
 
@@ -75,5 +75,5 @@ def _ones(reserved: Iterable[Reserved]) -> int:
 
 def _unless(flag: Expr, others: Iterable[Expr]) -> str:
     """A flag that says nothing while one of the others is active."""
-    active = " or ".join(map(str, others))
-    return f"({flag} and not {f'({active})' if ' ' in active else active})" if active else str(flag)
+    active = [*others]
+    return f"({Operation(flag, 'and', Not(joined('or', active)))})" if active else str(flag)

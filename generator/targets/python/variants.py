@@ -10,10 +10,11 @@ from ...model import Interface, Measurement, Register, Variant
 from ...model.expressions import Expression
 from ...plan.held import Held, held_parameters
 from ...plan.measure import Cases, by_interface, counts
+from ...reference.order_codes import beginnings
 from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
-from .expr import Atom, Expr, Operation, Scope, joined, number
+from .expr import Atom, Expr, Operation, joined, number
 from .fast import Fast
 from .literals import Call, Code, Literal, record
 from .names import attribute, camel, encoder_name
@@ -68,7 +69,7 @@ class Variants:
         self.sent = [item for item in coders if item.layout.sender == "encoder"]
         #: Whether any of it has a position, and tells what that is worth.
         self.judged = any(item.reports is not None and item.reports.otherwise for item in coders)
-        self._scope = Scope(context.parameters, "self")
+        self._scope = context.scope_of("self")
         self.rows = [self._row(item) for item in self.device.variants]
 
     def _row(self, variant: Variant) -> Call:
@@ -88,17 +89,7 @@ class Variants:
 
     @property
     def beginnings(self) -> tuple[str, ...]:
-        """How labels of the family can begin, in capitals and without blanks; an empty text where in any way."""
-        code, found = self.device.order_code, set[str]()
-        for pattern, spelled in ((code.pattern, ()), *((item.pattern, item.values) for item in code.also_written)):
-            text, _, rest = pattern.partition("{")
-            texts = [text]
-            if not text.strip():
-                part = next(item for item in code.parts if item.name == rest.partition("}")[0])
-                here = [item.text for item in spelled if item.part == part.name]
-                texts = here or [item.text for item in part.values] + ([""] if part.open else [])
-            found |= {"".join(item.split()).upper() for item in texts}
-        return tuple(sorted(item for item in found if not any(item != o and item.startswith(o) for o in found)))
+        return beginnings(self.device.order_code)
 
     @cached_property
     def listed_by_interface(self) -> list[Listed]:
