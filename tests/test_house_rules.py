@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 from figures.imports import Graph, circles, graph, rooms
-from figures.tree import Checkout
+from figures.reading import looks
+from figures.tree import COLUMNS, Checkout
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -44,6 +45,18 @@ def test_files_that_the_recipes_name_exist() -> None:
     missing = {path for path in named if not any((folder / path).exists() for folder in (ROOT, ROOT / "generator"))}
     # The first is made up by the recipe for an interface, the others stand for any target.
     assert missing == {"generator/model/interfaces/endat.py", "generator/targets/NAME/files.py", "templates/NAME/"}
+
+
+def test_no_target_reads_back_what_it_has_written() -> None:
+    """A look into names or into text of manuals is one that ``figures.reading`` allows, with a reason."""
+    found = [f"{item.place} {item.function}: {item.expression}" for item in looks(Checkout(ROOT)) if not item.reason]
+    assert found == []
+
+
+def test_no_line_is_too_wide_to_read() -> None:
+    """In a template, ``{# -#}`` at the end of a line goes on with the next one."""
+    assert COLUMNS == 120
+    assert list(Checkout(ROOT).wide_lines()) == []
 
 
 def test_there_is_no_circle() -> None:

@@ -46,7 +46,7 @@ _CLASSES = (
     ("selector", r"interfaces\.NAME\.layouts\.(when\b.*|from|channel)"),
     (
         "layout",
-        r"(interfaces\.NAME\.layouts|registers|field_groups|interfaces\.NAME\.control_data)\.(other_bits|carried_as|name)",
+        r"(interfaces\.NAME\.(layouts|control_data)|registers|field_groups)\.(other_bits|carried_as|name)",
     ),
     ("layout", r"interfaces\.NAME\.layouts"),
     ("named value", r".*\bfields\.values(\.NAME)?(\.value)?"),

@@ -40,7 +40,8 @@ def _release(item: dict[str, object]) -> Release:
     changes = item["changes"]
     if not isinstance(changes, list):
         raise TypeError
-    return Release(**{**item, "changes": tuple(ReleasedChange(**change) for change in changes)})  # type: ignore[arg-type]
+    made = tuple(ReleasedChange(**change) for change in changes)
+    return Release(**{**item, "changes": made})  # type: ignore[arg-type]
 
 
 def _is_text(release: Release) -> bool:
