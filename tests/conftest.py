@@ -65,7 +65,7 @@ def _once(read: Callable[..., Any]) -> Callable[..., Any]:
     known: dict[Any, Any] = {}
 
     def once(paths: Sequence[Path] = ()) -> Any:
-        key = (Path.cwd(), tuple(paths))
+        key = (tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
         if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
             return read(paths)
         if key not in known:

@@ -15,9 +15,15 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 @cache
+def checkout() -> Checkout:
+    """What is read of it is read once; not at collection, where every worker would read all modules."""
+    return Checkout(ROOT)
+
+
+@cache
 def arrows() -> Graph:
-    """The imports of each module; not at collection, where every worker would read all modules."""
-    return graph(Checkout(ROOT).modules)
+    """The imports of each module."""
+    return graph(checkout().modules)
 
 
 def reached(name: str) -> set[str]:
@@ -49,14 +55,14 @@ def test_files_that_the_recipes_name_exist() -> None:
 
 def test_no_target_reads_back_what_it_has_written() -> None:
     """A look into names or into text of manuals is one that ``figures.reading`` allows, with a reason."""
-    found = [f"{item.place} {item.function}: {item.expression}" for item in looks(Checkout(ROOT)) if not item.reason]
+    found = [f"{item.place} {item.function}: {item.expression}" for item in looks(checkout()) if not item.reason]
     assert found == []
 
 
 def test_no_line_is_too_wide_to_read() -> None:
     """In a template, ``{# -#}`` at the end of a line goes on with the next one."""
     assert COLUMNS == 120
-    assert list(Checkout(ROOT).wide_lines()) == []
+    assert list(checkout().wide_lines()) == []
 
 
 def test_there_is_no_circle() -> None:

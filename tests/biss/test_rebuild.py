@@ -23,7 +23,17 @@ COMPUTED = {
     "Field": {"pieces", "widest"},
     "Layout": {"fold", "widest"},
     "Crc": {"form"},
+    "Constant": {"fills_gap"},
     "Device": {"times_read", "releases"},
+}
+COMPUTED_AS = {
+    "pieces": (),
+    "fold": (),
+    "widest": 0,
+    "form": "",
+    "fills_gap": False,
+    "times_read": None,
+    "releases": (),
 }
 #: The kinds of fields by their words.
 KINDS = {
@@ -105,9 +115,7 @@ def build_class(kind: Any, item: Item) -> Any:
     for field in dataclasses.fields(kind):
         outside = RENAMED.get(name, {}).get(field.name, field.name)
         if field.name in COMPUTED.get(name, set()):
-            made[field.name] = {"pieces": (), "fold": (), "widest": 0, "form": "", "times_read": None, "releases": ()}[
-                field.name
-            ]
+            made[field.name] = COMPUTED_AS[field.name]
         elif field.name.endswith("source"):
             made[field.name] = ()
         else:

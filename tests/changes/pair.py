@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TypedDict
 
 from codewheel.build.load import load_library
@@ -26,9 +28,13 @@ class Case(TypedDict):
     shown: str
 
 
-def devices(folder: Path, edits: Edits) -> tuple[Device, ...]:
+def devices(edits: Edits) -> tuple[Device, ...]:
     """The families of the base with these texts replaced; each stands in one of its files, once."""
-    folder.mkdir()
+    return _devices(tuple((old, new) for old, new in edits))
+
+
+@cache
+def _devices(edits: tuple[tuple[str, str], ...]) -> tuple[Device, ...]:
     texts = {path.name: path.read_text(encoding="utf-8") for path in BASE.glob("*.yaml")}
     for old, new in edits:
         found = [name for name, text in texts.items() if text.count(old) == 1]
@@ -36,17 +42,18 @@ def devices(folder: Path, edits: Edits) -> tuple[Device, ...]:
         texts[found[0]] = texts[found[0]].replace(old, new)
     device = next(line for line in texts["demo.yaml"].splitlines() if line.startswith("device: "))
     texts[f"{device.removeprefix('device: ')}.yaml"] = texts.pop("demo.yaml")
-    for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    made, report = load_library([folder])
+    with TemporaryDirectory() as folder:
+        for name, text in texts.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        made, report = load_library([Path(folder)])
     assert not report.problems, "\n".join(problem.format() for problem in report.problems)
     return made
 
 
-def sides(folder: Path, case: Case) -> tuple[tuple[Device, ...], tuple[Device, ...]]:
+def sides(case: Case) -> tuple[tuple[Device, ...], tuple[Device, ...]]:
     """The families before and after."""
-    plain = devices(folder / "plain", case["before"])
-    edited = devices(folder / "edited", [*case["before"], *case["edits"]])
+    plain = devices(case["before"])
+    edited = devices([*case["before"], *case["edits"]])
     return (edited, plain) if case["backwards"] else (plain, edited)
 
 

@@ -42,17 +42,18 @@ def test_every_rule_has_its_pair() -> None:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
-def test_what_is_printed(case: Case, tmp_path: Path) -> None:
-    text = shown(*sides(tmp_path, case))
+def test_what_is_printed(case: Case) -> None:
+    text = shown(*sides(case))
     assert text == case["shown"].rstrip("\n")
     assert f"[{case['rule']}]" in text
     assert max(map(len, text.splitlines())) <= 80
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
-def test_the_way_back(case: Case, tmp_path: Path) -> None:
+def test_the_way_back(case: Case) -> None:
     """What is new one way is gone the other, and nothing goes unnoticed."""
-    old, new = sides(tmp_path, case)
+    old, new = sides(case)
     there, back = ({change.rule.name for change in compare(*pair)} for pair in ((old, new), (new, old)))
     assert back
     assert {name.replace("-gone", "-new") for name in there if name.endswith(("-gone", "-new"))} == {
@@ -61,11 +62,9 @@ def test_the_way_back(case: Case, tmp_path: Path) -> None:
     assert compare(old, old) == compare(new, new) == []
 
 
-def test_families_that_come_and_go(tmp_path: Path) -> None:
-    one = devices(tmp_path / "one", [])
-    other = devices(
-        tmp_path / "two", [("device: demo", "device: other"), ('"DEMO{size}', '"OTHER{size}'), ("DEMO17-", "OTHER17-")]
-    )
+def test_families_that_come_and_go() -> None:
+    one = devices([])
+    other = devices([("device: demo", "device: other"), ('"DEMO{size}', '"OTHER{size}'), ("DEMO17-", "OTHER17-")])
     assert shown(one, (*one, *other)) == (
         "other\n"
         "  compatible     family other is new\n"
@@ -80,8 +79,8 @@ def test_families_that_come_and_go(tmp_path: Path) -> None:
     )
 
 
-def test_what_no_rule_knows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    old, new = sides(tmp_path, case_of("register-moved"))
+def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    old, new = sides(case_of("register-moved"))
     table = {name: item for name, item in MEMBERS["Register"].items() if name != "address"}
     monkeypatch.setattr("codewheel.changes.compare.MEMBERS", {**MEMBERS, "Register": table})
     assert shown(old, new) == (
@@ -127,10 +126,11 @@ def _python_code(text: str) -> str:
     return ast.dump(Texts().visit(ast.parse(text)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
-def test_its_impact_is_true(case: Case, tmp_path: Path) -> None:
+def test_its_impact_is_true(case: Case) -> None:
     """Words change no statement, what is compatible keeps every name, and names that are told are those of the code."""
-    old, new = sides(tmp_path, case)
+    old, new = sides(case)
     changes = compare(old, new)
     before, after = ((_generated(each, "c"), _generated(each, "python")) for each in (old, new))
     impacts = {name: max(change.rule.impacts[index] for change in changes) for index, name in enumerate(OUTPUTS)}

@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from codewheel.build.load import in_edition, load_families
+from codewheel.build import load
+from codewheel.build.load import in_edition
 from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import from_xml
@@ -30,7 +31,7 @@ def fences(word: str) -> list[str]:
 
 
 def edition(name: str, revision: str) -> Device:
-    families, report = load_families([SPECS / f"{name}.yaml"])
+    families, report = load.load_families([SPECS / f"{name}.yaml"])
     made = in_edition(families[0], revision, report)
     assert made is not None
     assert report.problems == ()
@@ -78,7 +79,7 @@ def test_the_story_is_what_the_editions_are(revision: str) -> None:
 
 def test_dates_and_changes_are_those_of_the_revision_table() -> None:
     """By the last page of the manual, in the form of the spec."""
-    families, _ = load_families([SPECS / "amm5.yaml"])
+    families, _ = load.load_families([SPECS / "amm5.yaml"])
     history = {item.revision: item.date for item in families[0].device.manual.history}
     assert list(history) == [*OLD, "1.9"]
     assert {item.revision: item.date for item in families[0].device.editions} == history
@@ -101,6 +102,7 @@ def test_what_the_table_says_of_each_revision() -> None:
         assert bool(device.leds) == (revision >= "1.1"), revision
 
 
+@pytest.mark.slow
 def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None:
     """Neither order of its bytes: there is no name for it, in no language."""
     texts = [
@@ -116,6 +118,7 @@ def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None
     )
 
 
+@pytest.mark.slow
 def test_each_edition_is_in_each_output(generated: Path) -> None:
     for name, revision in [*(("amm5", item) for item in OLD), ("am36", "1.1")]:
         stem = f"{name}_{revision.replace('.', '_')}"
@@ -131,11 +134,13 @@ def test_each_edition_is_in_each_output(generated: Path) -> None:
     assert identity == shipped
 
 
+@pytest.mark.slow
 def test_the_files_of_the_spec_stay_as_they_are(generated: Path) -> None:
     for path in ("c/include/lika/amm5.h", "c/include/lika/am36.h", "python/lika_encoders/amm5.py", "docs/amm5.md"):
         assert (generated / path).read_bytes() == (ROOT / "generated" / path).read_bytes(), path
 
 
+@pytest.mark.slow
 def test_python_has_the_editions_side_by_side(generated: Path) -> None:
     program = """
 import lika_encoders as lika
@@ -333,7 +338,7 @@ def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> No
         text.replace('labels: ["{model}{singleturn}/{turns}{output}"', 'labels: ["{model}"'), encoding="utf-8"
     )
     (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
-    _, report = load_families([spec])
+    _, report = load.load_families([spec])
     assert [item.message for item in report.problems] == [
         "no labels are also written as '{model}'; the order code has none such under 'also_written'"
     ]
@@ -349,6 +354,6 @@ def test_both_files_mean_the_same_by_a_change() -> None:
 
 def test_reports_of_editions_are_no_problem_of_the_spec() -> None:
     report = Report()
-    families, _ = load_families([SPECS / "amm5.yaml"])
+    families, _ = load.load_families([SPECS / "amm5.yaml"])
     assert in_edition(families[0], "1.0", report) is not None
     assert len(report) == 0

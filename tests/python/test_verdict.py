@@ -141,6 +141,7 @@ def test_the_only_printed_reply_to_data_id_5_decodes(lika: Any) -> None:
 # ------------------------------------------------------------ by the model
 
 
+@pytest.mark.slow
 def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device]) -> None:
     """All of them together with no unused bit, with one, and with some."""
     source = random.Random("flags")
