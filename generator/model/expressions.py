@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 _TERM = re.compile(
     r"\s*(?:(?P<power>2\s*\^)\s*)?(?:(?P<hex>0x[0-9A-Fa-f]+)|(?P<number>[0-9]+)|(?P<name>[a-z][a-z0-9_]*))\s*"
@@ -56,6 +57,7 @@ class Expression:
     terms: tuple[Term, ...] = ()
 
     @classmethod
+    @cache
     def parse(cls, text: int | str) -> Expression:
         """The expression that the spec writes as ``text``.
 

@@ -19,14 +19,15 @@ def errata(device: Device, *paths: str, without: Collection[str] = (), wording: 
     Those of wording alone are for pages that show a manual as it is.
     """
 
-    def inside(other: str, places: Collection[str]) -> bool:
-        return any(other == place or other.startswith(f"{place}.") for place in places)
-
+    below, below_without = (tuple(f"{place}." for place in places) for places in (paths, without))
     return tuple(
         item
         for item in device.errata
         if (wording or item.severity != "wording")
-        and any(inside(other, paths) and not inside(other, without) for other in item.affects)
+        and any(
+            (other in paths or other.startswith(below)) and other not in without and not other.startswith(below_without)
+            for other in item.affects
+        )
     )
 
 

@@ -12,7 +12,8 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u206
 
 def one_line(text: object) -> str:
     """A piece of one line of text: control characters, line ends and direction marks become spaces."""
-    return _CONTROL.sub(" ", str(text))
+    made = str(text)
+    return made if made.isprintable() else _CONTROL.sub(" ", made)
 
 
 def plain(text: object) -> str:

@@ -6,6 +6,7 @@ import re
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 from ..model import Sources
 from .lines import one_line, plain
@@ -23,6 +24,7 @@ def text(value: object) -> str:
     return _escaped(plain(value))
 
 
+@lru_cache(4096)
 def _escaped(value: str) -> str:
     return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKS))
 

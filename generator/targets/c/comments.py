@@ -47,9 +47,12 @@ _TO_ASCII = str.maketrans(_ASCII)
 
 
 def ascii_text(text: object) -> str:
-    replaced = plain(text).replace("N°", "No.").translate(_TO_ASCII)
-    flat = unicodedata.normalize("NFKD", replaced)
-    kept = "".join(letter if " " <= letter <= "~" else "" if unicodedata.combining(letter) else "?" for letter in flat)
+    kept = plain(text)
+    if not kept.isascii():
+        flat = unicodedata.normalize("NFKD", kept.replace("N°", "No.").translate(_TO_ASCII))
+        kept = "".join(
+            letter if " " <= letter <= "~" else "" if unicodedata.combining(letter) else "?" for letter in flat
+        )
     return re.sub(" +", " ", kept).strip()
 
 
