@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import shipped_masters
 from ...model import Biss, Device, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
 from ...reference.parameters import follows_registers
+from ...reference.parts import for_interface
 from ...render import Templates, our_templates
 from ...say import alarm, hardware_input, markdown
 from ...say import layout as say_layout
@@ -16,13 +18,13 @@ from ...say import procedure as say_procedure
 from ...say import register as say_register
 from ...say.alternative import needs
 from ...say.markdown import cited, code, joined, link, text
-from ...say.name import full_title, title, words
+from ...say.name import full_title, heading, title, words
 from ...say.origin import origin, other_editions
 from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import changes, codes, editions, facts, layouts, usable
+from . import by_code, changes, codes, editions, facts, layouts, usable
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -65,20 +67,27 @@ class Evidence(editions.EditionRows):
     history_rows: Annotated[Rows, "the revisions of the manual"]
 
 
-class DevicePage(Codes, Wiring, Evidence):
+class Parts(Wiring, Evidence):
     device: Annotated[Device, "the family"]
     origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
     alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, reasons, frames"]
-    has_masters: Annotated[bool, "whether there is a page of master settings"]
     errata_links: Annotated[Callable[..., str], "links to the errata of a path into the spec, or of several paths"]
-    contents: Annotated[list[tuple[str, str]], "title and anchor of each section"]
     interfaces: Annotated[list[Section], "the interfaces with their layouts, data IDs, cables and control frames"]
     crcs: Annotated[list[Section], "the CRCs: crc, rows"]
     registers: Annotated[list[Section], "the registers with their fields, values and facts"]
     register_rows: Annotated[Rows, "the registers in short"]
     procedures: Annotated[list[Section], "the procedures: procedure, interface, rows, arguments"]
     alarms: Annotated[list[Section], "errors and warnings: alarm, title, rows"]
+
+
+class DevicePage(Parts, Codes):
+    contents: Annotated[list[tuple[str, str]], "title and anchor of each section"]
+    has_masters: Annotated[bool, "whether there is a page of master settings"]
+
+
+class CodePage(Parts, by_code.CodeValues):
+    pass
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
@@ -93,14 +102,32 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library)}
     for device in library.devices:
         own = library.own_templates
-        files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", _device_values(device), own))
-        if masters_page.has_masters(device):
+        has_masters = masters_page.has_masters(device)
+        page: DevicePage = {
+            **_parts(device),
+            **_identity(device),
+            "contents": _contents(device),
+            "has_masters": has_masters,
+        }
+        files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", page, own))
+        files |= _by_code(device, own)
+        if has_masters:
             values = masters_page.page_values(device, masters)
             files[f"docs/{device.name}-masters.md"] = _tidy(TEMPLATES.render("masters.md.jinja", values, own))
         told = changes.page_values(device)
         files[f"docs/{changes.page(device)}"] = _tidy(TEMPLATES.render("changes.md.jinja", told, own))
         files |= {f"docs/{device.name}/{name}.svg": picture for name, picture in _pictures(device).items()}
     return files
+
+
+def _by_code(device: Device, own: Path | None) -> Iterator[tuple[str, str]]:
+    """A page for each order code with its pictures; those that are the same to a program share one."""
+    taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
+    for alike in by_code.all_alike(device):
+        page: CodePage = {**_parts(alike.here), **by_code.values(alike, alike.interface.name in taken)}
+        yield f"docs/{device.name}/{alike.name}.md", _tidy(TEMPLATES.render("code.md.jinja", page, own))
+        for name, picture in by_code.pictures(alike):
+            yield f"docs/{device.name}/{name}", picture
 
 
 def _tidy(made: str) -> str:
@@ -122,10 +149,11 @@ def _index(library: Library) -> str:
         rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
     patterns: Rows = [
         (
-            ", ".join(code(item.code) for item in device.variants if item.interface == part.name),
+            ", ".join(codes_of[item.code] for item in device.variants if item.interface == part.name),
             link(part.title, f"{device.name}.md#interface-{part.name}"),
         )
         for device in library.devices
+        for codes_of in [by_code.links(device, f"{device.name}/")]
         for part in device.interfaces
     ]
     trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
@@ -155,16 +183,13 @@ def _pictures(device: Device) -> dict[str, str]:
     }
 
 
-def _device_values(device: Device) -> DevicePage:
+def _parts(device: Device) -> Parts:
     return {
         "device": device,
         "origin": [*origin(device), *other_editions(device)],
         "usable_page": usable.PAGE,
         "alternatives": codes.alternatives(device),
-        "has_masters": masters_page.has_masters(device),
         "errata_links": partial(layouts.errata_links, device),
-        "contents": _contents(device),
-        **_identity(device),
         "interfaces": [_interface(device, item) for item in device.interfaces],
         "crcs": [{"crc": item, "rows": facts.crc_rows(item)} for item in device.crcs],
         "registers": [_register(device, item) for item in device.registers],
@@ -236,7 +261,7 @@ def _identity(device: Device) -> Codes:
         "spelling_rows": list(codes.spelling_rows(device)),
         "parameter_rows": list(codes.parameter_rows(device)),
         "run_time_rows": list(codes.run_time_rows(device)),
-        "code_tables": codes.code_tables(device),
+        "code_tables": codes.code_tables(device, by_code.links(device, f"{device.name}/")),
         "measurement_rows": list(codes.measurement_rows(device)),
     }
 
@@ -446,6 +471,7 @@ TEMPLATES = Templates(
     values={
         "index.md.jinja": Index,
         "device.md.jinja": DevicePage,
+        "code.md.jinja": CodePage,
         "masters.md.jinja": masters_page.MastersPage,
         "changes.md.jinja": changes.ChangesPage,
         "usable.md.jinja": usable.UsablePage,
@@ -457,6 +483,9 @@ TEMPLATES = Templates(
         "cited": markdown.cited,
         "anchor": markdown.anchor,
         "sentence": sentence,
+        "title": title,
+        "heading": heading,
+        "addresses": addresses,
         "said": markdown.STYLE.sentence,
     },
     functions={"table": markdown.table, "timing_rows": facts.timing_rows, "table_rows": _table_rows},
