@@ -34,7 +34,14 @@ def _filled(item: Any, known: Mapping[str, int]) -> Any:
     held = {part.name: getattr(item, part.name) for part in fields(item) if part.init}
     changed = {name: new for name, old in held.items() if (new := _filled(old, known)) is not old}
     made = replace(item, **changed) if changed else item
-    return _without_empty(made) if isinstance(made, Layout) else made
+    return _without_empty(_decoded(made, known)) if isinstance(made, Layout) else made
+
+
+def _decoded(layout: Layout, known: Mapping[str, int]) -> Layout:
+    """The layout with its code known: Gray, or plain binary."""
+    if layout.gray_when not in known:
+        return layout
+    return replace(layout, gray_of=layout.gray_of if known[layout.gray_when] else "", gray_when="")
 
 
 def _without_empty(layout: Layout) -> Layout:

@@ -9,13 +9,13 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Erratum, Interface, Layout, Parameter, Ssi, Supply, Variant
 from ...reference.applied import applied
-from ...reference.parameters import parameters_of, run_time_names
+from ...reference.parameters import follows_registers, parameters_of, run_time_names
 from ...reference.parts import for_codes
 from ...say.erratum import erratum
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.measurement import measurement
 from ...say.parameter import value
-from ...say.place import field_at
+from ...say.place import bit_range, field_at
 from ...say.text import Said
 from ...say.words import volts
 from . import facts
@@ -32,9 +32,11 @@ class CodeValues(TypedDict):
     codes: Annotated[Sequence[str], "the order codes, which differ in mechanics or supply alone"]
     interface: Annotated[Interface, "the interface that they have"]
     has_masters: Annotated[bool, "whether there is a page of master settings"]
-    short_rows: Annotated[list[Row], "fact, value, source: what the order code stands for"]
+    short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
+    quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
     frame_pictures: Annotated[dict[str, str], "the path of the picture of each frame, by the name of its layout"]
     picture_texts: Annotated[dict[str, str], "what each of these pictures shows"]
+    delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
     short_errata: Annotated[list[tuple[Erratum, Said]], "the errata that concern this order code"]
 
 
@@ -72,8 +74,14 @@ def values(alike: Alike, has_masters: bool) -> CodeValues:
         "interface": alike.interface,
         "has_masters": has_masters,
         "short_rows": list(_short_rows(alike)),
+        "quantity_rows": list(_quantity_rows(alike)),
         "frame_pictures": {item.name: _picture_path(alike, item) for item in alike.interface.layouts},
         "picture_texts": {item.name: _picture_text(alike, item) for item in alike.interface.layouts},
+        "delivered": [
+            item.name
+            for item in alike.family.interface(alike.interface.name).layouts
+            if follows_registers(alike.family, item)
+        ],
         "short_errata": [(item, erratum(item, whole=True)) for item in alike.here.errata if _concerns(item)],
     }
 
@@ -105,24 +113,27 @@ def _picture_path(alike: Alike, layout: Layout) -> str:
 def _picture_text(alike: Alike, layout: Layout) -> str:
     """What the picture shows, for whoever cannot see it."""
     placed = layout.place(alike.variants[0].parameters)
-    fields = ", ".join(f"{item.name} {item.high}:{item.low}" for item in placed.fields)
+    fields = ", ".join(f"{item.name} {bit_range(item.high, item.low)}" for item in placed.fields)
     return f"{placed.bits} bits: {fields}"
 
 
-def _short_rows(alike: Alike) -> Iterator[Row]:
-    """What the order code stands for, in numbers; what registers decide is told as delivered."""
-    family, first = alike.family, alike.variants[0]
-    later = run_time_names(family)
-    for item in parameters_of(family, first.interface):
+def _quantity_rows(alike: Alike) -> Iterator[Row]:
+    """The quantities that the order code stands for; those that registers hold as delivered."""
+    later = run_time_names(alike.family)
+    for item in parameters_of(alike.family, alike.interface.name):
         if not item.alternative:
             yield _quantity(alike, item, item.name in later)
-    counted = alike.here.measurement_of(first.interface)
+
+
+def _short_rows(alike: Alike) -> Iterator[Row]:
+    """What the position counts, the supply, and what the manual says of the interface."""
+    counted = alike.here.measurement_of(alike.interface.name)
     if counted is not None:
-        yield "Position", STYLE.phrase(measurement(counted)), "", cited(counted.source)
+        yield "Position", STYLE.phrase(measurement(counted)), cited(counted.source)
     for voltage, codes in _supplies(alike).items():
         whose = f" ({', '.join(map(code, codes))})" if len(codes) < len(alike.variants) else ""
-        yield f"Supply{whose}", f"{volts(voltage.min_mv)} to {volts(voltage.max_mv)}", "", cited(voltage.source)
-    yield from ((label, told, "", source) for label, told, source in facts.interface_rows(alike.here, alike.interface))
+        yield f"Supply{whose}", f"{volts(voltage.min_mv)} to {volts(voltage.max_mv)}", cited(voltage.source)
+    yield from facts.interface_rows(alike.here, alike.interface)
 
 
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:

@@ -483,7 +483,7 @@ TEMPLATES = Templates(
         "cited": markdown.cited,
         "anchor": markdown.anchor,
         "sentence": sentence,
-        "title": title,
+        "titled": title,
         "heading": heading,
         "addresses": addresses,
         "said": markdown.STYLE.sentence,
