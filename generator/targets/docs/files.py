@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
@@ -24,7 +24,7 @@ from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import by_code, changes, codes, editions, facts, layouts, usable
+from . import across, by_code, changes, codes, editions, facts, layouts, usable
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -91,15 +91,16 @@ class CodePage(Parts, by_code.CodeValues):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``docs/README.md`` and ``docs/usable-or-not.md``.
+    """``docs/README.md``, and pages across families: usable or not, which encoder, registers by address, alarms.
 
-    For each device ``docs/<device>.md``, its pictures, ``docs/<device>-masters.md`` and ``docs/<device>-changes.md``.
+    For each device ``docs/<device>.md``, its pictures, ``docs/<device>-masters.md`` and ``docs/<device>-changes.md``,
+    and a page for each order code in ``docs/<device>/``.
     """
     try:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library)}
+    files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library), **_across(library)}
     for device in library.devices:
         own = library.own_templates
         has_masters = masters_page.has_masters(device)
@@ -163,6 +164,18 @@ def _index(library: Library) -> str:
 
 def _usable(library: Library) -> str:
     return _tidy(TEMPLATES.render("usable.md.jinja", usable.page_values(library.devices), library.own_templates))
+
+
+def _across(library: Library) -> dict[str, str]:
+    pages: dict[str, Mapping[str, Any]] = {
+        across.WHICH: across.which(library.devices),
+        across.REGISTERS: across.registers(library.devices),
+        across.ALARMS: across.alarms(library.devices),
+    }
+    return {
+        f"docs/{name}": _tidy(TEMPLATES.render(f"{name}.jinja", values, library.own_templates))
+        for name, values in pages.items()
+    }
 
 
 def _revision(manual: Manual) -> str:
@@ -475,6 +488,9 @@ TEMPLATES = Templates(
         "masters.md.jinja": masters_page.MastersPage,
         "changes.md.jinja": changes.ChangesPage,
         "usable.md.jinja": usable.UsablePage,
+        f"{across.WHICH}.jinja": across.WhichPage,
+        f"{across.REGISTERS}.jinja": across.RegistersPage,
+        f"{across.ALARMS}.jinja": across.AlarmsPage,
     },
     filters={
         "md": markdown.text,
