@@ -40,9 +40,7 @@ def which(devices: Sequence[Device]) -> WhichPage:
     return {
         "label_rows": [_label_row(item) for item in devices],
         "told_rows": [row for item in devices for row in _told(item)],
-        "compared_rows": _side_by_side(
-            row for item in devices for part in item.interfaces for row in _compared(item, part)
-        ),
+        "compared_rows": _side_by_side(row for item in devices for row in _compared(item)),
         "frame_rows": _side_by_side(row for item in devices for row in _frames(item)),
     }
 
