@@ -20,6 +20,7 @@ from ...say.text import Said
 from ...say.words import volts
 from . import facts
 from .pictures import bit_strip, draw
+from .waves import wave
 
 Row = tuple[str, ...]
 _BIT = 15.0
@@ -36,6 +37,7 @@ class CodeValues(TypedDict):
     quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
     frame_pictures: Annotated[dict[str, str], "the path of the picture of each frame, by the name of its layout"]
     picture_texts: Annotated[dict[str, str], "what each of these pictures shows"]
+    timing_text: Annotated[str, "what the picture of the interface in time shows; empty where there is none"]
     delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
     short_errata: Annotated[list[tuple[Erratum, Said]], "the errata that concern this order code"]
 
@@ -69,6 +71,7 @@ def all_alike(device: Device) -> Iterator[Alike]:
 
 
 def values(alike: Alike, has_masters: bool) -> CodeValues:
+    shown = wave(alike.family, alike.interface)
     return {
         "codes": [item.code for item in alike.variants],
         "interface": alike.interface,
@@ -77,6 +80,7 @@ def values(alike: Alike, has_masters: bool) -> CodeValues:
         "quantity_rows": list(_quantity_rows(alike)),
         "frame_pictures": {item.name: _picture_path(alike, item) for item in alike.interface.layouts},
         "picture_texts": {item.name: _picture_text(alike, item) for item in alike.interface.layouts},
+        "timing_text": shown.told if shown is not None else "",
         "delivered": [
             item.name
             for item in alike.family.interface(alike.interface.name).layouts

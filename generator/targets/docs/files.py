@@ -24,7 +24,7 @@ from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import across, by_code, changes, codes, editions, facts, layouts, usable
+from . import across, by_code, changes, codes, editions, facts, layouts, usable, waves
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -189,6 +189,8 @@ def _pictures(device: Device) -> dict[str, str]:
         for interface in device.interfaces
         for name in layouts.used_groups(interface)
     }
+    waves_of = ((item.name, waves.wave(device, item)) for item in device.interfaces)
+    made |= {f"timing-{name}": waves.drawn(item) for name, item in waves_of if item is not None}
     return made | {
         f"register-{item.name}": layouts.register_picture(device, item)
         for item in device.registers
