@@ -29,7 +29,7 @@ def test_times_are_those_of_the_manual(pages: Mapping[str, str], family: str, in
 
 
 def test_biss_is_in_the_order_of_the_protocol(pages: Mapping[str, str]) -> None:
-    """Protocol description (BiSS C), p. 3: acknowledge, start, CDS, data with its CRC, stop; then the time-out with CDM."""
+    """Protocol description (BiSS C), p. 3: acknowledge, start, CDS, data, CRC, stop, time-out with CDM."""
     root = ElementTree.fromstring(pages["docs/amm5/timing-biss.svg"])
     places = {item.text: float(item.get("x", "")) for item in root.iter(f"{SVG}text")}
     order = ["Ack", "Start", "CDS", "position", "error", "warning", "CRC", "stop"]
