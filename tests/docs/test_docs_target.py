@@ -272,16 +272,20 @@ def test_tables_are_whole(files: Files, hostile_files: Files) -> None:
 def test_hostile_text_stays_text(hostile_files: Files) -> None:
     files = hostile_files
     assert broken_links(files) == []
+    styles = set[str | None]()
     for name, made in files.items():
         if name.endswith(".svg"):
             root = read_xml(made.encode())
             assert {str(item.tag).rpartition("}")[2] for item in root.iter()} <= {
                 "svg",
                 "title",
+                "desc",
+                "style",
                 "rect",
                 "text",
                 "path",
             }
+            styles.update(item.text for item in root.iter("{http://www.w3.org/2000/svg}style"))
             continue
         outside_code = CODE.sub("", made)
         assert "<script" not in outside_code
@@ -298,6 +302,7 @@ def test_hostile_text_stays_text(hostile_files: Files) -> None:
             "/summary",
             "!--",
         }
+    assert len(styles) == 1, "a style is ours, whatever a spec says"
 
 
 def test_pictures_are_well_formed_and_nothing_leaves_the_card(files: Files) -> None:

@@ -104,7 +104,8 @@ def _ssi(interface: Ssi) -> Wave:
         (("Clock", clock), ("Data", data)),
         (Span(212, 272, monoflop), Span(212, 374, pause)),
         "Clock and data are high between words. From the first rising edge of the clock on, each shifts out a bit, "
-        f"{first} first. After the last one the data line is low ({monoflop}) and then high again. Between two words: {pause}.",
+        f"{first} first. After the last one the data line is low ({monoflop}) and then high again. "
+        f"Between two words: {pause}.",
     )
 
 
