@@ -14,6 +14,7 @@ from ..model import (
     Device,
     Example,
     FrameExample,
+    Input,
     MeasureExample,
     ProcedureExample,
     RegisterExample,
@@ -99,7 +100,17 @@ def _with_used(device: Device) -> Device:
         field_groups=tuple(item for item in device.field_groups if item.name in groups),
         alarms=tuple(item for item in device.alarms if item.group in groups and item.register in registers),
         alternatives=tuple(item for item in device.alternatives if item.name in decisions),
+        inputs=tuple(_with_registers(item, registers) for item in device.inputs),
     )
+
+
+def _with_registers(item: Input, registers: Collection[str]) -> Input:
+    """The input; what registers of another interface do to it does not hold here."""
+
+    def held(path: str) -> str:
+        return path if path.partition(".")[0] in registers else ""
+
+    return replace(item, inverts=held(item.inverts), needs=held(item.needs))
 
 
 class _Named(Protocol):

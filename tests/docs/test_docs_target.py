@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
@@ -41,7 +42,7 @@ def broken_links(files: Files) -> list[str]:
     for name, made in files.items():
         for target in LINK.findall(CODE.sub("", made)) if name.endswith(".md") else ():
             path, _, fragment = target.partition("#")
-            full = str(PurePosixPath(name).parent / path) if path else name
+            full = posixpath.normpath(PurePosixPath(name).parent / path) if path else name
             if full not in files or (fragment and fragment not in anchors[full]):
                 found.append(f"{name}: {target}")
     return found
@@ -58,10 +59,10 @@ def test_the_files(files: Files) -> None:
     assert broken_links(files) == []
     pictures = {name for name in files if name.endswith(".svg")}
     shown = {
-        f"docs/{target}"
-        for target in re.findall(
-            r"!\[[^\]]*\]\(([^)]+)\)", "".join(made for name, made in files.items() if name.endswith(".md"))
-        )
+        posixpath.normpath(PurePosixPath(name).parent / target)
+        for name, made in files.items()
+        if name.endswith(".md")
+        for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", made)
     }
     assert pictures == shown
 
@@ -271,16 +272,20 @@ def test_tables_are_whole(files: Files, hostile_files: Files) -> None:
 def test_hostile_text_stays_text(hostile_files: Files) -> None:
     files = hostile_files
     assert broken_links(files) == []
+    styles = set[str | None]()
     for name, made in files.items():
         if name.endswith(".svg"):
             root = read_xml(made.encode())
             assert {str(item.tag).rpartition("}")[2] for item in root.iter()} <= {
                 "svg",
                 "title",
+                "desc",
+                "style",
                 "rect",
                 "text",
                 "path",
             }
+            styles.update(item.text for item in root.iter("{http://www.w3.org/2000/svg}style"))
             continue
         outside_code = CODE.sub("", made)
         assert "<script" not in outside_code
@@ -297,6 +302,7 @@ def test_hostile_text_stays_text(hostile_files: Files) -> None:
             "/summary",
             "!--",
         }
+    assert len(styles) == 1, "a style is ours, whatever a spec says"
 
 
 def test_pictures_are_well_formed_and_nothing_leaves_the_card(files: Files) -> None:

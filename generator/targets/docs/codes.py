@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ...model import Alternative, Answer, Device, Interface, Parameter
@@ -95,22 +95,22 @@ def _delivered(device: Device, parameter: Parameter) -> str:
     return parameter_value(parameter, found) if found is not None else ""
 
 
-def code_tables(device: Device) -> list[dict[str, Any]]:
-    """For each interface its order codes with the quantities that follow from them."""
+def code_tables(device: Device, links: Mapping[str, str]) -> list[dict[str, Any]]:
+    """For each interface its order codes, as links to their pages, with the quantities that follow from them."""
     return [
-        _code_table(device, item)
+        _code_table(device, item, links)
         for item in device.interfaces
         if any(variant.interface == item.name for variant in device.variants)
     ]
 
 
-def _code_table(device: Device, interface: Interface) -> dict[str, Any]:
+def _code_table(device: Device, interface: Interface, links: Mapping[str, str]) -> dict[str, Any]:
     names = run_time_names(device)
     shown = (item for item in parameters_of(device, interface.name) if item.name not in names)
     parameters = [item for item in shown if not item.alternative]
     variants = [item for item in device.variants if item.interface == interface.name]
     rows = [
-        (code(item.code), *(parameter_value(part, item.parameters[part.name]) for part in parameters))
+        (links[item.code], *(parameter_value(part, item.parameters[part.name]) for part in parameters))
         for item in variants
     ]
     head = ["Order code", *(code(item.name) for item in parameters)]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import shipped_masters
 from ...model import Biss, Device, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
 from ...reference.parameters import follows_registers
+from ...reference.parts import for_interface
 from ...render import Templates, our_templates
 from ...say import alarm, hardware_input, markdown
 from ...say import layout as say_layout
@@ -16,13 +18,13 @@ from ...say import procedure as say_procedure
 from ...say import register as say_register
 from ...say.alternative import needs
 from ...say.markdown import cited, code, joined, link, text
-from ...say.name import full_title, title, words
+from ...say.name import full_title, heading, title, words
 from ...say.origin import origin, other_editions
 from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import changes, codes, editions, facts, layouts, usable
+from . import across, by_code, changes, codes, editions, facts, layouts, usable, waves
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -65,14 +67,12 @@ class Evidence(editions.EditionRows):
     history_rows: Annotated[Rows, "the revisions of the manual"]
 
 
-class DevicePage(Codes, Wiring, Evidence):
+class Parts(Wiring, Evidence):
     device: Annotated[Device, "the family"]
     origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
     alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, reasons, frames"]
-    has_masters: Annotated[bool, "whether there is a page of master settings"]
     errata_links: Annotated[Callable[..., str], "links to the errata of a path into the spec, or of several paths"]
-    contents: Annotated[list[tuple[str, str]], "title and anchor of each section"]
     interfaces: Annotated[list[Section], "the interfaces with their layouts, data IDs, cables and control frames"]
     crcs: Annotated[list[Section], "the CRCs: crc, rows"]
     registers: Annotated[list[Section], "the registers with their fields, values and facts"]
@@ -81,26 +81,54 @@ class DevicePage(Codes, Wiring, Evidence):
     alarms: Annotated[list[Section], "errors and warnings: alarm, title, rows"]
 
 
-def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``docs/README.md`` and ``docs/usable-or-not.md``.
+class DevicePage(Parts, Codes):
+    contents: Annotated[list[tuple[str, str]], "title and anchor of each section"]
+    has_masters: Annotated[bool, "whether there is a page of master settings"]
 
-    For each device ``docs/<device>.md``, its pictures, ``docs/<device>-masters.md`` and ``docs/<device>-changes.md``.
+
+class CodePage(Parts, by_code.CodeValues):
+    pass
+
+
+def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
+    """``docs/README.md``, and pages across families: usable or not, which encoder, registers by address, alarms.
+
+    For each device ``docs/<device>.md``, its pictures, ``docs/<device>-masters.md`` and ``docs/<device>-changes.md``,
+    and a page for each order code in ``docs/<device>/``.
     """
     try:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library)}
+    files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library), **_across(library)}
     for device in library.devices:
         own = library.own_templates
-        files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", _device_values(device), own))
-        if masters_page.has_masters(device):
+        has_masters = masters_page.has_masters(device)
+        page: DevicePage = {
+            **_parts(device),
+            **_identity(device),
+            "contents": _contents(device),
+            "has_masters": has_masters,
+        }
+        files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", page, own))
+        files |= _by_code(device, own)
+        if has_masters:
             values = masters_page.page_values(device, masters)
             files[f"docs/{device.name}-masters.md"] = _tidy(TEMPLATES.render("masters.md.jinja", values, own))
         told = changes.page_values(device)
         files[f"docs/{changes.page(device)}"] = _tidy(TEMPLATES.render("changes.md.jinja", told, own))
         files |= {f"docs/{device.name}/{name}.svg": picture for name, picture in _pictures(device).items()}
     return files
+
+
+def _by_code(device: Device, own: Path | None) -> Iterator[tuple[str, str]]:
+    """A page for each order code with its pictures; those that are the same to a program share one."""
+    taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
+    for alike in by_code.all_alike(device):
+        page: CodePage = {**_parts(alike.here), **by_code.values(alike, alike.interface.name in taken)}
+        yield f"docs/{device.name}/{alike.name}.md", _tidy(TEMPLATES.render("code.md.jinja", page, own))
+        for name, picture in by_code.pictures(alike):
+            yield f"docs/{device.name}/{name}", picture
 
 
 def _tidy(made: str) -> str:
@@ -122,10 +150,11 @@ def _index(library: Library) -> str:
         rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
     patterns: Rows = [
         (
-            ", ".join(code(item.code) for item in device.variants if item.interface == part.name),
+            ", ".join(codes_of[item.code] for item in device.variants if item.interface == part.name),
             link(part.title, f"{device.name}.md#interface-{part.name}"),
         )
         for device in library.devices
+        for codes_of in [by_code.links(device, f"{device.name}/")]
         for part in device.interfaces
     ]
     trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
@@ -135,6 +164,18 @@ def _index(library: Library) -> str:
 
 def _usable(library: Library) -> str:
     return _tidy(TEMPLATES.render("usable.md.jinja", usable.page_values(library.devices), library.own_templates))
+
+
+def _across(library: Library) -> dict[str, str]:
+    pages: dict[str, Mapping[str, Any]] = {
+        across.WHICH: across.which(library.devices),
+        across.REGISTERS: across.registers(library.devices),
+        across.ALARMS: across.alarms(library.devices),
+    }
+    return {
+        f"docs/{name}": _tidy(TEMPLATES.render(f"{name}.jinja", values, library.own_templates))
+        for name, values in pages.items()
+    }
 
 
 def _revision(manual: Manual) -> str:
@@ -148,6 +189,8 @@ def _pictures(device: Device) -> dict[str, str]:
         for interface in device.interfaces
         for name in layouts.used_groups(interface)
     }
+    waves_of = ((item.name, waves.wave(device, item)) for item in device.interfaces)
+    made |= {f"timing-{name}": waves.drawn(item) for name, item in waves_of if item is not None}
     return made | {
         f"register-{item.name}": layouts.register_picture(device, item)
         for item in device.registers
@@ -155,16 +198,13 @@ def _pictures(device: Device) -> dict[str, str]:
     }
 
 
-def _device_values(device: Device) -> DevicePage:
+def _parts(device: Device) -> Parts:
     return {
         "device": device,
         "origin": [*origin(device), *other_editions(device)],
         "usable_page": usable.PAGE,
         "alternatives": codes.alternatives(device),
-        "has_masters": masters_page.has_masters(device),
         "errata_links": partial(layouts.errata_links, device),
-        "contents": _contents(device),
-        **_identity(device),
         "interfaces": [_interface(device, item) for item in device.interfaces],
         "crcs": [{"crc": item, "rows": facts.crc_rows(item)} for item in device.crcs],
         "registers": [_register(device, item) for item in device.registers],
@@ -236,7 +276,7 @@ def _identity(device: Device) -> Codes:
         "spelling_rows": list(codes.spelling_rows(device)),
         "parameter_rows": list(codes.parameter_rows(device)),
         "run_time_rows": list(codes.run_time_rows(device)),
-        "code_tables": codes.code_tables(device),
+        "code_tables": codes.code_tables(device, by_code.links(device, f"{device.name}/")),
         "measurement_rows": list(codes.measurement_rows(device)),
     }
 
@@ -446,9 +486,13 @@ TEMPLATES = Templates(
     values={
         "index.md.jinja": Index,
         "device.md.jinja": DevicePage,
+        "code.md.jinja": CodePage,
         "masters.md.jinja": masters_page.MastersPage,
         "changes.md.jinja": changes.ChangesPage,
         "usable.md.jinja": usable.UsablePage,
+        f"{across.WHICH}.jinja": across.WhichPage,
+        f"{across.REGISTERS}.jinja": across.RegistersPage,
+        f"{across.ALARMS}.jinja": across.AlarmsPage,
     },
     filters={
         "md": markdown.text,
@@ -457,6 +501,9 @@ TEMPLATES = Templates(
         "cited": markdown.cited,
         "anchor": markdown.anchor,
         "sentence": sentence,
+        "titled": title,
+        "heading": heading,
+        "addresses": addresses,
         "said": markdown.STYLE.sentence,
     },
     functions={"table": markdown.table, "timing_rows": facts.timing_rows, "table_rows": _table_rows},

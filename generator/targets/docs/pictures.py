@@ -1,40 +1,37 @@
 """Pictures of layouts as SVG: strips of boxes, one box for each field.
 
-The card behind them is white and every colour is stated, so that a picture reads the same on a light page and on a dark
-one. Names that do not fit into their box stand below it at the end of a line. A bit that is 0 when it is active has a
-line over its name, and says so where there is room.
+Every picture has a card of its own behind it, light or dark as its reader's screen is. Names that do not fit into their
+box stand below it at the end of a line. A bit that is 0 when it is active has a line over its name, and says so where
+there is room.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from xml.sax.saxutils import escape, quoteattr
 
 from ...model import Choice, Constant, CrcValue, Field, Flag, Kind, Parity, PlacedLayout, Unused
-from ...say.lines import plain
 from ...say.place import bit_range
+from .svg import card, number, rect, text, width
 
-_INK, _FAINT, _EDGE = "#0f172a", "#475569", "#64748b"
+#: What a box is, which is its colour.
 _FILL: dict[type[Kind], str] = {
-    Flag: "#fde2e2",
-    CrcValue: "#e6dcfb",
-    Parity: "#e6dcfb",
-    Constant: "#eef1f5",
-    Unused: "#eef1f5",
-    Choice: "#dcf5e3",
+    Flag: "flag",
+    CrcValue: "check",
+    Parity: "check",
+    Constant: "fixed",
+    Unused: "fixed",
+    Choice: "choice",
 }
-_DATA, _GROUP, _NOTHING = "#dbeafe", "#fdf0d0", "#ffffff"
+_DATA, _GROUP, _NOTHING = "data", "group", "nothing"
 _MARGIN, _BOX, _ROW = 16.0, 38.0, 17.0
-#: Average width of a letter of the sans-serif fonts that browsers have, as a part of the font size; on the safe side.
-_LETTER = 0.58
 
 
 @dataclass(frozen=True)
 class Box:
     """A field at ``start``, ``size`` bits wide as it is drawn.
 
-    ``place`` says which bits it has, ``active_low`` that 0 means yes.
+    ``place`` says which bits it has, ``fill`` what it is, ``active_low`` that 0 means yes.
     """
 
     start: float
@@ -146,24 +143,21 @@ def draw(title: str, strips: Sequence[Strip], scale: float) -> str:
     right, top = 0.0, _MARGIN
     for index, strip in enumerate(strips):
         if strip.caption:
-            body.append(_text(_MARGIN, top + 12, strip.caption, 12, "start", _INK, bold=True))
-            right = max(right, _MARGIN + _width(strip.caption, 12.5))
+            body.append(text(_MARGIN, top + 12, strip.caption, 12, "start", bold=True))
+            right = max(right, _MARGIN + width(strip.caption, 12.5))
             top += _ROW + 4
         if strip.marks:
             body += [
-                _text(_MARGIN + middle * scale, top + 9, text, 10, "middle", _FAINT) for middle, text in strip.marks
+                text(_MARGIN + middle * scale, top + 9, mark, 10, "middle", faint=True) for middle, mark in strip.marks
             ]
             top += 15
         outside = []
         for box in strip.boxes:
-            left, width = _MARGIN + box.start * scale, box.size * scale
-            body.append(
-                f'<rect x="{_n(left)}" y="{_n(top)}" width="{_n(width)}" height="{_n(_BOX)}" fill="{box.fill}"'
-                f' stroke="{_EDGE}"/>'
-            )
-            right = max(right, left + width)
-            lines = _lines(box, width)
-            body += _centred(left + width / 2, top, lines, box)
+            left, room = _MARGIN + box.start * scale, box.size * scale
+            body.append(rect(left, top, room, _BOX, box.fill))
+            right = max(right, left + room)
+            lines = _lines(box, room)
+            body += _centred(left + room / 2, top, lines, box)
             if not lines:
                 outside.append(box)
         top += _BOX
@@ -171,23 +165,12 @@ def draw(title: str, strips: Sequence[Strip], scale: float) -> str:
             for row, box in enumerate(reversed(outside)):
                 middle, bottom = _MARGIN + (box.start + box.size / 2) * scale, top + 6 + _ROW * (row + 0.5)
                 label = _outside(box)
-                body.append(f'<path d="M{_n(middle)} {_n(top)}V{_n(bottom)}h6" fill="none" stroke="{_EDGE}"/>')
-                body.append(_text(middle + 9, bottom + 4, label, 11, "start", _INK))
-                right = max(right, middle + 9 + _width(label, 11))
+                body.append(f'<path d="M{number(middle)} {number(top)}V{number(bottom)}h6" class="line"/>')
+                body.append(text(middle + 9, bottom + 4, label, 11, "start"))
+                right = max(right, middle + 9 + width(label, 11))
             top += 8 + _ROW * len(outside)
         top += 14
-    return _card(title, body, right + _MARGIN, top - 14 + _MARGIN)
-
-
-def _card(title: str, body: Sequence[str], width: float, height: float) -> str:
-    head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_n(width)}" height="{_n(height)}" '
-        f'viewBox="0 0 {_n(width)} {_n(height)}" role="img" aria-label={quoteattr(plain(title))} '
-        'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
-    )
-    size = f'width="{_n(width - 1)}" height="{_n(height - 1)}"'
-    card = f'<rect x="0.5" y="0.5" {size} rx="6" fill="#ffffff" stroke="#cbd5e1"/>'
-    return "\n".join([head, f"<title>{escape(plain(title))}</title>", card, *body, "</svg>", ""])
+    return card(title, body, right + _MARGIN, top - 14 + _MARGIN)
 
 
 def _outside(box: Box) -> str:
@@ -212,40 +195,23 @@ def _label(field: Field) -> str:
     return value if is_plain else f"{field.name.replace('_', ' ')} = {value}"
 
 
-def _width(text: str, size: float) -> float:
-    return len(text) * size * _LETTER
-
-
-def _lines(box: Box, width: float) -> list[tuple[str, int, str]]:
-    """The lines of text inside a box as text, size and colour; none where the name does not fit."""
-    place = [(box.place, 10, _FAINT)] if box.place and _width(box.place, 10) <= width - 2 else []
+def _lines(box: Box, room: float) -> list[tuple[str, int, bool]]:
+    """The lines of text inside a box as text, size and whether faint; none where the name does not fit."""
+    place = [(box.place, 10, True)] if box.place and width(box.place, 10) <= room - 2 else []
     for size in (12, 11, 10):
-        if _width(box.name, size) <= width - 4:
+        if width(box.name, size) <= room - 4:
             if box.place and not place:
-                return [(box.name, size, _INK)] if box.size > 1 else []
-            return [(box.name, size, _INK), *place]
+                return [(box.name, size, False)] if box.size > 1 else []
+            return [(box.name, size, False), *place]
         words = box.name.split(" ", 1)
-        if len(words) > 1 and not place and all(_width(part, size) <= width - 4 for part in words):
-            return [(part, size, _INK) for part in words]
+        if len(words) > 1 and not place and all(width(part, size) <= room - 4 for part in words):
+            return [(part, size, False) for part in words]
     return []
 
 
-def _centred(middle: float, top: float, lines: Sequence[tuple[str, int, str]], box: Box) -> list[str]:
+def _centred(middle: float, top: float, lines: Sequence[tuple[str, int, bool]], box: Box) -> list[str]:
     first = top + _BOX / 2 + 4 - 7 * (len(lines) - 1)
     return [
-        _text(middle, first + 14 * index, text, size, "middle", colour, over=box.active_low and text in box.name)
-        for index, (text, size, colour) in enumerate(lines)
+        text(middle, first + 14 * index, line, size, "middle", faint=faint, over=box.active_low and line in box.name)
+        for index, (line, size, faint) in enumerate(lines)
     ]
-
-
-def _text(
-    x: float, y: float, text: str, size: int, anchor: str, colour: str, bold: bool = False, over: bool = False
-) -> str:
-    weight = ' font-weight="600"' * bold + ' text-decoration="overline"' * over
-    look = f'font-size="{size}" text-anchor="{anchor}" fill="{colour}"{weight}'
-    return f'<text x="{_n(x)}" y="{_n(y)}" {look}>{escape(plain(text))}</text>'
-
-
-def _n(value: float) -> str:
-    """A number with at most one decimal, the same on every machine."""
-    return f"{value:.1f}".removesuffix(".0")

@@ -1,0 +1,70 @@
+"""A device as an order code has it: what depends on the order code is a number."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+from ..model import Device, Layout, Variant
+from ..model.expressions import Expression, Factor
+
+#: The parts of a device that expressions stand in.
+_PARTS = ("interfaces", "registers", "procedures", "measurement")
+
+
+def applied(device: Device, variant: Variant) -> Device:
+    """The device with the quantities of an order code filled in; the questions that a manual leaves open stay.
+
+    Quantities that registers hold are those as delivered.
+    """
+    asked = {item.name for item in device.parameters if item.alternative}
+    known = {name: value for name, value in variant.parameters.items() if name not in asked}
+    return replace(device, **{name: _filled(getattr(device, name), known) for name in _PARTS})
+
+
+def _filled(item: Any, known: Mapping[str, int]) -> Any:
+    if isinstance(item, Expression):
+        return _number(item, known)
+    if isinstance(item, tuple):
+        several = tuple(_filled(one, known) for one in item)
+        return several if any(new is not old for new, old in zip(several, item, strict=True)) else item
+    if not is_dataclass(item) or isinstance(item, type):
+        return item
+    held = {part.name: getattr(item, part.name) for part in fields(item) if part.init}
+    changed = {name: new for name, old in held.items() if (new := _filled(old, known)) is not old}
+    made = replace(item, **changed) if changed else item
+    return _without_empty(_decoded(made, known)) if isinstance(made, Layout) else made
+
+
+def _decoded(layout: Layout, known: Mapping[str, int]) -> Layout:
+    """The layout with its code known: Gray, or plain binary."""
+    if layout.gray_when not in known:
+        return layout
+    return replace(layout, gray_of=layout.gray_of if known[layout.gray_when] else "", gray_when="")
+
+
+def _without_empty(layout: Layout) -> Layout:
+    """The layout without fields that have no bits, and joins without them."""
+    empty = {item.name for item in layout.fields if item.width == Expression(0)}
+    if not empty:
+        return layout
+    joins = (replace(item, fields=tuple(name for name in item.fields if name not in empty)) for item in layout.joins)
+    return replace(
+        layout,
+        fields=tuple(item for item in layout.fields if item.name not in empty),
+        joins=tuple(item for item in joins if len(item.fields) > 1),
+    )
+
+
+def _number(item: Expression, known: Mapping[str, int]) -> Expression:
+    """The sum with each term that is known as a number."""
+    if item.is_constant:
+        return item
+    open_terms = tuple(term for term in item.terms if not all(_is_known(factor, known) for factor in term.factors))
+    rest = Expression(item.constant, tuple(term for term in item.terms if term not in open_terms))
+    return Expression(rest.value(known), open_terms)
+
+
+def _is_known(factor: Factor, known: Mapping[str, int]) -> bool:
+    return factor.parameter in known

@@ -1,0 +1,157 @@
+"""Pages across families: which encoder it is, all registers by address, all alarms and LEDs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Annotated, TypedDict
+
+from ...model import Alarm, Device, Field, Interface, Register, Supply, Variant
+from ...say import register as say_register
+from ...say.interface import settings
+from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.name import title, words
+from ...say.place import addresses
+from ...say.words import volts
+
+#: No family can be called so.
+WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
+Row = tuple[str, ...]
+#: What a comparison has of each interface, by the labels of what is said of it.
+_COMPARED = ("Clock", "Time-out", "Port")
+
+
+class WhichPage(TypedDict):
+    label_rows: Annotated[list[Row], "family, pattern of its order codes, interfaces, quantities"]
+    told_rows: Annotated[list[Row], "family, register that tells it, what it holds, source"]
+    compared_rows: Annotated[list[Row], "interface of a family, fact, value, source"]
+    frame_rows: Annotated[list[Row], "frames that carry a position: family, frame, bits, CRC, flags"]
+
+
+class RegistersPage(TypedDict):
+    register_rows: Annotated[list[Row], "address, bank, register, family, access, default, what it is"]
+
+
+class AlarmsPage(TypedDict):
+    alarm_rows: Annotated[list[Row], "alarm, family, meaning, remedy, source"]
+    led_rows: Annotated[list[Row], "LED, state, family, meaning, source"]
+
+
+def which(devices: Sequence[Device]) -> WhichPage:
+    return {
+        "label_rows": [_label_row(item) for item in devices],
+        "told_rows": [row for item in devices for row in _told(item)],
+        "compared_rows": _side_by_side(row for item in devices for row in _compared(item)),
+        "frame_rows": _side_by_side(row for item in devices for row in _frames(item)),
+    }
+
+
+def _side_by_side(rows: Iterable[Row]) -> list[Row]:
+    """The rows of each interface together, in the order in which interfaces first come."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row[0], []).append(row)
+    return [row for part in found.values() for row in part]
+
+
+def _family(device: Device) -> str:
+    return link(text(device.name.upper()), f"{device.name}.md")
+
+
+def _label_row(device: Device) -> Row:
+    titles = joined((item.title for item in device.interfaces), ", ")
+    supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
+    return _family(device), text(device.title), code(device.order_code.pattern), titles, joined(map(_volts, supplies))
+
+
+def _volts(supply: Supply) -> str:
+    return f"{volts(supply.min_mv)} to {volts(supply.max_mv)}"
+
+
+def _told(device: Device) -> Iterator[Row]:
+    """The registers that hold the same in every encoder of the family, or follow from the order code."""
+    for register, field in device.identity:
+        where = link(addresses(register), f"{device.name}.md#register-{register.name}")
+        name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
+        yield _family(device), where, text(name), _held(field), cited(field.source or register.source)
+
+
+def _held(field: Field) -> str:
+    match field.equals:
+        case int():
+            return f"`{field.equals:0{(field.widest + 3) // 4}X}h`"
+        case str():
+            return code(field.equals)
+        case None:
+            return ""
+        case expression:
+            return STYLE.number(expression) + ", by order code"
+
+
+def _compared(device: Device) -> Iterator[Row]:
+    for interface in device.interfaces:
+        for item in settings(device, interface):
+            if item.label in _COMPARED:
+                yield interface.title, _family(device), text(item.label), STYLE.phrase(item), cited(item.source)
+
+
+def _frames(device: Device) -> Iterator[Row]:
+    for interface, layout in device.layouts():
+        if device.tells_position(interface.name, layout):
+            lengths = sorted({layout.place(item.parameters).bits for item in _variants(device, interface)})
+            crc = device.crc_of(layout)
+            yield (
+                interface.title,
+                _family(device),
+                link(code(layout.name), f"{device.name}.md#layout-{layout.name}"),
+                f"{lengths[0]}" if len(lengths) == 1 else f"{lengths[0]} to {lengths[-1]}",
+                layout.byte_order.replace("_", " ") if layout.in_bytes else "most significant bit first",
+                text(crc.polynomial) if crc is not None else "none",
+            )
+
+
+def _variants(device: Device, interface: Interface) -> Iterator[Variant]:
+    return (item for item in device.variants if item.interface == interface.name)
+
+
+def registers(devices: Sequence[Device]) -> RegistersPage:
+    found = [(item, device) for device in devices for item in device.registers]
+    found.sort(key=lambda pair: (pair[0].address, -1 if pair[0].bank is None else pair[0].bank, pair[1].name))
+    return {"register_rows": [_register_row(*pair) for pair in found]}
+
+
+def _register_row(register: Register, device: Device) -> Row:
+    data = register.default_bytes()
+    return (
+        addresses(register),
+        "" if register.bank is None else f"{register.bank}",
+        link(code(register.name), f"{device.name}.md#register-{register.name}"),
+        _family(device),
+        say_register.access(register),
+        code(data.hex(" ").upper()) if data is not None else "",
+        text(register.meaning),
+        cited(register.source),
+    )
+
+
+def alarms(devices: Sequence[Device]) -> AlarmsPage:
+    found = sorted(((item, device) for device in devices for item in device.alarms), key=_by_name)
+    return {
+        "alarm_rows": [_alarm_row(*pair) for pair in found],
+        "led_rows": [
+            (text(item.title), text(state.state), _family(device), text(state.meaning), cited(item.source))
+            for device in devices
+            for item in device.leds
+            for state in item.states
+        ],
+    }
+
+
+def _by_name(pair: tuple[Alarm, Device]) -> tuple[str, str]:
+    alarm, device = pair
+    return title(alarm).casefold(), device.name
+
+
+def _alarm_row(alarm: Alarm, device: Device) -> Row:
+    name = link(text(title(alarm)), f"{device.name}.md#alarm-{alarm.name}")
+    meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
+    return name, _family(device), meaning, text(alarm.remedy), cited(alarm.source)

@@ -1,0 +1,80 @@
+"""What all pictures are made of: a card with a title, text in three shades, and colours for light and dark screens."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.sax.saxutils import escape, quoteattr
+
+from ...say.lines import plain
+
+#: Average width of a letter of the sans-serif fonts that browsers have, as a part of the font size; on the safe side.
+_LETTER = 0.58
+#: Class, property, colour on a light screen, colour on a dark one.
+_COLOURS = (
+    ("card", "fill", "#ffffff", "#0f172a"),
+    ("card", "stroke", "#cbd5e1", "#475569"),
+    ("ink", "fill", "#0f172a", "#f1f5f9"),
+    ("faint", "fill", "#475569", "#cbd5e1"),
+    ("line", "stroke", "#64748b", "#94a3b8"),
+    ("wave", "stroke", "#0f172a", "#f1f5f9"),
+    ("data", "fill", "#dbeafe", "#1e3a5f"),
+    ("group", "fill", "#fdf0d0", "#5b4a1e"),
+    ("flag", "fill", "#fde2e2", "#6b2a2a"),
+    ("check", "fill", "#e6dcfb", "#453070"),
+    ("fixed", "fill", "#eef1f5", "#334155"),
+    ("choice", "fill", "#dcf5e3", "#1f4d33"),
+    ("nothing", "fill", "#ffffff", "#0f172a"),
+)
+
+
+def _style() -> str:
+    light = "".join(f".{name}{{{what}:{colour}}}" for name, what, colour, _ in _COLOURS)
+    dark = "".join(f".{name}{{{what}:{colour}}}" for name, what, _, colour in _COLOURS)
+    always = ".line,.wave{fill:none}rect{stroke:#64748b}"
+    return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
+
+
+def card(title: str, body: Sequence[str], width: float, height: float, desc: str = "") -> str:
+    """A picture of this size; ``desc`` says what it shows to whoever cannot see it."""
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
+        f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label={quoteattr(plain(title))} '
+        'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
+    )
+    size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
+    told = [f"<desc>{escape(plain(desc))}</desc>"] if desc else []
+    below = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
+    return "\n".join([head, f"<title>{escape(plain(title))}</title>", *told, _style(), below, *body, "</svg>", ""])
+
+
+def rect(left: float, top: float, wide: float, high: float, fill: str) -> str:
+    """A box; ``fill`` says what it is."""
+    size = f'width="{number(wide)}" height="{number(high)}"'
+    return f'<rect x="{number(left)}" y="{number(top)}" {size} class="{fill}"/>'
+
+
+def text(
+    x: float,
+    y: float,
+    words: str,
+    size: int,
+    anchor: str,
+    *,
+    faint: bool = False,
+    bold: bool = False,
+    over: bool = False,
+) -> str:
+    """A line of text; ``over`` draws a line above it."""
+    weight = ' font-weight="600"' * bold + ' text-decoration="overline"' * over
+    look = f'font-size="{size}" text-anchor="{anchor}" class="{"faint" if faint else "ink"}"{weight}'
+    return f'<text x="{number(x)}" y="{number(y)}" {look}>{escape(plain(words))}</text>'
+
+
+def width(words: str, size: float) -> float:
+    """How wide a line of text is at most."""
+    return len(words) * size * _LETTER
+
+
+def number(value: float) -> str:
+    """A number with at most one decimal, the same on every machine."""
+    return f"{value:.1f}".removesuffix(".0")

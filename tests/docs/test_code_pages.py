@@ -1,0 +1,92 @@
+"""A page for each order code: it is found by the code, and its numbers are those of the manual."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import pytest
+from codewheel.build.load import load_sound
+from codewheel.model import Device
+from codewheel.model.expressions import Expression
+from codewheel.reference.applied import applied
+from codewheel.targets import Library
+
+Files = Mapping[str, str]
+
+#: A sum or product that no number stands for yet: ``singleturn_bits + 7``.
+_OPEN = re.compile(r"(?:_bits|_bytes|per_turn|revolutions)\b.*[-+*^]|2\^")
+
+
+def page_of(files: Files, code: str) -> str:
+    """The page to which the index leads from an order code."""
+    found = re.findall(rf"\[`{re.escape(code)}`\]\(([^)]+)\)", files["docs/README.md"])
+    assert len(found) == 1, code
+    return files[f"docs/{found[0]}"]
+
+
+def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: Library, pages: Files) -> None:
+    for device in library.devices:
+        for variant in device.variants:
+            head = page_of(pages, variant.code).partition("## Frames")[0]
+            assert variant.code in head
+            assert device.interface(variant.interface).title in head
+
+
+def test_there_is_no_page_beside_them(library: Library, pages: Files) -> None:
+    linked = set(re.findall(r"\]\(([^)]+/[^)]+\.md)\)", pages["docs/README.md"]))
+    assert linked == {name.removeprefix("docs/") for name in pages if re.fullmatch(r"docs/[^/]+/[^/]+\.md", name)}
+
+
+def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
+    for name, page in pages.items():
+        if re.fullmatch(r"docs/[^/]+/[^/]+\.md", name):
+            before = page.partition('<a id="quantities"></a>')[0]
+            spans = [span for line in before.splitlines() for span in line.split("`")[1::2]]
+            assert [span for span in spans if _OPEN.search(span)] == [], name
+
+
+@pytest.mark.parametrize(
+    ("code", "rows"),
+    [
+        # AMM5 6.2.1 p.32 and 6.4: the position of 37 bits above nE, nW and 6 bits of CRC; its preset from bit 12 on.
+        ("AMM5A21/65KSC1", ["| `multiturn` | bits 44:29 | 16 |", "| `error`<br>Error, nE, it: Errore | bit 7 | 1 |"]),
+        ("AMM5A21/65KSC1", ["| `multiturn` | bits 48:33 | 16 |", "| `singleturn` | bits 32:12 | 21 |"]),
+        ("AMM5B17/1SC1", ["| `singleturn` | bits 24:8 | 17 |", "| `singleturn` | bits 32:16 | 17 |"]),
+        # AM36 5.2: 16 + 12 bits, 19 + 12 bits; 5.3: 100 kHz to 3 MHz.
+        ("AM3616/4096-BG", ["| `singleturn` | bits 15:0 | 16 |", "| Clock | 100 kHz to 3 MHz | §5.3 |"]),
+        ("AMC3619/4096-GG", ["| `multiturn` | bits 30:19 | 12 |", "- `position` is in Gray code."]),
+        # SMA21 6.2 p.25: 24 bits for the position at 50 µm, 20 of them used; 25 at 1 µm.
+        ("SMA21-SC4-0050", ["| `padding` | bits 31:28 | 4 |", "| Supply (`SMA21-SC4-0050`) | 5 V to 30 V |"]),
+    ],
+)
+def test_the_numbers_are_those_of_the_manual(pages: Files, code: str, rows: list[str]) -> None:
+    page = page_of(pages, code)
+    assert [row for row in rows if row not in page.replace("<br>it: Posizione", "")] == []
+
+
+def test_a_field_without_bits_has_no_row(pages: Files) -> None:
+    assert "`multiturn`" not in page_of(pages, "AMM5A17/1SC1").partition("## Errata")[0].partition("## Frames")[2]
+    assert "`zero_below_multiturn`" not in page_of(pages, "AMM5A21/65KSC1")
+
+
+def device(name: str) -> Device:
+    return next(item for item in load_sound()[0] if item.name == name)
+
+
+def test_what_an_order_code_does_not_decide_stays_open() -> None:
+    """AMM5 7.3: where the address of an EEPROM request stands is for the user to decide."""
+    amm5 = device("amm5")
+    here = applied(amm5, amm5.variant("AMM5A21/65KJP1"))
+    request = here.layout("eeprom_read_request")
+    assert {name for item in request.fields for name in item.low.parameters} != set()
+    assert here.layout("multiturn_reply").fields[0].low.is_constant
+
+
+def test_the_device_itself_is_as_it_was() -> None:
+    amm5 = device("amm5")
+    before = amm5.layout("single_cycle_data").bits
+    applied(amm5, amm5.variant("AMM5A21/65KSC1"))
+    assert amm5.layout("single_cycle_data").bits is before
+    assert not before.is_constant
+    assert applied(amm5, amm5.variant("AMM5A21/65KSC1")).layout("single_cycle_data").bits == Expression(45)

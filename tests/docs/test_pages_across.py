@@ -1,0 +1,58 @@
+"""The pages across families: nothing is left out, and what they put side by side is what the manuals say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from codewheel.targets import Library
+
+Files = Mapping[str, str]
+
+
+def rows(page: str, start: str) -> list[str]:
+    return [line for line in page.splitlines() if line.startswith(f"| {start}")]
+
+
+def test_every_register_is_listed_by_its_address(library: Library, pages: Files) -> None:
+    page = pages["docs/registers-by-address.md"]
+    for device in library.devices:
+        for register in device.registers:
+            found = rows(page, f"{register.address:02X}h")
+            assert any(f"({device.name}.md#register-{register.name})" in row for row in found), register.name
+    places = [line[2:4] for line in page.splitlines() if line[4:5] == "h" and line.startswith("| ")]
+    assert places == sorted(places)
+
+
+def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
+    page = pages["docs/alarms-and-leds.md"]
+    for device in library.devices:
+        assert [item.name for item in device.alarms if f"({device.name}.md#alarm-{item.name})" not in page] == []
+        assert [item.title for item in device.leds if not rows(page, item.title)] == []
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        # AM36 6.5 p.31 and 6.6 p.32; AMM5 6.2.1 p.32 and 6.4 p.39; SMA21 7.1 p.37.
+        "| [AM36](am36.md) | [55h](am36.md#register-device_type) | Device type | `02h` |",
+        "| BiSS C-mode | [AM36](am36.md) | Clock | 200 kHz to 10 MHz |",
+        "| BiSS C-mode | [AMM5](amm5.md) | [`single_cycle_data`](amm5.md#layout-single_cycle_data) | 25 to 47 |",
+        "| [AMM5](amm5.md) | [78h to 7Dh](amm5.md#register-device_id) | Device ID, name | `AMM5` |",
+        "| RS-485 | [SMA21](sma21.md) | Port | 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control |",
+    ],
+)
+def test_what_tells_the_families_apart(pages: Files, row: str) -> None:
+    assert rows(pages["docs/which-encoder.md"], row.removeprefix("| "))
+
+
+def test_interfaces_stand_together(pages: Files) -> None:
+    page = pages["docs/which-encoder.md"].partition('<a id="interfaces"></a>')[2]
+    titles = [line.split(" | ")[0] for line in page.splitlines() if line.startswith(("| SSI", "| BiSS", "| RS"))]
+    assert titles == sorted(titles, key=["| SSI", "| BiSS C-mode", "| RS-485"].index)
+
+
+def test_the_index_leads_to_them(pages: Files) -> None:
+    for name in ("which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"):
+        assert f"({name})" in pages["docs/README.md"]
+        assert "(README.md)" in pages[f"docs/{name}"]
