@@ -37,10 +37,7 @@ _SEVERITY = {
     "omission": "something missing",
     "wording": "wording only",
 }
-_STATUS = {
-    "settled": "settled by the manual's own evidence or by arithmetic",
-    "open": "open: only hardware or the maker could decide",
-}
+SEVERITIES = tuple(_SEVERITY)
 
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
@@ -153,10 +150,6 @@ def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
 def changes(number: int) -> str:
     """How many of the errata are none of the manual."""
     return f" {number} more are changes by overlays, or what is otherwise in another edition." if number else ""
-
-
-def status(value: str) -> str:
-    return _STATUS[value]
 
 
 def severity(value: str) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import shipped_masters
-from ...model import Biss, Device, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
+from ...model import Biss, Device, Erratum, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
 from ...reference.parameters import follows_registers
 from ...reference.parts import for_interface
 from ...render import Templates, our_templates
@@ -60,7 +60,7 @@ class Wiring(TypedDict):
 class Evidence(editions.EditionRows):
     examples: Annotated[list[Section], "the worked examples: example, rows"]
     errata_summary: Annotated[str, "how many errata there are, and how many are open"]
-    erratum_rows: Annotated[Rows, "the errata in short, each with a link"]
+    erratum_links: Annotated[list[tuple[str, list[str]]], "status and stake, and links to the errata of that kind"]
     errata_list: Annotated[list[Section], "the errata in full: erratum, rows"]
     lost_rows: Annotated[Rows, "the figures that were not available"]
     document_rows: Annotated[Rows, "the documents that sources name"]
@@ -369,6 +369,7 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
         "head": say_layout.head(interface, layout, title(layout)),
         "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
         "rows": list(layouts.field_rows(device, layout)),
+        "picture": layouts.picture_text(layout, interface.title),
         "placements": layouts.placement_table(device, layout, interface.name),
         "delivered": follows_registers(device, layout),
     }
@@ -446,16 +447,11 @@ def _evidence(device: Device) -> Evidence:
     return {
         "examples": [{"example": item, "rows": facts.example_facts(device, item)} for item in device.examples],
         "errata_summary": f"{len(of_manual)} places where the manual cannot be taken literally; "
-        f"{len(is_open)} of them are open." + facts.changes(len(device.errata) - len(of_manual)),
-        "erratum_rows": [
-            (
-                link(code(item.name), f"#erratum-{item.name}"),
-                text(item.printed),
-                text(item.used),
-                item.status,
-                facts.severity(item.severity),
-            )
-            for item in device.errata
+        f"{len(is_open)} of them are open: only hardware or the maker could decide. The others are settled by the "
+        "manual's own evidence or by arithmetic." + facts.changes(len(device.errata) - len(of_manual)),
+        "erratum_links": [
+            (text(standing), [link(code(item.name), f"#erratum-{item.name}") for item in found])
+            for standing, found in _by_standing(device.errata)
         ],
         "errata_list": [
             {
@@ -463,8 +459,8 @@ def _evidence(device: Device) -> Evidence:
                 "rows": [
                     *facts.printed_and_used(item),
                     ("Why", text(item.why)),
-                    ("Status", facts.status(item.status)),
-                    ("Literally", facts.severity(item.severity)),
+                    ("Status", text(item.status)),
+                    ("At stake", facts.severity(item.severity)),
                     ("Affects", ", ".join(map(code, item.affects))),
                     ("Source", cited(item.source)),
                 ],
@@ -479,6 +475,15 @@ def _evidence(device: Device) -> Evidence:
             for item in device.manual.history
         ],
     }
+
+
+def _by_standing(errata: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]]:
+    """The errata by status and by what is at stake, open ones first and wrong bytes before words."""
+    for status in ("open", "settled"):
+        for severity in facts.SEVERITIES:
+            found = [item for item in errata if (item.status, item.severity) == (status, severity)]
+            if found:
+                yield f"{status}, {facts.severity(severity)}", found
 
 
 TEMPLATES = Templates(

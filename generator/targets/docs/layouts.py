@@ -13,7 +13,7 @@ from ...say.erratum import errata
 from ...say.erratum import reference as erratum_ref
 from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, reference, table, text
-from ...say.name import Named, own_names
+from ...say.name import Named, own_names, title, words
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Said, parted, said, told
 from .pictures import Box, Strip, bit_strip, byte_strip, draw, group_strip, register_strip
@@ -56,8 +56,11 @@ def named(item: Named) -> str:
 
 
 def errata_links(device: Device, *paths: str) -> str:
-    """The errata that are about exactly this, or about something inside it."""
-    return ", ".join(reference(erratum_ref(item)) for item in errata(device, *paths, wording=True))
+    """The errata that are about exactly this, or about something inside it; those that are open say so."""
+    return ", ".join(
+        reference(erratum_ref(item)) + (" (open)" if item.status == "open" else "")
+        for item in errata(device, *paths, wording=True)
+    )
 
 
 def field_cell(device: Device, item: Field, in_register: bool = False) -> str:
@@ -201,6 +204,12 @@ def _moves(field: Field, decided: Container[str]) -> bool:
 
 
 # -- pictures
+
+
+def picture_text(layout: Layout, over: str) -> str:
+    """What the picture of a layout shows, for whoever cannot see it: its fields in sending order."""
+    names = dict.fromkeys(item.group or item.name for item in layout.fields if not item.padding_of)
+    return f"{title(layout)} over {over}: {', '.join(map(words, names))}"
 
 
 def layout_picture(device: Device, interface: Interface, layout: Layout) -> str:
