@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import shipped_masters
-from ...model import Biss, Device, Erratum, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
+from ...model import Biss, Device, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
 from ...reference.parameters import follows_registers
 from ...reference.parts import for_interface
 from ...render import Templates, our_templates
@@ -24,7 +24,7 @@ from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import across, by_code, changes, codes, editions, facts, layouts, usable, waves
+from . import across, by_code, changes, codes, evidence, facts, layouts, usable, waves
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -57,17 +57,7 @@ class Wiring(TypedDict):
     characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
 
 
-class Evidence(editions.EditionRows):
-    examples: Annotated[list[Section], "the worked examples: example, rows"]
-    errata_summary: Annotated[str, "how many errata there are, and how many are open"]
-    erratum_links: Annotated[list[tuple[str, list[str]]], "status and stake, and links to the errata of that kind"]
-    errata_list: Annotated[list[Section], "the errata in full: erratum, rows"]
-    lost_rows: Annotated[Rows, "the figures that were not available"]
-    document_rows: Annotated[Rows, "the documents that sources name"]
-    history_rows: Annotated[Rows, "the revisions of the manual"]
-
-
-class Parts(Wiring, Evidence):
+class Parts(Wiring, evidence.Evidence):
     device: Annotated[Device, "the family"]
     origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
@@ -223,7 +213,7 @@ def _parts(device: Device) -> Parts:
             {"alarm": item, "title": full_title(item), "facts": alarm.facts(device, item)} for item in device.alarms
         ],
         **_wiring(device),
-        **_evidence(device),
+        **evidence.evidence(device),
     }
 
 
@@ -439,51 +429,6 @@ def _wiring(device: Device) -> Wiring:
             (code(item.name), text(item.value), code(item.only), cited(item.source)) for item in device.characteristics
         ],
     }
-
-
-def _evidence(device: Device) -> Evidence:
-    of_manual = [item for item in device.errata if not (item.overlay or item.edition)]
-    is_open = [item for item in of_manual if item.status == "open"]
-    return {
-        "examples": [{"example": item, "rows": facts.example_facts(device, item)} for item in device.examples],
-        "errata_summary": f"{len(of_manual)} places where the manual cannot be taken literally; "
-        f"{len(is_open)} of them are open: only hardware or the maker could decide. The others are settled by the "
-        "manual's own evidence or by arithmetic." + facts.changes(len(device.errata) - len(of_manual)),
-        "erratum_links": [
-            (text(standing), [link(code(item.name), f"#erratum-{item.name}") for item in found])
-            for standing, found in _by_standing(device.errata)
-        ],
-        "errata_list": [
-            {
-                "erratum": item,
-                "rows": [
-                    *facts.printed_and_used(item),
-                    ("Why", text(item.why)),
-                    ("Status", text(item.status)),
-                    ("At stake", facts.severity(item.severity)),
-                    ("Affects", ", ".join(map(code, item.affects))),
-                    ("Source", cited(item.source)),
-                ],
-            }
-            for item in device.errata
-        ],
-        **editions.rows_and_tests(device),
-        "lost_rows": [(text(item.content), cited(item.source)) for item in device.lost_figures],
-        "document_rows": facts.document_rows(device.documents),
-        "history_rows": [
-            (text(item.revision), item.date, text(item.changes), text(item.hardware), text(item.software))
-            for item in device.manual.history
-        ],
-    }
-
-
-def _by_standing(errata: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]]:
-    """The errata by status and by what is at stake, open ones first and wrong bytes before words."""
-    for status in ("open", "settled"):
-        for severity in facts.SEVERITIES:
-            found = [item for item in errata if (item.status, item.severity) == (status, severity)]
-            if found:
-                yield f"{status}, {facts.severity(severity)}", found
 
 
 TEMPLATES = Templates(
