@@ -162,6 +162,15 @@ class Module:
         return [Shape(item, told[item.layout.name].judgement if item.layout.name in told else None) for item in frames]
 
     @property
+    def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
+        """The same by interface and sender."""
+        of = {id(item): section.interface.name for section in self.sections for item in section.coders}
+        found: dict[tuple[str, str], list[Shape]] = {}
+        for shape in self.shapes:
+            found.setdefault((of[id(shape.coder)], shape.coder.layout.sender), []).append(shape)
+        return found
+
+    @property
     def judged(self) -> bool:
         """Whether any frame tells what its position is worth."""
         return any(item.otherwise for item in self.shapes)
