@@ -95,7 +95,8 @@ def _add_output(parser: argparse.ArgumentParser) -> None:
 def _add_input(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("input").add_argument
     add("--read", choices=("binary", "csv", "parquet"), help="the kind of file (default: by its name, else binary)")
-    add("--words", choices=("packed", "little", "big"), default="packed", help="how a frame of bits is in a binary file")
+    words = ("packed", "little", "big")
+    add("--words", choices=words, default="packed", help="how a frame of bits is in a binary file")
     add("--column", default="", metavar="NAME", help="the column with the frames, in CSV also by its place from 1")
     add("--digits", choices=("hex", "decimal"), help="the digits of numbers in text without 0x")
     add("--cut", action="store_true", help="leave out bytes at the end that make no whole frame")

@@ -11,14 +11,18 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import PurePath
 from types import TracebackType
-from typing import Any, Final, Literal, Protocol, cast, get_args
+from typing import Any, Final, Literal, Protocol, cast
 
 from ._reports import Verdict
 from ._table import Fault, Table
 
 TargetKind = Literal["parquet", "arrow", "csv"]
-TARGET_KINDS: Final = cast("tuple[TargetKind, ...]", get_args(TargetKind))
-_SUFFIXES: Final[dict[str, TargetKind]] = {".parquet": "parquet", ".pq": "parquet", ".arrow": "arrow", ".feather": "arrow"}
+_SUFFIXES: Final[dict[str, TargetKind]] = {
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".arrow": "arrow",
+    ".feather": "arrow",
+}
 
 #: What stands for the numbers of a column: files are read by people and programs that do not have this package.
 _WORDS: Final[Mapping[str, tuple[str, ...]]] = {

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from os import fspath
 from pathlib import PurePath
-from typing import Any, BinaryIO, Final, Literal, NamedTuple, cast, get_args
+from typing import Any, BinaryIO, Final, Literal, NamedTuple, cast
 
 from ._many import Shape
 
@@ -29,11 +29,14 @@ _LONGEST: Final = 1 << 20
 FileKind = Literal["binary", "csv", "parquet"]
 WordKind = Literal["packed", "little", "big"]
 DigitKind = Literal["hex", "decimal"]
-FILE_KINDS: Final = cast("tuple[FileKind, ...]", get_args(FileKind))
-WORD_KINDS: Final = cast("tuple[WordKind, ...]", get_args(WordKind))
-DIGIT_KINDS: Final = cast("tuple[DigitKind, ...]", get_args(DigitKind))
 
-_SUFFIXES: Final[dict[str, FileKind]] = {".csv": "csv", ".tsv": "csv", ".txt": "csv", ".parquet": "parquet", ".pq": "parquet"}
+_SUFFIXES: Final[dict[str, FileKind]] = {
+    ".csv": "csv",
+    ".tsv": "csv",
+    ".txt": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+}
 #: What a column of frames is called where nobody says it.
 _NAMES: Final = ("frame", "word")
 
@@ -355,8 +358,8 @@ def _told(name: str) -> Iterator[None]:
     except InputError:
         raise
     except (error, OSError, ValueError, MemoryError) as fault:
-        lines = str(fault).splitlines()
-        raise InputError(name, "", f"this is no sound Parquet file: {lines[0] if lines else type(fault).__name__}") from None
+        said = next(iter(str(fault).splitlines()), type(fault).__name__)
+        raise InputError(name, "", f"this is no sound Parquet file: {said}") from None
 
 
 def column_of(names: list[str], wanted: str, file: str) -> str:

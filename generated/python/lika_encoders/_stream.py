@@ -17,10 +17,30 @@ from ._encoder import Encoder
 from ._many import Shape, decode_many
 from ._reports import Verdict
 from ._sinks import SINKS, Sink, TargetKind, arrow_columns, pandas_columns, target_kind
-from ._sources import DigitKind, FileKind, InputError, Stored, UsageError, WordKind, column_of, of_arrow, of_text, opened
+from ._sources import (
+    DigitKind,
+    FileKind,
+    InputError,
+    Stored,
+    UsageError,
+    WordKind,
+    column_of,
+    of_arrow,
+    of_text,
+    opened,
+)
 from ._table import Fault, Table
 
-__all__ = ["InputError", "Layout", "Summary", "UsageError", "decode_file", "decode_partition", "layout_of", "layouts_of"]
+__all__ = [
+    "InputError",
+    "Layout",
+    "Summary",
+    "UsageError",
+    "decode_file",
+    "decode_partition",
+    "layout_of",
+    "layouts_of",
+]
 
 _Part = TypeVar("_Part")
 #: The package, of which families are loaded by name.

@@ -1724,9 +1724,7 @@ class IdentificationReply(NamedTuple):
         )
 
 
-Request: TypeAlias = Union[
-    DataRequest,
-]
+Request: TypeAlias = DataRequest
 
 
 def decode_request(data: Data, variant: Rs485Encoder) -> Request:

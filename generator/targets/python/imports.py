@@ -79,7 +79,8 @@ def _used(module: Module) -> Iterator[str]:
     for item in module.registers:
         yield _if(isinstance(item, Enumeration), "IntEnum Data LengthError as_bytes choice")
     for dispatcher in (item for section in module.sections for item in section.dispatchers):
-        yield "Data LengthError TypeAlias Union as_bytes wrong_encoder"
+        yield "Data LengthError TypeAlias as_bytes wrong_encoder"
+        yield _if(len(dispatcher.members) > 1, "Union")
         yield _if(dispatcher.asked, "cast")
         yield _if(dispatcher.fallback is None, "RangeError")
     for coder in module.coders:
@@ -93,7 +94,8 @@ def _used(module: Module) -> Iterator[str]:
 
 def _of_variants(codes: Variants) -> Iterator[str]:
     carried = {kind.in_bytes for kind in codes.frame_kinds}
-    yield _if(codes.sent, "Any FrameError TypeAlias Union")
+    yield _if(codes.sent, "Any FrameError TypeAlias")
+    yield _if(len(codes.sent) > 1, "Union")
     yield _if(True in carried, "Data Rows")
     yield _if(False in carried, "Word Words")
     yield _if(any(kind.dispatch or kind.fast for kind in codes.frame_kinds), "Callable")
