@@ -24,7 +24,7 @@ from ...plan.steps import AsNumber, Beyond, Operation, Polls, Reads, Sends, Stat
 from .codec import Coder
 from .literals import Call, functions
 from .module import Enumeration, Module
-from .names import FACTS, PACKAGE, STANDARD, encoder_name
+from .names import FACTS, PACKAGE, STANDARD
 from .procedures import Steps
 from .variants import Variants
 
@@ -191,28 +191,3 @@ def _of_step(op: Operation, steps: Steps) -> str:
             return "Send"
         case _:
             assert_never(op)
-
-
-def facts(module: Module) -> list[str]:
-    """The names of the tables of facts, in order."""
-    names = {"MANUAL", "ORDER_CODE", *(item.name for item in module.tables)}
-    names |= {section.interface.name.upper() for section in module.sections}
-    given = ((module.crcs, "CRCS"), (module.frame_rows, "FRAMES"), (module.registers, "REGISTERS"))
-    return sorted(names.union(*(_if(what, listed).split() for what, listed in (*given, (module.reports, "REPORTS")))))
-
-
-def public(module: Module) -> list[str]:
-    """The names that a module offers, in order."""
-    names = {"FAMILY", "VARIANTS", "Variant", "lookup", *facts(module), *module.context.crc_functions}
-    names |= {item.kind for item, _ in module.alternatives}
-    for item in (*module.enums, *module.registers, *module.coders, *module.procedures):
-        names.add(item.name)
-    for section in module.sections:
-        names |= {encoder_name(section.interface.name)}
-        names |= {name for dispatcher in section.dispatchers for name in (dispatcher.name, dispatcher.union)}
-    given = (
-        (module.codes.sent, "Frame"),
-        (module.registers, "Address"),
-        (module.identities, "identify"),
-    )
-    return sorted(names.union(*(_if(what, listed).split() for what, listed in given)))
