@@ -26,13 +26,15 @@ test: .venv/.installed tools
 	@$(PY) -m pytest -n auto --dist worksteal
 
 # The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
-verify: .venv/.installed tools bench-packages
+verify: .venv/.installed tools bench-packages engines
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
 
 verify-%: .venv/.installed tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_$*.py
 
 verify-footprint: bench-packages
+
+verify-stream: engines
 
 # Size and speed of the C headers beside hand-written decoders and other generators; BENCH=--write writes docs/footprint.md too.
 bench: .venv/.installed tools bench-packages
@@ -63,6 +65,10 @@ templates-page: .venv/.installed
 .PHONY: bench-packages
 bench-packages: .venv/.installed
 	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]' || echo "make: the packages of the extra 'bench' cannot be had; the footprint is not shown"
+
+.PHONY: engines
+engines: .venv/.installed
+	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[engines]' || echo "make: the packages of the extra 'engines' cannot be had; Dask and DuckDB are not shown"
 
 .PHONY: tools
 tools:

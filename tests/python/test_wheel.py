@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import zipfile
@@ -33,6 +34,19 @@ def test_the_wheel_names_its_licence(source: Path, tmp_path: Path) -> None:
     # Nothing is needed: what is listed is for those who ask for an extra.
     assert all("extra ==" in needed for needed in metadata.get_all("Requires-Dist", []))
     assert any(name.endswith("/LICENSE") for name in wheel.namelist())
+    assert metadata["Requires-Python"] == ">=3.10"
+    assert set(metadata.get_all("Provides-Extra", [])) >= {"many", "arrow", "pandas", "parquet"}
+    classifiers = metadata.get_all("Classifier", [])
+    assert {"Typing :: Typed", "Programming Language :: Python :: 3", "Intended Audience :: Developers"} <= {
+        *classifiers
+    }
+    # One of a licence beside the expression is refused by the index.
+    assert not [item for item in classifiers if item.startswith("License")]
+    version = re.search(
+        r'^__version__: Final = "(.+)"$', (source / "lika_encoders/__init__.py").read_text(), re.MULTILINE
+    )
+    assert version is not None
+    assert metadata["Version"] == version[1]
     modules = {path.name for path in (source / "lika_encoders").iterdir() if path.is_file()}
     assert modules <= {Path(name).name for name in wheel.namelist()}
     assert "py.typed" in modules

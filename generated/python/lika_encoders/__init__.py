@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from . import _codes, am36, amm5, asc85, biss, sma21
+    from ._stream import decode_file, decode_partition
 
     #: Every family, in order of name.
     FAMILIES: Final[tuple[Family, ...]] = ()
@@ -76,6 +77,8 @@ __all__ = [
     "asc85",
     "biss",
     "sma21",
+    "decode_file",
+    "decode_partition",
     "identify",
     "lookup",
     "run",
@@ -101,6 +104,8 @@ if not TYPE_CHECKING:
     def __getattr__(name: str) -> object:
         if name == "FAMILIES":
             return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
+        if name in ("decode_file", "decode_partition"):
+            return getattr(import_module("._stream", __name__), name)
         if name in __all__:
             return import_module(f".{name}", __name__)
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

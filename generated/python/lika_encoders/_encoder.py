@@ -19,9 +19,11 @@ class Frame(Protocol):
     @property
     def reports(self) -> tuple[Report, ...]:
         """What the encoder reports by it."""
+        ...
 
     def encode(self) -> int | bytes:
         """The frame again, as it is sent."""
+        ...
 
 
 @runtime_checkable
@@ -31,14 +33,17 @@ class PositionFrame(Frame, Protocol):
     @property
     def position(self) -> int:
         """The position in counts."""
+        ...
 
     @property
     def verdict(self) -> Verdict:
         """What the position is worth: look at it before you use the position."""
+        ...
 
     @property
     def usable_position(self) -> int | None:
         """The position, or None where it is not usable."""
+        ...
 
 
 class Encoder:

@@ -15,6 +15,7 @@ class Encodable(Protocol):
 
     def encode(self) -> bytes:
         """The register's bytes."""
+        ...
 
 
 def whole(
@@ -94,10 +95,12 @@ class Located(Protocol):
     @property
     def address(self) -> int:
         """Address of the first byte."""
+        ...
 
     @property
     def length(self) -> int:
         """Number of bytes."""
+        ...
 
 
 def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[str, Located]) -> dict[int, int]:

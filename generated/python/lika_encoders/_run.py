@@ -16,9 +16,11 @@ class Bus(Protocol):
 
     def read(self, address: int, length: int, /) -> bytes:
         """So many bytes from an address on."""
+        ...
 
     def write(self, address: int, data: bytes, /) -> object:
         """Writes bytes from an address on."""
+        ...
 
 
 class Line(Protocol):
@@ -26,6 +28,7 @@ class Line(Protocol):
 
     def send(self, request: bytes, /) -> object:
         """Sends one request."""
+        ...
 
 
 class Reading(NamedTuple):

@@ -2,26 +2,22 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """AM36 and AMC36 absolute multiturn encoders, by Lika Electronic.
 
-Version 0.1.0, made from the manual “AM36 AMC36”, revision 1.0 (en). Sections and pages in this module are those of that
-manual; a source that begins with a language code is another edition, one that begins with another key stands in
-DOCUMENTS.
-
-Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
-am36=1.0`` makes files for such encoders.
-
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
 In here:
-    Encoders: lookup, SsiEncoder, BissEncoder, VARIANTS
+    Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, VARIANTS, FAMILY
     SSI: SsiWord
     BiSS C-mode: SingleCycleData
+    Of all interfaces: Frame
+    Values in them: CountingDirection, OutputCode, EnablePreset
     Registers: ProfileId, SerialNumber, Command, Configuration, InformationPerRevolution, NumberOfRevolutions, Preset,
-        DeviceType, SingleturnBitsUsed, MultiturnBitsUsed, DeviceId, ManufacturerId
+        DeviceType, SingleturnBitsUsed, MultiturnBitsUsed, DeviceId, ManufacturerId, Address
     Procedures: set_configuration, set_preset, store_preset, save_parameters, activate_preset, restore_defaults,
         set_resolution, identify_steps
-    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, INPUTS, CHARACTERISTICS, LOST_FIGURES, ERRATA,
-        DOCUMENTS
+    CRCs: crc_biss_6, crc_biss_4
+    Facts: ALARMS, BISS, CHARACTERISTICS, CONNECTORS, CRCS, DOCUMENTS, ERRATA, FRAMES, INPUTS, LEDS, LOST_FIGURES,
+        MANUAL, ORDER_CODE, REGISTERS, REPORTS, SSI, TIMINGS
 
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
@@ -30,6 +26,13 @@ A sound frame is not yet a usable position. Look at its verdict before you use t
     frame = encoder.decode(0x1fa2b9f)
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.multiturn, frame.singleturn, frame.position)
+
+Version 0.1.0, made from the manual “AM36 AMC36”, revision 1.0 (en). Sections and pages in this module are those of that
+manual; a source that begins with a language code is another edition, one that begins with another key stands in
+DOCUMENTS.
+
+Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
+am36=1.0`` makes files for such encoders.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.

@@ -2,6 +2,32 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """AMM5A and AMM5B absolute kit encoders, by Lika Electronic.
 
+Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
+in an underscore.
+
+In here:
+    Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS, FAMILY
+    SSI: SsiWord
+    BiSS C-mode: SingleCycleData
+    RS-485: DataRequest, EepromWriteRequest, EepromReadRequest, SingleturnReply, MultiturnReply, EncoderIdReply,
+        CompleteReply, EepromWriteReply, EepromReadReply, Request, decode_request, Reply, decode_reply
+    Of all interfaces: Frame
+    Values in them: DataId, EepromAddress
+    Registers: Preset, PresetSettingEnable, SerialNumber, Command, DeviceId, ManufacturerId, Address
+    Procedures: set_preset, store_preset, save_parameters, activate_preset, reset_singleturn_and_multiturn,
+        reset_multiturn_and_errors, reset_errors
+    CRCs: crc_biss_6, crc_biss_4, crc_rs485_8
+    Facts: ALARMS, BISS, CHARACTERISTICS, CONNECTORS, CRCS, DOCUMENTS, ERRATA, FRAMES, LEDS, LOST_FIGURES, MANUAL,
+        ORDER_CODE, REGISTERS, REPORTS, RS485, SSI, TIMINGS
+
+A sound frame is not yet a usable position. Look at its verdict before you use the position:
+
+    from lika_encoders import Verdict, lookup
+    encoder = lookup("AMM5A21/65KSC1")
+    frame = encoder.decode(0x55bcd15e2)
+    if frame.verdict is not Verdict.NOT_USABLE:
+        print(frame.multiturn, frame.singleturn, frame.position)
+
 Version 0.1.0, made from the manual “AMM5A AMM5B”, revision 1.9 of 2021-12-09 (en). Sections and pages in this module
 are those of that manual; a source that begins with a language code is another edition, one that begins with another key
 stands in DOCUMENTS.
@@ -11,28 +37,6 @@ amm5=1.0`` makes files for such encoders.
 
 Editions before 1.4: Register 3Bh, Counting direction: not known. Why: The register was removed with this revision. What
 it took and when, is not said. [Document release]
-
-Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
-in an underscore.
-
-In here:
-    Encoders: lookup, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS
-    SSI: SsiWord
-    BiSS C-mode: SingleCycleData
-    RS-485: DataRequest, EepromWriteRequest, EepromReadRequest, SingleturnReply, MultiturnReply, EncoderIdReply,
-        CompleteReply, EepromWriteReply, EepromReadReply, decode_request, decode_reply
-    Registers: Preset, PresetSettingEnable, SerialNumber, Command, DeviceId, ManufacturerId
-    Procedures: set_preset, store_preset, save_parameters, activate_preset, reset_singleturn_and_multiturn,
-        reset_multiturn_and_errors, reset_errors
-    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, CHARACTERISTICS, LOST_FIGURES, ERRATA, DOCUMENTS
-
-A sound frame is not yet a usable position. Look at its verdict before you use the position:
-
-    from lika_encoders import Verdict, lookup
-    encoder = lookup("AMM5A21/65KSC1")
-    frame = encoder.decode(0x55bcd15e2)
-    if frame.verdict is not Verdict.NOT_USABLE:
-        print(frame.multiturn, frame.singleturn, frame.position)
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.

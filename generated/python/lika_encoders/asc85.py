@@ -2,23 +2,21 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """ASC85 absolute encoders with a large thru-bore shaft, by Lika Electronic.
 
-Version 0.1.0, made from the manual “ASC85”, revision 1.0 of 2017-05-19 (en). Sections and pages in this module are
-those of that manual; a source that begins with a language code is another edition, one that begins with another key
-stands in DOCUMENTS.
-
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
 In here:
-    Encoders: lookup, SsiEncoder, BissEncoder, VARIANTS
+    Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, VARIANTS, FAMILY
     SSI: SsiWord
     BiSS C-mode: SingleCycleData
+    Of all interfaces: Frame
     Registers: ProfileId, SerialNumber, DiagnosticData, Command, Status, Position, ErrorRegister, DeviceId,
-        ManufacturerId
+        ManufacturerId, Address
     Procedures: request_position, save_configuration, read_absolute_data, software_reset, verify_configuration,
         simulate_error, clear_simulated_error, reset_errors, identify_steps
-    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, TABLES, CHARACTERISTICS, LOST_FIGURES, ERRATA,
-        DOCUMENTS
+    CRCs: crc_biss_6, crc_biss_4
+    Facts: ALARMS, BISS, CHARACTERISTICS, CONNECTORS, CRCS, DOCUMENTS, ERRATA, FRAMES, LEDS, LOST_FIGURES, MANUAL,
+        ORDER_CODE, REGISTERS, REPORTS, SSI, TABLES, TIMINGS
 
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
@@ -27,6 +25,10 @@ A sound frame is not yet a usable position. Look at its verdict before you use t
     frame = encoder.decode(0x2b79a2ac1)
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.position)
+
+Version 0.1.0, made from the manual “ASC85”, revision 1.0 of 2017-05-19 (en). Sections and pages in this module are
+those of that manual; a source that begins with a language code is another edition, one that begins with another key
+stands in DOCUMENTS.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.

@@ -2,24 +2,24 @@
 # Licence 0BSD: this file is yours, to use, change and pass on without any condition.
 """SMA21 absolute linear encoder, by Lika Electronic.
 
-Version 0.1.0, made from the manual “SMA21 + MTA-A154”, revision 1.2 of 2024-05-10 (it). Sections and pages in this
-module are those of that manual; a source that begins with a language code is another edition, one that begins with
-another key stands in DOCUMENTS.
-
 Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for itself ends
 in an underscore.
 
 In here:
-    Encoders: lookup, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS
+    Encoders: lookup, identify, Variant, SsiEncoder, BissEncoder, Rs485Encoder, VARIANTS, FAMILY
     SSI: SsiWord
     BiSS C-mode: SingleCycleData
-    RS-485: DataRequest, PositionReply, WidePositionReply, IdentificationReply, decode_request, decode_reply
+    RS-485: DataRequest, PositionReply, WidePositionReply, IdentificationReply, Request, decode_request, Reply,
+        decode_reply
+    Of all interfaces: Frame
+    Values in them: DataId, CountingDirection, OutputCode, EnablePresetOffset, SelectPresetOffset
     Registers: ProfileId, SerialNumber, Command, Configuration, AbsoluteResolution, PresetOffset, DeviceType,
-        SineCosineResolution, PositionCheck, DeviceId, ManufacturerId
+        SineCosineResolution, PositionCheck, DeviceId, ManufacturerId, Address
     Procedures: set_configuration, set_preset, select_preset, set_offset, save_parameters, restore_defaults,
         identify_steps, reset_errors, reset_position
-    Facts: MANUAL, ORDER_CODE, ALARMS, TIMINGS, CONNECTORS, LEDS, TABLES, CHARACTERISTICS, LOST_FIGURES, ERRATA,
-        DOCUMENTS
+    CRCs: crc_biss_6, crc_biss_4, crc_rs485_8
+    Facts: ALARMS, BISS, CHARACTERISTICS, CONNECTORS, CRCS, DOCUMENTS, ERRATA, FRAMES, LEDS, LOST_FIGURES, MANUAL,
+        ORDER_CODE, REGISTERS, REPORTS, RS485, SSI, TABLES, TIMINGS
 
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
@@ -28,6 +28,10 @@ A sound frame is not yet a usable position. Look at its verdict before you use t
     frame = encoder.decode(0x179a2b)
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.position)
+
+Version 0.1.0, made from the manual “SMA21 + MTA-A154”, revision 1.2 of 2024-05-10 (it). Sections and pages in this
+module are those of that manual; a source that begins with a language code is another edition, one that begins with
+another key stands in DOCUMENTS.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
@@ -1724,9 +1728,7 @@ class IdentificationReply(NamedTuple):
         )
 
 
-Request: TypeAlias = Union[
-    DataRequest,
-]
+Request: TypeAlias = DataRequest
 
 
 def decode_request(data: Data, variant: Rs485Encoder) -> Request:

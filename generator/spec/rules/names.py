@@ -37,8 +37,9 @@ _INNER_LISTS = (
 _TAKEN = {
     "encoder": "the C header that all families share",
     "biss": "the part of the Python package on BiSS",
-    "lookup": "a function of the Python package",
-    "identify": "a function of the Python package",
+    **dict.fromkeys(
+        ("decode_file", "decode_partition", "identify", "lookup", "run", "why"), "a function of the Python package"
+    ),
     "nearest": "a function of the Python package",
     "annotations": "a word of Python",
 }

@@ -14,7 +14,7 @@ from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss
 from .filters import FILTERS, FUNCTIONS, TESTS
-from .imports import fact_imports, facts, imports, public
+from .imports import fact_imports, imports
 from .module import Module
 from .names import BISS, FOLDERS, SHARED
 from .readme import Shown, start
@@ -98,8 +98,8 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
             "header": header,
             "module": module,
             "imports": imports(module),
-            "facts": facts(module),
-            "offers": public(module),
+            "facts": module.fact_names,
+            "offers": sorted({name for _, names in module.contents for name in names}),
         }
         files[f"{package}/{module.name}.py"] = TEMPLATES.render("device.py.jinja", family, own)
         family["imports"] = fact_imports(module)

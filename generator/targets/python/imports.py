@@ -24,7 +24,7 @@ from ...plan.steps import AsNumber, Beyond, Operation, Polls, Reads, Sends, Stat
 from .codec import Coder
 from .literals import Call, functions
 from .module import Enumeration, Module
-from .names import FACTS, PACKAGE, STANDARD, encoder_name
+from .names import FACTS, PACKAGE, STANDARD
 from .procedures import Steps
 from .variants import Variants
 
@@ -84,7 +84,8 @@ def _used(module: Module) -> Iterator[str]:
     for item in module.registers:
         yield _if(isinstance(item, Enumeration), "IntEnum Data LengthError as_bytes choice")
     for dispatcher in (item for section in module.sections for item in section.dispatchers):
-        yield "Data LengthError TypeAlias Union as_bytes wrong_encoder"
+        yield "Data LengthError TypeAlias as_bytes wrong_encoder"
+        yield _if(len(dispatcher.members) > 1, "Union")
         yield _if(dispatcher.asked, "cast")
         yield _if(dispatcher.fallback is None, "RangeError")
     for coder in module.coders:
@@ -98,7 +99,8 @@ def _used(module: Module) -> Iterator[str]:
 
 def _of_variants(codes: Variants) -> Iterator[str]:
     carried = {kind.in_bytes for kind in codes.frame_kinds}
-    yield _if(codes.sent, "Any FrameError TypeAlias Union")
+    yield _if(codes.sent, "Any FrameError TypeAlias")
+    yield _if(len(codes.sent) > 1, "Union")
     yield _if(True in carried, "Data Rows")
     yield _if(False in carried, "Word Words")
     yield _if(any(kind.dispatch or kind.fast for kind in codes.frame_kinds), "Callable")
@@ -194,33 +196,3 @@ def _of_step(op: Operation, steps: Steps) -> str:
             return "Send"
         case _:
             assert_never(op)
-
-
-def facts(module: Module) -> list[str]:
-    """The names of the tables of facts, in order."""
-    names = {"MANUAL", "ORDER_CODE", *(item.name for item in module.tables)}
-    names |= {section.interface.name.upper() for section in module.sections}
-    given = (
-        (module.crcs, "CRCS"),
-        (module.frame_rows, "FRAMES"),
-        (module.registers, "REGISTERS"),
-        (module.reports, "REPORTS"),
-    )
-    return sorted(names | _named(given))
-
-
-def public(module: Module) -> list[str]:
-    """The names that a module offers, in order."""
-    names = {"FAMILY", "VARIANTS", "Variant", "lookup", *facts(module), *module.context.crc_functions}
-    names |= {item.kind for item, _ in module.alternatives}
-    for item in (*module.enums, *module.registers, *module.coders, *module.procedures):
-        names.add(item.name)
-    for section in module.sections:
-        names |= {encoder_name(section.interface.name)}
-        names |= {name for dispatcher in section.dispatchers for name in (dispatcher.name, dispatcher.union)}
-    given = (
-        (module.codes.sent, "Frame"),
-        (module.registers, "Address"),
-        (module.identities, "identify"),
-    )
-    return sorted(names | _named(given))

@@ -117,17 +117,36 @@ class Module:
 
     @property
     def doc(self) -> str:
-        return text.of_module(self.device, self._contents(), self._example())
+        return text.of_module(self.device, [(name, ", ".join(names)) for name, names in self.contents], self._example())
 
-    def _contents(self) -> Iterator[tuple[str, str]]:
-        """What the module holds, in groups, for its first screen."""
-        yield "Encoders", ", ".join(["lookup", *(item.encoder for item in self.codes.listed_by_interface), "VARIANTS"])
+    @cached_property
+    def contents(self) -> list[tuple[str, list[str]]]:
+        """All names that the module offers, in groups, for its first screen; each stands in one."""
+        return [(name, names) for name, names in self._contents() if names]
+
+    def _contents(self) -> Iterator[tuple[str, list[str]]]:
+        known = ["identify"] if self.identities else []
+        yield "Encoders", ["lookup", *known, "Variant", *self._encoders(), "VARIANTS", "FAMILY"]
         for section in self.sections:
-            names = [*(item.name for item in section.coders), *(item.name for item in section.dispatchers)]
-            yield section.interface.title, ", ".join(names)
-        yield "Registers", ", ".join(item.name for item in self.registers)
-        yield "Procedures", ", ".join(item.name for item in self.procedures)
-        yield "Facts", ", ".join(["MANUAL", "ORDER_CODE", *(item.name for item in self.tables)])
+            told = [name for item in section.dispatchers for name in (item.union, item.name)]
+            yield section.interface.title, [*(item.name for item in section.coders), *told]
+        yield "Of all interfaces", ["Frame"] if self.codes.sent else []
+        yield "Values in them", [*(item.name for item in self.enums), *(item.kind for item, _ in self.alternatives)]
+        yield "Registers", [*(item.name for item in self.registers), *(["Address"] if self.registers else [])]
+        yield "Procedures", [item.name for item in self.procedures]
+        yield "CRCs", [*self.context.crc_functions]
+        yield "Facts", self.fact_names
+
+    def _encoders(self) -> Iterator[str]:
+        yield from (encoder_name(section.interface.name) for section in self.sections)
+
+    @property
+    def fact_names(self) -> list[str]:
+        """The names of the tables of facts, in order."""
+        names = ["MANUAL", "ORDER_CODE", *(item.name for item in self.tables)]
+        names += [section.interface.name.upper() for section in self.sections]
+        told = {"CRCS": self.crcs, "FRAMES": self.frame_rows, "REGISTERS": self.registers, "REPORTS": self.reports}
+        return sorted([*names, *(name for name, rows in told.items() if rows)])
 
     def _example(self) -> Iterable[Block]:
         """A few lines that decode a frame and look at its verdict before they use it."""
@@ -160,6 +179,15 @@ class Module:
         frames = (item for section in self.sections for item in section.coders)
         told = self.context.reportings
         return [Shape(item, told[item.layout.name].judgement if item.layout.name in told else None) for item in frames]
+
+    @property
+    def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
+        """The same by interface and sender."""
+        of = {id(item): section.interface.name for section in self.sections for item in section.coders}
+        found: dict[tuple[str, str], list[Shape]] = {}
+        for shape in self.shapes:
+            found.setdefault((of[id(shape.coder)], shape.coder.layout.sender), []).append(shape)
+        return found
 
     @property
     def judged(self) -> bool:

@@ -59,7 +59,10 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 }
 
 #: What the package's modules are called that hold no device.
-SHARED = tuple("_codec _codes _encoder _facts _many _order_codes _registers _reports _run _steps _table _why".split())
+SHARED = tuple(
+    """__main__ _codec _codes _encoder _facts _many _order_codes _registers _reports _run _sinks _sources _steps _stream
+    _table _why""".split()
+)
 #: The folders for what is loaded only when it is asked for, with a module for each device.
 FOLDERS = ("facts", "_shapes")
 #: The module for register access over BiSS, in packages with a family that speaks it.

@@ -35,21 +35,21 @@ from .docstrings import Block, docstring
 
 
 def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
-    """``contents`` are what the module holds, in a few groups."""
+    """``contents`` are what the module holds, in a few groups; whoever opens it sees them first."""
     manual = device.manual
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
         sentence(f"{device.title}, by {device.manufacturer.title}"),
+        "Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for"
+        " itself ends in an underscore.",
+        ("In here", [item for item in contents if item[1]]),
+        *example,
         f"Version {device.manufacturer.version}, made from the manual “{plain(manual.title)}”, {plain(revision)}."
         " Sections and pages in this module are those"
         " of that manual; a source that begins with a language code is another edition, one that begins with another"
         " key stands in DOCUMENTS.",
         " ".join(paragraphs([*origin(device), *other_editions(device)])),
         *paragraphs(taken_away(device)),
-        "Start with lookup(), which knows every order code. Names are those of the manual; one that Python needs for"
-        " itself ends in an underscore.",
-        ("In here", [item for item in contents if item[1]]),
-        *example,
         " ".join(device.manufacturer.trademarks),
     )
 

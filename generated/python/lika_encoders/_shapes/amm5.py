@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import lru_cache
+from typing import Final
 
 from .._many import Check, Column, CrcOf, Fold, Join, Shape, Speaks, Unused, of_bits, of_bytes
 from .._reports import Verdict
@@ -393,3 +395,26 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
         ),
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
+
+#: The frames of each interface by who sends them, each with what tells its columns.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+    ("ssi", "encoder"): {
+        "ssi_word": shape_of_ssi_word,
+    },
+    ("biss", "encoder"): {
+        "single_cycle_data": shape_of_single_cycle_data,
+    },
+    ("rs485", "master"): {
+        "data_request": shape_of_data_request,
+        "eeprom_write_request": shape_of_eeprom_write_request,
+        "eeprom_read_request": shape_of_eeprom_read_request,
+    },
+    ("rs485", "encoder"): {
+        "singleturn_reply": shape_of_singleturn_reply,
+        "multiturn_reply": shape_of_multiturn_reply,
+        "encoder_id_reply": shape_of_encoder_id_reply,
+        "complete_reply": shape_of_complete_reply,
+        "eeprom_write_reply": shape_of_eeprom_write_reply,
+        "eeprom_read_reply": shape_of_eeprom_read_reply,
+    },
+}

@@ -6,7 +6,9 @@ shaft.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import lru_cache
+from typing import Final
 
 from .._many import Check, Column, CrcOf, Fold, Shape, Speaks, of_bits
 from .._reports import Verdict
@@ -60,3 +62,13 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         position="position",
         otherwise=Verdict.USABLE,
     )
+
+#: The frames of each interface by who sends them, each with what tells its columns.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+    ("ssi", "encoder"): {
+        "ssi_word": shape_of_ssi_word,
+    },
+    ("biss", "encoder"): {
+        "single_cycle_data": shape_of_single_cycle_data,
+    },
+}

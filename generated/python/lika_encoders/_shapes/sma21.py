@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import lru_cache
+from typing import Final
 
 from .._many import Check, Column, CrcOf, Fold, Shape, Speaks, Unused, of_bits, of_bytes
 from .._reports import Verdict
@@ -260,3 +262,21 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
         position="position",
         otherwise=Verdict.USABLE,
     )
+
+#: The frames of each interface by who sends them, each with what tells its columns.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+    ("ssi", "encoder"): {
+        "ssi_word": shape_of_ssi_word,
+    },
+    ("biss", "encoder"): {
+        "single_cycle_data": shape_of_single_cycle_data,
+    },
+    ("rs485", "master"): {
+        "data_request": shape_of_data_request,
+    },
+    ("rs485", "encoder"): {
+        "position_reply": shape_of_position_reply,
+        "wide_position_reply": shape_of_wide_position_reply,
+        "identification_reply": shape_of_identification_reply,
+    },
+}

@@ -1,0 +1,122 @@
+"""A file larger than memory, decoded by the generated package's command: how long it takes, and how much memory.
+
+``python benchmarks/stream.py --gigabytes 2`` makes a file of frames, decodes it into Parquet, and removes both.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+#: So many frames are made; the file holds them over and over.
+MADE = 60_000
+#: One of so many frames is damaged.
+DAMAGED = 1000
+#: What a command may need, in MB.
+LIMIT = 200
+
+
+class Measured(NamedTuple):
+    frames: int
+    damaged: int
+    seconds: float
+    peak_mb: float
+    written_mb: float
+
+    def __str__(self) -> str:
+        each = self.seconds / max(self.frames, 1) * 1e9
+        return (
+            f"{self.frames:,} frames, {self.damaged:,} with a fault, in {self.seconds:.1f} s: {each:.0f} ns a frame; "
+            f"peak {self.peak_mb:.0f} MB; Parquet of {self.written_mb:.0f} MB"
+        )
+
+
+def frames(encoder: Any) -> bytes:
+    """Frames of an axis that moves to and fro, some of them damaged, packed into bytes."""
+    source = random.Random(1)
+    length = (encoder.frame_bits + 7) // 8
+    kind = type(encoder.decode_many([]).encoder)
+    module = sys.modules[kind.__module__]
+    at, speed, made = 0, 0, []
+    for number in range(MADE):
+        speed += source.randint(-40, 40)
+        at = (at + speed) % encoder.modulus
+        word = module.SingleCycleData.from_position(encoder, at).encode()
+        if number % DAMAGED == 0:
+            word ^= 1 << source.randrange(encoder.frame_bits)
+        made.append(word.to_bytes(length, "big"))
+    return b"".join(made)
+
+
+def write(path: Path, block: bytes, size: int, length: int) -> None:
+    """So many bytes of whole frames."""
+    size -= size % length
+    with path.open("wb") as file:
+        for _ in range(size // len(block)):
+            file.write(block)
+        file.write(block[: size % len(block)])
+
+
+def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
+    """What the command needs for a file of ``size`` bytes; it runs alone in a process that tells of its memory."""
+    sys.path.insert(0, str(package))
+    try:
+        from lika_encoders import lookup  # type: ignore[import-not-found, unused-ignore]
+
+        encoder = lookup(code)
+        block = frames(encoder)
+    finally:
+        sys.path.remove(str(package))
+    source, target = folder / "frames.bin", folder / "frames.parquet"
+    try:
+        write(source, block, size, (encoder.frame_bits + 7) // 8)
+        command = [sys.executable, str(Path(__file__)), "--child", str(package), code, str(source), str(target)]
+        started = time.monotonic()
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        seconds = time.monotonic() - started
+        told = re.match(r"(\d+) frames.*?, (\d+) with a crc fault", done.stdout)
+        peak = re.search(r"peak (\d+)$", done.stdout.strip())
+        assert told is not None, done.stdout
+        assert peak is not None, done.stdout
+        # Linux counts KiB.
+        return Measured(int(told[1]), int(told[2]), seconds, int(peak[1]) * 1024 / 1e6, target.stat().st_size / 1e6)
+    finally:
+        source.unlink(missing_ok=True)
+        target.unlink(missing_ok=True)
+
+
+def child(package: str, code: str, source: str, target: str) -> int:
+    """The command as a process of its own, and what it took. A fork would begin with the memory of this one."""
+    environment = {**os.environ, "PYTHONPATH": package}
+    command = [sys.executable, "-m", "lika_encoders", "decode", code, source, "-o", target]
+    done = subprocess.run(command, env=environment)
+    print("peak", resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+    return done.returncode
+
+
+def main() -> int:
+    if sys.argv[1:2] == ["--child"]:
+        return child(*sys.argv[2:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--gigabytes", type=float, default=2.0, help="the size of the file (default: 2)")
+    parser.add_argument("--code", default="AMM5A21/65KSC1", help="an order code with BiSS (default: %(default)s)")
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        size = int(chosen.gigabytes * 1e9)
+        found = measured(ROOT / "generated" / "python", Path(folder), size, chosen.code)
+    print(found)
+    return 0 if found.peak_mb <= LIMIT else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,497 @@
+"""Files of frames as columns: what comes out is what decode_many makes of them, and nothing stays half-written."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import random
+import resource
+import signal
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy
+import pyarrow
+import pyarrow.parquet
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+CODE = "AMM5A21/65KSC1"
+#: The frame of AMM5's manual page: 42 revolutions, 1821973 counts; its last bits are the CRC.
+GOOD = 0x55BCD15E2
+POSITION = 89902357
+REPLY = bytes.fromhex("02 00 15 CD 5B 81")
+#: A frame whose error bit is active, with a right CRC.
+SPOILT = 0x55BCD1564
+
+
+class Done(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+
+Command = Callable[..., Done]
+
+
+@pytest.fixture
+def decode(
+    generated_python: tuple[Path, ModuleType],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> Command:
+    """The command, in this process and in a folder of its own."""
+    main: Callable[[Sequence[str]], int] = __import__("lika_encoders.__main__", fromlist=["main"]).main
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> Done:
+        code = main(["decode", *arguments])
+        return Done(code, *capsys.readouterr())
+
+    return run
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def packed(words: Sequence[int], length: int = 6) -> bytes:
+    return b"".join(word.to_bytes(length, "big") for word in words)
+
+
+# What goes in
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "options"),
+    [
+        ("it.bin", packed([GOOD, GOOD ^ 1, SPOILT]), []),
+        ("it.bin", struct.pack("<3Q", GOOD, GOOD ^ 1, SPOILT), ["--words", "little"]),
+        ("it.bin", struct.pack(">3Q", GOOD, GOOD ^ 1, SPOILT), ["--words", "big"]),
+        ("it.csv", b"0x55bcd15e2\n0x55bcd15e3\n0x55bcd1564\n", []),
+        ("it.csv", b"\xef\xbb\xbfword\r\n0x55bcd15e2\r\n\r\n# no frame\r\n0x55bcd15e3\r\n0x55BCD1564", []),
+        ("it.csv", b"time;Frame\n1;0x55bcd15e2\n2;0x55bcd15e3\n3;0x55bcd1564\n", []),
+        (
+            "it.csv",
+            b"time,it\n1,23015003618\n2,23015003619\n3,23015003492\n",
+            ["--column", "it", "--digits", "decimal"],
+        ),
+        ("it.csv", b"1\t55bcd15e2\n2\t55bcd15e3\n3\t55bcd1564\n", ["--column", "2", "--digits", "hex"]),
+        ("it.csv", b'"05 5B CD 15 E2"\n05 5B CD 15 E3\n0b010101011011110011010001010101100100\n', ["--digits", "hex"]),
+        ("it.dat", b"0x55bcd15e2\n0x55bcd15e3\n0x55bcd1564\n", ["--read", "csv"]),
+    ],
+)
+def test_every_way_in(decode: Command, tmp_path: Path, name: str, content: bytes, options: list[str]) -> None:
+    (tmp_path / name).write_bytes(content)
+    done = decode(CODE, name, *options)
+    assert done.code == 0, done.err
+    found = rows(done.out)
+    assert [row["fault"] for row in found] == ["none", "crc", "none"]
+    assert [row["verdict"] for row in found] == ["usable", "not_usable", "not_usable"]
+    assert (found[0]["multiturn"], found[0]["singleturn"], found[0]["position"]) == ("42", "1821973", str(POSITION))
+    assert [row["error"] for row in found] == ["false", "false", "true"]
+    summary = "3 frames, 2 sound, 1 with a crc fault; of the sound ones 1 not usable, 1 usable\n"
+    assert done.err == summary
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        pyarrow.array([GOOD, GOOD ^ 1, SPOILT], pyarrow.uint64()),
+        pyarrow.array([GOOD, GOOD ^ 1, SPOILT], pyarrow.int64()),
+        pyarrow.array([GOOD, GOOD ^ 1, SPOILT], pyarrow.int64()).dictionary_encode(),
+        pyarrow.array([word.to_bytes(6, "big") for word in (GOOD, GOOD ^ 1, SPOILT)]),
+        pyarrow.array([word.to_bytes(6, "big") for word in (GOOD, GOOD ^ 1, SPOILT)], pyarrow.large_binary()),
+        pyarrow.array([word.to_bytes(6, "big") for word in (GOOD, GOOD ^ 1, SPOILT)], pyarrow.binary(6)),
+        pyarrow.array([word.to_bytes(size, "big") for word, size in ((GOOD, 5), (GOOD ^ 1, 8), (SPOILT, 6))]),
+        pyarrow.array([f"{word:#x}" for word in (GOOD, GOOD ^ 1, SPOILT)]),
+    ],
+    ids=lambda column: str(column.type),
+)
+def test_every_column_of_parquet(decode: Command, tmp_path: Path, column: pyarrow.Array) -> None:
+    pyarrow.parquet.write_table(pyarrow.table({"time": [1, 2, 3], "word": column}), tmp_path / "it.parquet")
+    done = decode(CODE, "it.parquet")
+    assert [row["fault"] for row in rows(done.out)] == ["none", "crc", "none"], done.err
+    assert rows(done.out)[0]["position"] == str(POSITION)
+
+
+def test_rows_of_bytes(decode: Command, tmp_path: Path) -> None:
+    (tmp_path / "it.bin").write_bytes(REPLY * 2 + REPLY[:-1] + b"x")
+    (tmp_path / "it.csv").write_text("02 00 15 CD 5B 81\n020015cd5b81\n02 00 15 CD 5B 78\n02 00")
+    for name, more in (("it.bin", []), ("it.csv", ["length"])):
+        for layout in ("singleturn_reply", "SingleturnReply"):
+            done = decode("AMM5A23/65KJP1", name, "--layout", layout)
+            found = rows(done.out)
+            assert [row["fault"] for row in found] == ["none", "none", "crc", *more], done.err
+            assert found[1]["singleturn"] == "6016277"
+
+
+def test_frames_that_follow_a_register(
+    decode: Command, tmp_path: Path, generated_python: tuple[Path, ModuleType]
+) -> None:
+    """AM36 sends as many bits as its registers say: 44 as delivered, 40 with 16 for a revolution."""
+    (tmp_path / "it.bin").write_bytes(packed([0x2ABCD15EF]))
+    usual = rows(decode("AM3616/4096-I7", "it.bin").out)
+    assert (usual[0]["multiturn"], usual[0]["singleturn"], usual[0]["fault"]) == ("42", "773397", "none")
+    shorter = generated_python[1].lookup("AM3616/4096-I7").with_registers({0x56: 0x10})
+    frame = generated_python[1].am36.SingleCycleData.from_position(shorter, 42 << 16 | 77)
+    (tmp_path / "it.bin").write_bytes(packed([frame.encode()], 5))
+    done = decode("AM3616/4096-I7", "it.bin", "--register", "0x56=0x10")
+    assert (rows(done.out)[0]["multiturn"], rows(done.out)[0]["singleturn"]) == ("42", "77")
+    assert "offset 0: 0 whole frames of 6 bytes" in decode("AM3616/4096-I7", "it.bin").err
+    assert "no register changes the frames" in decode(CODE, "it.bin", "--register", "0x56=1").err
+
+
+def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
+    """Where AMM5 has the address of its EEPROM, as its erratum has it: EA 0A E0 or EA 05 EF for address 5."""
+    (tmp_path / "it.bin").write_bytes(bytes.fromhex("EA 0A E0"))
+    arguments = ("AMM5A23/65KJP1", "it.bin", "--layout", "eeprom_read_request")
+    done = decode(*arguments)
+    assert done.code == 2
+    assert "it has to be as_printed or as_t_format" in done.err
+    assert rows(decode(*arguments, "--choose", "eeprom_address=as_printed").out)[0]["address"] == "5"
+    assert rows(decode(*arguments, "--choose", "eeprom_address=as_t_format").out)[0]["address"] == "10"
+    assert "asks for no 'other'" in decode(*arguments, "--choose", "other=x").err
+
+
+# What comes out
+
+
+def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
+    words = [GOOD ^ (1 << place if place % 3 else 0) for place in range(45)]
+    (tmp_path / "it.bin").write_bytes(packed(words))
+    for name in ("it.parquet", "it.arrow", "it.csv"):
+        done = decode(CODE, "it.bin", "-o", name)
+        assert (done.code, done.err) == (0, "")
+        assert done.out == "45 frames, 15 sound, 30 with a crc fault; of the sound ones 15 usable\n"
+    parquet = pyarrow.parquet.read_table(tmp_path / "it.parquet")
+    assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().cast(parquet.schema) == parquet
+    text = rows((tmp_path / "it.csv").read_text())
+    for name in parquet.column_names:
+        values = [str(item).lower() for item in parquet[name].to_pylist()]
+        assert values == [row[name] for row in text], name
+    umask = os.umask(0)
+    os.umask(umask)
+    assert (tmp_path / "it.csv").stat().st_mode & 0o777 == 0o666 & ~umask
+
+
+def test_parts_make_the_whole(
+    generated_python: tuple[Path, ModuleType], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever falls on the edge of what is read at once."""
+    lika = generated_python[1]
+    sources = __import__("lika_encoders._sources", fromlist=["CHUNK"])
+    source = random.Random(5)
+    words = [GOOD ^ (source.getrandbits(45) if source.random() < 0.3 else 0) for _ in range(1000)]
+    whole = lika.lookup(CODE).decode_many(words)
+    (tmp_path / "it.bin").write_bytes(packed(words))
+    (tmp_path / "it.csv").write_text("".join(f"{word:#x}\n" for word in words))
+    pyarrow.parquet.write_table(pyarrow.table({"word": words}), tmp_path / "it.parquet", row_group_size=7)
+    for size in (1, 7, 999, 1000, 1001):
+        monkeypatch.setattr(sources, "CHUNK", size)
+        monkeypatch.setattr(sources, "ROWS", size)
+        for name in ("it.bin", "it.csv", "it.parquet") if size > 1 else ("it.bin",):
+            for limit in (None, 0, 5, 7, 1000, 2000):
+                out = tmp_path / "out.arrow"
+                told = lika.decode_file(CODE, tmp_path / name, out, limit=limit, force=True)
+                found = pyarrow.ipc.open_file(out).read_all()
+                count = min(limit if limit is not None else 1000, 1000)
+                assert (told.frames, found.num_rows) == (count, count)
+                assert found["position"].to_pylist() == whole.position[:count].tolist()
+                faults = [lika._table.Fault[item.upper()] for item in found["fault"].to_pylist()]
+                assert faults == whole.fault[:count].tolist()
+
+
+def test_columns_that_are_asked_for(decode: Command, tmp_path: Path) -> None:
+    (tmp_path / "it.bin").write_bytes(packed([GOOD]))
+    assert decode(CODE, "it.bin", "--columns", "fault, position").out == f"fault,position\nnone,{POSITION}\n"
+    assert decode(CODE, "it.bin", "-o", "it.parquet", "--columns", "error").code == 0
+    assert pyarrow.parquet.read_table(tmp_path / "it.parquet").to_pydict() == {"error": [False]}
+    done = decode(CODE, "it.bin", "--columns", "speed")
+    assert done.code == 2
+    assert "no column 'speed'; they have singleturn, multiturn" in done.err
+
+
+def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
+    for name in ("it.bin", "it.csv"):
+        (tmp_path / name).write_bytes(b"")
+        for out in ("it.parquet", "it.arrow", "none.csv"):
+            assert decode(CODE, name, "-o", out, "--force").out == "0 frames, 0 sound\n"
+    assert pyarrow.parquet.read_table(tmp_path / "it.parquet").num_rows == 0
+    assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().num_rows == 0
+
+
+# What is wrong
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "options", "code", "said"),
+    [
+        ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 whole frames of 6 bytes end here, and 1 more byte follow"),
+        ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 whole frames of 8 bytes end here"),
+        ("it.csv", b"word\n0x1\nxyz\n", [], 1, "it.csv, line 3: 'xyz' is no hexadecimal number"),
+        ("it.csv", b"word\n17\n", [], 1, "it.csv, line 2: '17' may be decimal or hexadecimal; say which digits"),
+        ("it.csv", b"word\n1f\n", ["--digits", "decimal"], 1, "line 2: '1f' is no decimal number"),
+        ("it.csv", b"a,b\n1,0x2\n", [], 1, "say which column has the frames; there are 'a', 'b'"),
+        ("it.csv", b"a,b\n1,0x2\n", ["--column", "c"], 1, "there is no column 'c'; there are 'a', 'b'"),
+        ("it.csv", b"a,b\n1,0x2\n", ["--column", "3"], 1, "there is no column '3'"),
+        ("it.csv", b"a,word\n1,0x2\n3\n", [], 1, "it.csv, line 3: there is no column 2: 1 of them"),
+        ("it.csv", b"x" * (1 << 21), [], 1, "a line of more than 1048576 characters: this is no CSV file"),
+        ("it.csv", b'word\n"' + b"0x1\n" * 100_000, [], 1, "field larger than field limit"),
+        ("it.parquet", b"PAR1 no more", [], 1, "it.parquet: this is no sound Parquet file"),
+        ("it.parquet", b"", [], 1, "it.parquet: this is no sound Parquet file"),
+        ("it.bin", b"", ["--limit", "-1"], 2, "argument --limit: invalid count value: '-1'"),
+        ("it.bin", b"", ["--register", "0x56"], 2, "invalid ADDRESS=BYTE value: '0x56'"),
+        ("it.bin", b"", ["--choose", "x"], 2, "invalid NAME=ANSWER value: 'x'"),
+        ("it.bin", b"", ["--interface", "rs485"], 2, "AMM5A21/65KSC1 is connected by biss, not by rs485"),
+        ("it.bin", b"", ["--layout", "nothing"], 2, "AMM5A21/65KSC1 has no frame 'nothing': single_cycle_data"),
+        ("it.bin", b"", ["--write", "parquet"], 2, "only CSV goes to standard output"),
+        ("it.bin", b"", ["-o", "it.bin", "--force"], 2, "it.bin is what is read; write into another file"),
+        ("it.bin", b"", ["-o", "."], 2, ". is no file that could be replaced"),
+        ("it.bin", b"", ["-o", "/dev/null", "--force"], 2, "/dev/null is no file that could be replaced"),
+        ("it.bin", b"", ["-o", "no/where.csv"], 1, ".part: No such file or directory"),
+    ],
+)
+def test_what_is_told(
+    decode: Command, tmp_path: Path, name: str, content: bytes, options: list[str], code: int, said: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    done = decode(CODE, name, *options)
+    assert (done.code, said in done.err) == (code, True), done.err
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path) -> None:
+    assert decode(CODE, "nothing.bin").err == "python -m lika_encoders: nothing.bin: No such file or directory\n"
+    assert decode("AMM5A99/65KSC1", "nothing.bin").code == 2
+    (tmp_path / "it.bin").write_bytes(packed([GOOD]))
+    (tmp_path / "it.csv").write_text("mine")
+    done = decode(CODE, "it.bin", "-o", "it.csv")
+    assert (done.code, (tmp_path / "it.csv").read_text()) == (2, "mine")
+    assert "it.csv is there already; force replaces it" in done.err
+    (tmp_path / "link.csv").symlink_to("it.csv")
+    assert decode(CODE, "it.bin", "-o", "link.csv", "--force").code == 0
+    assert (tmp_path / "link.csv").is_symlink()
+    assert str(POSITION) in (tmp_path / "it.csv").read_text()
+    (tmp_path / "it.bin").write_bytes(packed([GOOD]) + b"x")
+    assert decode(CODE, "it.bin", "-o", "it.csv", "--force").code == 1
+    assert str(POSITION) in (tmp_path / "it.csv").read_text()
+    assert decode(CODE, "it.bin", "-o", "it.csv", "--force", "--cut").out.startswith("1 frame, 1 sound")
+
+
+def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
+    for table, said in (
+        ({"word": [1, None]}, "row 2 of column 'word': there is no frame"),
+        ({"word": [1.5]}, "column 'word': it has items of the type double, not numbers, bytes or text"),
+        ({"word": ["0x1", "", "0x2"]}, "row 2 of column 'word': '' is no hexadecimal number"),
+        ({"a": [1], "b": [2]}, "say which column has the frames; there are 'a', 'b'"),
+    ):
+        pyarrow.parquet.write_table(pyarrow.table(table), tmp_path / "it.parquet")
+        done = decode(CODE, "it.parquet")
+        assert (done.code, said in done.err) == (1, True), done.err
+    pyarrow.parquet.write_table(pyarrow.table({"word": [1]}), tmp_path / "it.parquet")
+    done = decode("AMM5A23/65KJP1", "it.parquet", "--layout", "singleturn_reply")
+    assert "it has numbers; the frames of this encoder are rows of 6 bytes" in done.err
+
+
+def test_help_is_80_wide(decode: Command) -> None:
+    done = decode("--help")
+    assert done.code == 0
+    assert max(map(len, done.out.splitlines())) <= 80
+    assert all(word in done.out for word in ("exit codes: 0 done", "--columns", "--interface", "--force", "--limit"))
+
+
+# What nobody would write
+
+ODD = st.one_of(st.binary(max_size=200), st.text(max_size=60).map(lambda text: text.encode("utf-8", "surrogatepass")))
+OPTIONS = st.lists(
+    st.one_of(
+        st.sampled_from(
+            "--words=little --words=big --read=csv --read=parquet --read=binary --digits=hex --digits=decimal --cut "
+            "--column=1 --column=word --layout=singleturn_reply --layout=complete_reply --limit=1 --limit=0 "
+            "--interface=biss --force --write=arrow --write=parquet --columns=fault --choose=eeprom_address=as_printed "
+            "--layout=eeprom_read_reply --register=0x56=0x10 --register=1=999 -ox.parquet -ox.arrow".split()
+        ),
+        st.builds(
+            "--{}={}".format,
+            st.sampled_from("column columns layout limit register choose digits words read".split()),
+            st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=12),
+        ),
+    ),
+    max_size=4,
+)
+CODES = st.sampled_from([CODE, "AMM5A23/65KJP1", "AM3616/4096-I7", "SMA21-JP1-0005", "ASC8525/GG1", "", "x", "é"])
+
+
+@pytest.mark.slow
+@given(code=CODES, options=OPTIONS, content=ODD, name=st.sampled_from(["in.bin", "in.csv", "in.parquet"]))
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_nothing_crashes_it(
+    decode: Command, tmp_path: Path, code: str, options: list[str], content: bytes, name: str
+) -> None:
+    """No option and no content ends otherwise than by an exit code and a line that says why."""
+    for path in tmp_path.iterdir():
+        path.unlink()
+    (tmp_path / name).write_bytes(content)
+    done = decode(code, name, *options)
+    assert done.code in (0, 1, 2)
+    assert done.code == 0 or done.err.strip()
+    left = {path.name for path in tmp_path.iterdir()} - {name}
+    assert left <= ({"x.parquet", "x.arrow"} if done.code == 0 else set())
+
+
+@pytest.mark.slow
+@given(data=st.data())
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_no_damaged_parquet_crashes_it(decode: Command, tmp_path: Path, data: st.DataObject) -> None:
+    sound = io.BytesIO()
+    pyarrow.parquet.write_table(pyarrow.table({"word": [GOOD, GOOD ^ 1] * 50, "t": list(range(100))}), sound)
+    damaged = bytearray(sound.getvalue())
+    for _ in range(data.draw(st.integers(1, 3))):
+        damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+    (tmp_path / "in.parquet").write_bytes(damaged)
+    assert decode(CODE, "in.parquet").code in (0, 1)
+
+
+# As a process of its own
+
+
+@pytest.fixture(scope="module")
+def start(generated_python: tuple[Path, ModuleType]) -> Callable[..., subprocess.Popen[str]]:
+    def run(*arguments: str, cwd: Path, **how: Any) -> subprocess.Popen[str]:
+        environment = {**os.environ, "PYTHONPATH": str(generated_python[0]), "PYTHONDONTWRITEBYTECODE": "1"}
+        command = [sys.executable, "-m", "lika_encoders", "decode", *arguments]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **how}
+        return subprocess.Popen(command, cwd=cwd, env=environment, text=True, **pipes)
+
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signal.Signals) -> None:
+    (tmp_path / "out.parquet").write_text("mine")
+    process = start(CODE, "-", "-o", "out.parquet", "--force", cwd=tmp_path, stdin=subprocess.PIPE)
+    process.stdin.buffer.write(packed([GOOD]) * 600_000)
+    process.stdin.flush()
+    until = time.monotonic() + 60
+    while len(list(tmp_path.iterdir())) == 1 and time.monotonic() < until:
+        time.sleep(0.05)
+    assert len(list(tmp_path.iterdir())) == 2
+    process.send_signal(which)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (130, "")
+    assert err == "python -m lika_encoders: interrupted; nothing is written\n"
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"out.parquet": "mine"}
+
+
+@pytest.mark.slow
+def test_a_full_disk_leaves_nothing(start: Any, tmp_path: Path) -> None:
+    (tmp_path / "it.bin").write_bytes(packed(range(200_000)))
+
+    def little() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
+
+    for name in ("out.parquet", "out.csv", "out.arrow"):
+        process = start(CODE, "it.bin", "-o", name, cwd=tmp_path, preexec_fn=little)
+        _, err = process.communicate(timeout=60)
+        assert (process.returncode, "File too large" in err, "Traceback" in err) == (1, True, False), err
+        assert [path.name for path in tmp_path.iterdir()] == ["it.bin"]
+
+
+@pytest.mark.slow
+def test_a_reader_that_has_enough(start: Any, tmp_path: Path) -> None:
+    (tmp_path / "it.bin").write_bytes(packed([GOOD]) * 300_000)
+    process = start(CODE, "it.bin", cwd=tmp_path)
+    assert process.stdout.readline().startswith("singleturn,")
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    assert process.wait(60) == 1
+
+
+@pytest.mark.slow
+def test_standard_input_and_a_package_that_is_missing(start: Any, tmp_path: Path) -> None:
+    process = start(CODE, "-", "--read", "csv", cwd=tmp_path, stdin=subprocess.PIPE)
+    out, _ = process.communicate("0x55bcd15e2\n", timeout=60)
+    assert str(POSITION) in out
+    (tmp_path / "pyarrow.py").write_text("raise ModuleNotFoundError(name='pyarrow')")
+    (tmp_path / "it.bin").write_bytes(packed([GOOD]))
+    process = start(CODE, "it.bin", "-o", "out.parquet", cwd=tmp_path)
+    _, err = process.communicate(timeout=60)
+    expected = "python -m lika_encoders: pyarrow is needed for this: pip install 'lika-encoders[parquet]'\n"
+    assert (process.returncode, err) == (1, expected)
+    assert not (tmp_path / "out.parquet").exists()
+
+
+@pytest.mark.slow
+def test_a_bar_on_a_terminal_alone(start: Any, tmp_path: Path) -> None:
+    import pty
+
+    (tmp_path / "it.bin").write_bytes(packed([GOOD]) * 600_000)
+    reader, writer = pty.openpty()
+    process = start(CODE, "it.bin", "-o", "out.parquet", cwd=tmp_path, stderr=writer)
+    process.wait(60)
+    os.close(writer)
+    shown = os.read(reader, 100_000).decode()
+    assert "\r[" in shown
+    assert "%" in shown
+    assert shown.endswith("\r")
+    assert process.stdout.read().startswith("600000 frames, 600000 sound")
+
+
+# Partitions
+
+
+def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed: its partitions are not tried")
+    lika = generated_python[1]
+    encoder = lika.lookup(CODE)
+    words = [GOOD, GOOD ^ 1, SPOILT]
+    table = pyarrow.table({"time": [1, 2, 3], "word": words})
+    for part in (table, table.to_batches()[0], table.to_pandas()):
+        found = lika.decode_partition(part, encoder, "word")
+        assert type(found) is type(part)
+        frame = found if isinstance(found, pandas.DataFrame) else found.to_pandas()
+        assert [*frame] == ["time", "singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]
+        assert frame["time"].tolist() == [1, 2, 3]
+        assert frame["fault"].tolist() == ["none", "crc", "none"]
+        assert frame["position"][0] == POSITION
+    again = lika.decode_partition(table.to_pandas().set_index("time"), CODE)
+    assert again.index.tolist() == [1, 2, 3]
+    assert lika.decode_partition(table.schema.empty_table(), encoder).num_rows == 0
+    texts = pandas.DataFrame({"frame": ["02 00 15 CD 5B 81", "02"]})
+    replies = lika.decode_partition(texts, "AMM5A23/65KJP1", layout="singleturn_reply")
+    assert replies["fault"].tolist() == ["none", "length"]
+    for wrong, said in (
+        (table.append_column("position", [[1, 2, 3]]), "a column 'position' of its own"),
+        (pyarrow.table({"word": [1, None]}), "there is no frame"),
+        (pandas.DataFrame({"word": [1.5]}), "'1.5' is no frame of this encoder"),
+        (pandas.DataFrame({"word": [None]}), "'None' is no frame of this encoder"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            lika.decode_partition(wrong, encoder, "word")
+    with pytest.raises(TypeError, match="no list"):
+        lika.decode_partition([1], encoder)
+
+
+# Memory
+
+
+@pytest.mark.slow
+def test_memory_is_bounded(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
+    """50 MB in; ``benchmarks/stream.py`` does the same with as many gigabytes as one likes."""
+    from stream import measured
+
+    done = measured(generated_python[0], tmp_path, 50_000_000, CODE)
+    assert done.frames == 50_000_000 // 6
+    assert done.peak_mb < 200, done
+    assert numpy.isclose(done.damaged, done.frames / 1000, rtol=0.1)

@@ -1,0 +1,151 @@
+"""What one expects of any package: frames are values, errors say which frame it was, modules begin with a list."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import pickle
+import random
+import re
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+from codewheel.reference import codec
+from test_agreement import FAMILIES, Case, Family, cases, families, family, given, values_of
+
+__all__ = ["families", "family"]
+
+#: So many lines stand on a screen.
+SCREEN = 40
+
+
+# The first screen
+
+
+def modules(files: Mapping[str, str]) -> dict[str, str]:
+    found = re.compile(r"python/lika_encoders/([a-z]\w+)\.py")
+    return {match[1]: text for path, text in files.items() if (match := found.fullmatch(path)) and match[1] != "biss"}
+
+
+def names_in(text: str) -> set[str]:
+    """What the contents of a module name, all of it on its first screen."""
+    screen = "\n".join(text.splitlines()[:SCREEN])
+    listed = re.search(r"\nIn here:\n(.*?)\n\n", screen, re.DOTALL)
+    assert listed is not None
+    groups = re.split(r"\n    (?=\S)", "\n" + listed[1])
+    return {name for group in groups if group for name in re.findall(r"\w+", group.partition(": ")[2])}
+
+
+def test_the_first_screen_names_all_that_a_module_holds(files: Mapping[str, str]) -> None:
+    """Not by ``__all__``, which comes of the same list, but by what stands in the module."""
+    assert set(modules(files)) == {"am36", "amm5", "asc85", "sma21"}
+    for name, text in modules(files).items():
+        tree = ast.parse(text)
+        held = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+        for node in tree.body:
+            held |= {node.target.id} if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) else set()
+        facts = ast.parse(files[f"python/lika_encoders/facts/{name}.py"])
+        held |= {node.target.id for node in facts.body if isinstance(node, ast.AnnAssign)}  # type: ignore[union-attr]
+        assert names_in(text) == {item for item in held if not item.startswith("_")}, name
+
+
+# Frames are values
+
+
+def one_of_each(family: Family) -> list[tuple[Case, Any]]:
+    """A frame or register of each class."""
+    source = random.Random(family.device.name)
+    found: dict[str, tuple[Case, Any]] = {}
+    for case in cases(family):
+        if case.view.__name__ not in found:
+            number = codec.encode(case.family.device, case.placed, values_of(case, "random", source))
+            found[case.view.__name__] = (case, case.view.decode(case.carried(number), *given(case)))
+    return [*found.values()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES, indirect=True)
+def test_frames_are_values(family: Family) -> None:
+    frames = one_of_each(family)
+    assert frames
+    for case, frame in frames:
+        for again in (pickle.loads(pickle.dumps(frame)), copy.copy(frame), copy.deepcopy(frame)):
+            assert (again, type(again), hash(again)) == (frame, type(frame), hash(frame))
+        if not hasattr(type(frame), "_fields"):
+            # One choice is an enumeration, which shows as such.
+            assert repr(frame).startswith(f"<{type(frame).__name__}.")
+            continue
+        names = frame._fields
+        shown = ", ".join(f"{name}={getattr(frame, name)!r}" for name in names)
+        assert repr(frame) == f"{type(frame).__name__}({shown})"
+        assert case.variant.code in repr(frame) or "variant" not in names
+        # Equal values do not make the frame of another class.
+        other = type("Other", (type(frame),), {})(*frame)
+        assert frame not in (tuple(frame), other)
+        assert len({frame, tuple(frame), type(frame)(*frame)}) == 2
+
+
+@pytest.mark.slow
+def test_match_takes_a_frame_by_class_and_keyword(families: dict[str, Family]) -> None:
+    amm5 = families["amm5"].module
+    encoder = amm5.lookup("AMM5A23/65KJP1")
+
+    def told(frame: object) -> object:
+        match frame:
+            case amm5.MultiturnReply():
+                return "multiturn"
+            case amm5.SingleturnReply(singleturn=0):
+                return "zero"
+            case amm5.SingleturnReply(singleturn=count, status_st_error=False):
+                return count
+            case _:
+                return None
+
+    assert told(encoder.decode(bytes.fromhex("02 00 15 CD 5B 81"))) == 6016277
+    assert told(tuple(encoder.decode(bytes.fromhex("02 00 15 CD 5B 81")))) is None
+
+
+# Errors say which frame
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES, indirect=True)
+def test_errors_say_which_frame_of_which_encoder(family: Family) -> None:
+    """Of each interface; also after they went through another process."""
+    seen = set()
+    for case in cases(family):
+        if case.register is not None or case.layout.sender != "encoder" or case.answers:
+            continue
+        damaged: Any = b"\x00" if case.layout.carried_as == "bytes" else (1 << case.placed.bits) | 1
+        with pytest.raises(ValueError) as caught:
+            case.made.decode(damaged)
+        for error in (caught.value, pickle.loads(pickle.dumps(caught.value))):
+            assert (error.frame, error.order_code, error.encoder) == (damaged, case.variant.code, case.made)
+            assert isinstance(error.hint, str)
+            assert str(error)
+        seen.add(case.variant.interface)
+    assert seen == {item.interface for item in family.device.variants}
+
+
+@pytest.mark.slow
+def test_a_hint_names_the_mistake(families: dict[str, Family]) -> None:
+    """A frame whose wires are swapped arrives with each bit turned: its CRC is right once they are turned back."""
+    encoder = families["amm5"].module.lookup("AMM5A21/65KSC1")
+    with pytest.raises(ValueError) as caught:
+        encoder.decode(0x55BCD15E2 ^ (1 << 45) - 1)
+    assert "inverted" in caught.value.hint or "swapped" in caught.value.hint
+
+
+# What the package says of itself
+
+
+def test_importing_it_says_nothing(families: dict[str, Family], capsys: pytest.CaptureFixture[str]) -> None:
+    """A library speaks by its logger, and leaves it to the program what is done with that."""
+    import logging
+
+    assert logging.getLogger("lika_encoders").handlers == []
+    assert logging.getLogger("lika_encoders").level == logging.NOTSET
+    assert sys.modules["lika_encoders"].__doc__
+    assert capsys.readouterr() == ("", "")

@@ -1,0 +1,113 @@
+"""Frames beyond one table: two gigabytes by a command, and the README's partitions by Dask and DuckDB."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from stream import LIMIT, measured
+
+#: The frame with which the README begins: 42 revolutions and 1821973 counts; and one with another CRC.
+GOOD, DAMAGED, POSITION = 0x55BCD15E2, 0x55BCD15E3, 89902357
+FILES, ROWS = 3, 500
+ENGINES = ("dask", "duckdb")
+
+
+def missing(name: str) -> None:
+    """Says that there is no such engine. ``CODEWHEEL_REQUIRE_TOOLS=1`` makes a fault of it."""
+    words = f"no {name} here, so this is not shown; pip install '.[engines]'"
+    if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
+        pytest.fail(words)
+    pytest.skip(words)
+
+
+@pytest.fixture
+def captures(tmp_path: Path) -> Path:
+    """A folder of captures, each with a damaged frame."""
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    (tmp_path / "captures").mkdir()
+    for number in range(FILES):
+        words = pyarrow.array([DAMAGED, *[GOOD] * (ROWS - 1)], pyarrow.uint64())
+        table = pyarrow.table({"time": range(number * ROWS, (number + 1) * ROWS), "word": words})
+        parquet.write_table(table, tmp_path / "captures" / f"{number}.parquet", row_group_size=77)
+    return tmp_path
+
+
+def program(folder: Path, engine: str) -> str:
+    """What the README of the package shows of an engine."""
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    found = [block for block in blocks if re.search(rf"^import {engine}\b", block, re.MULTILINE)]
+    assert len(found) == 1
+    return found[0]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_readme_of_an_engine(generated_python: tuple[Path, ModuleType], captures: Path, engine: str) -> None:
+    try:
+        __import__(engine)
+    except ImportError:
+        missing(engine)
+    folder = generated_python[0]
+    # Processes that an engine starts begin with this program again.
+    text = program(folder, engine)
+    (captures / "program.py").write_text(text, encoding="utf-8")
+    command = [sys.executable, "program.py"]
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    done = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    if engine == "duckdb":
+        counts = re.findall(r"(\w+)\s+│\s+(\d+)", done.stdout)
+        assert counts == [("crc", str(FILES)), ("none", str(FILES * (ROWS - 1)))]
+        return
+    import pyarrow.parquet
+
+    table = pyarrow.parquet.read_table(captures / "positions")
+    assert sorted(table["time"].to_pylist()) == [n for n in range(FILES * ROWS) if n % ROWS]
+    assert set(table["position"].to_pylist()) == {POSITION}
+
+
+def test_partitions_in_other_processes(generated_python: tuple[Path, ModuleType], captures: Path) -> None:
+    """What is given to a partition finds its way into another process, and so does what is wrong."""
+    try:
+        __import__("dask")
+    except ImportError:
+        missing("dask")
+    text = """
+import dask.dataframe as dd
+from lika_encoders import decode_partition, lookup
+
+if __name__ == "__main__":
+    captures = dd.read_parquet("captures/*.parquet")
+    decoded = captures.map_partitions(decode_partition, lookup("AM3616/4096-I7").with_registers({0x56: 0x10}), "word")
+    found = decoded.compute(scheduler="processes")
+    print(found.fault.tolist().count("none"), *set(found.multiturn[found.fault == "none"]))
+    texts = captures.assign(word="text")[["word"]]
+    wrong = texts.map_partitions(decode_partition, "AMM5A21/65KSC1", meta=decoded._meta)
+    try:
+        wrong.compute(scheduler="processes")
+    except ValueError as error:
+        print(type(error).__name__, error)
+"""
+    (captures / "program.py").write_text(text, encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(generated_python[0])}
+    command = [sys.executable, "program.py"]
+    done = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    # With 16 bits for a revolution those of the position above them are revolutions.
+    sound, error, *_ = done.stdout.splitlines()
+    assert sound == f"{FILES * (ROWS - 1)} {POSITION >> 16}"
+    assert error == "InputError the partition, column 'word': 'text' is no hexadecimal number"
+
+
+def test_two_gigabytes_in_two_hundred_megabytes(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
+    done = measured(generated_python[0], tmp_path, 2_000_000_000, "AMM5A21/65KSC1")
+    print(done)
+    assert done.frames == 2_000_000_000 // 6
+    assert done.peak_mb <= LIMIT, done
