@@ -21,6 +21,11 @@ from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate as generate_docs
 from hostile_texts import spoilt
+from hypothesis import HealthCheck, settings
+
+# A busy machine is no fault of the code: no property test fails for its time.
+settings.register_profile("codewheel", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("codewheel")
 
 ROOT = Path(__file__).resolve().parent.parent
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
