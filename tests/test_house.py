@@ -371,6 +371,7 @@ DEVICE = """
 """
 
 
+@pytest.mark.slow
 def test_the_origin_of_letters_survives_templates(made: Made) -> None:
     checkout = made(
         {
@@ -404,6 +405,7 @@ def test_the_origin_of_letters_survives_templates(made: Made) -> None:
     assert counts["C, shared by all"] == Counter({"template": 1})
 
 
+@pytest.mark.slow
 def test_the_origin_of_letters_survives_a_formatter(made: Made) -> None:
     """One that breaks lines, adds commas and wraps comments, as targets do to what templates have printed."""
     template = "/* About {{ name }}. */\nint f(void) { return call({{ name }}, done, {{ terms | join('+') }}); }\n"
@@ -427,6 +429,7 @@ def test_the_origin_of_letters_survives_a_formatter(made: Made) -> None:
     assert [item.origin for item in statements("device.h", file)] == ["mixed"]
 
 
+@pytest.mark.slow
 def test_a_checkout_that_generates_nothing(made: Made) -> None:
     checkout = made({"generator/__init__.py": "", "generator/__main__.py": "raise SystemExit('no specs')"})
     with pytest.raises(RuntimeError, match="no specs"):
@@ -443,6 +446,7 @@ def test_tracing_changes_no_output() -> None:
         assert len(file.origin) == len(file.text), path
 
 
+@pytest.mark.slow
 def test_a_commit_is_measured_in_a_folder_of_its_own(made: Made, tmp_path: Path) -> None:
     repository = made({"old/generator/a.py": "a = 1\n"}).root / "old"
     git = ["git", "-C", str(repository), "-c", "user.name=a", "-c", "user.email=a@example.org"]

@@ -22,10 +22,12 @@ def commands(*targets: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_lint_looks_at_format_and_rules() -> None:
     assert re.findall(r"-m (ruff \w+)", commands("lint")) == ["ruff format", "ruff check"]
 
 
+@pytest.mark.slow
 def test_quick_leaves_out_slow_tests_and_test_none() -> None:
     quick = commands("quick")
     assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == ["ruff", "ruff", "mypy", "codewheel", "pytest"]

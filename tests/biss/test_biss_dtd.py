@@ -78,6 +78,7 @@ def test_what_is_no_document_type(document: str, text: bytes) -> None:
         assert str(error).startswith("mine/idbiss.dtd")
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: Path, ours: bytes, capsys: pytest.CaptureFixture[str]) -> None:
     good, strict = tmp_path / "good.dtd", tmp_path / "strict.dtd"
     good.write_bytes(ours)

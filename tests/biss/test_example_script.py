@@ -206,6 +206,7 @@ def test_the_page_shows_what_it_prints() -> None:
     assert output(*shown.groups()[:4]) == shown[5].splitlines()
 
 
+@pytest.mark.slow
 def test_the_line_in_its_docstring_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     found = re.search(

@@ -20,6 +20,8 @@ from pair import BASE
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = json.loads((ROOT / "generator" / "spec" / "diff.schema.json").read_text(encoding="utf-8"))
 Git = Callable[..., str]
+#: They start git.
+pytestmark = pytest.mark.slow
 
 
 def edit(file: Path, old: str, new: str) -> None:

@@ -112,6 +112,7 @@ def test_what_makes_a_generation(tmp_path: Path) -> None:
     assert plain != headers(tmp_path / "three", NEXT)["maker/encoder.h"]
 
 
+@pytest.mark.slow
 def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     specs(Path("old"))
@@ -181,6 +182,7 @@ def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
     assert [problem.format() for problem in report.problems] == [f"{place}: {wrong}"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("edits", "message"),
     [

@@ -85,6 +85,7 @@ def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> 
     assert "S042" not in identity
 
 
+@pytest.mark.slow
 def test_the_generated_python_has_it(generated: Path) -> None:
     program = """
 from tolvarn_encoders import Wait, lookup, tv62, tv62_s042

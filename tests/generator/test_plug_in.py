@@ -176,6 +176,7 @@ def of_amm5(library: Library) -> Iterable[TargetProblem]:
             yield TargetProblem(device, "rust-size", place, "too long; see line {line}", ("registers", "serial_number"))
 
 
+@pytest.mark.slow
 def test_its_problems_have_places(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     register(monkeypatch, rust=Entry(Target("rust", "a crate", lambda *_: {}, of_amm5)))
     spec = (ROOT / "specs/lika/amm5.yaml").read_text(encoding="utf-8").splitlines()

@@ -50,6 +50,7 @@ def test_help_fits_a_terminal_and_has_examples(
         assert all(f"    {name} " in out for name in COMMANDS), "every command has examples"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [name for name in COMMANDS if name != "new"])
 def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, command: str) -> None:
     assert main(["generate"]) == 0
@@ -185,6 +186,7 @@ def test_without_arguments_the_specs_of_the_folder_are_read_and_named(
     )
 
 
+@pytest.mark.slow
 def test_without_specs_of_ones_own_those_that_ship_are_read_and_named(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

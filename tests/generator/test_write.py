@@ -178,6 +178,7 @@ def test_a_folder_that_held_files_of_ours_alone_goes_with_them(tmp_path: Path) -
     assert not (tmp_path / "python/pkg").exists()
 
 
+@pytest.mark.slow
 def test_a_git_repository_in_a_target_folder_survives(tmp_path: Path) -> None:
     def git(*arguments: str) -> str:
         return subprocess.run(

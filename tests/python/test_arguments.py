@@ -330,6 +330,7 @@ def test_a_master_writes_bytes_only(lika: Any) -> None:
     lika.biss.Master().write(0x10, numpy.array([1, 2], numpy.uint8), busy_limit=0)
 
 
+@pytest.mark.slow
 def test_the_package_does_not_import_numpy(generated_python: tuple[Path, ModuleType]) -> None:
     script = "import sys, lika_encoders.biss; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], cwd=generated_python[0], check=False).returncode == 0

@@ -23,6 +23,7 @@ def loaded(generated_python: tuple[Path, ModuleType], code: str) -> set[str]:
     return set(done.stdout.split())
 
 
+@pytest.mark.slow
 def test_lookup_loads_one_family(generated_python: tuple[Path, ModuleType]) -> None:
     found = loaded(
         generated_python,
@@ -33,6 +34,7 @@ def test_lookup_loads_one_family(generated_python: tuple[Path, ModuleType]) -> N
     assert heavy.isdisjoint(found)
 
 
+@pytest.mark.slow
 def test_facts_are_there_when_asked_for(generated_python: tuple[Path, ModuleType]) -> None:
     for code in ("from lika_encoders.amm5 import ERRATA", "from lika_encoders import amm5; amm5.ALARMS"):
         found = loaded(generated_python, code)
@@ -40,6 +42,7 @@ def test_facts_are_there_when_asked_for(generated_python: tuple[Path, ModuleType
         assert "lika_encoders.facts.sma21" not in found
 
 
+@pytest.mark.slow
 def test_families_are_there_when_asked_for(generated_python: tuple[Path, ModuleType]) -> None:
     found = loaded(generated_python, "import lika_encoders\nlika_encoders.asc85\nlika_encoders.FAMILIES")
     assert {f"lika_encoders.{name}" for name in FAMILIES} <= found

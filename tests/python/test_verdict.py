@@ -242,6 +242,7 @@ def test_reports_are_made_once(lika: Any) -> None:
     assert repr(amm5.REPORTS).startswith("{'error': Report(name='error', printed_name='Error, nE', ")
 
 
+@pytest.mark.slow
 def test_nothing_is_made_before_it_is_asked_for(generated_python: tuple[Path, ModuleType]) -> None:
     script = """
 from lika_encoders import amm5
