@@ -67,8 +67,25 @@ def write(path: Path, block: bytes, size: int, length: int) -> None:
         file.write(block[: size % len(block)])
 
 
+class Run(NamedTuple):
+    said: str
+    seconds: float
+    peak_mb: float
+
+
+def run(package: Path, *arguments: str) -> Run:
+    """The command in a process of its own, and what it took."""
+    started = time.monotonic()
+    command = [sys.executable, str(Path(__file__)), "--child", str(package), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    seconds = time.monotonic() - started
+    said, _, peak = done.stdout.strip().rpartition("peak ")
+    # Linux counts KiB.
+    return Run(said, seconds, int(peak) * 1024 / 1e6)
+
+
 def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
-    """What the command needs for a file of ``size`` bytes; it runs alone in a process that tells of its memory."""
+    """What the command needs for a file of ``size`` bytes."""
     sys.path.insert(0, str(package))
     try:
         from lika_encoders import lookup  # type: ignore[import-not-found, unused-ignore]
@@ -80,26 +97,19 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
     source, target = folder / "frames.bin", folder / "frames.parquet"
     try:
         write(source, block, size, (encoder.frame_bits + 7) // 8)
-        command = [sys.executable, str(Path(__file__)), "--child", str(package), code, str(source), str(target)]
-        started = time.monotonic()
-        done = subprocess.run(command, capture_output=True, text=True, check=True)
-        seconds = time.monotonic() - started
-        told = re.match(r"(\d+) frames.*?, (\d+) with a crc fault", done.stdout)
-        peak = re.search(r"peak (\d+)$", done.stdout.strip())
-        assert told is not None, done.stdout
-        assert peak is not None, done.stdout
-        # Linux counts KiB.
-        return Measured(int(told[1]), int(told[2]), seconds, int(peak[1]) * 1024 / 1e6, target.stat().st_size / 1e6)
+        done = run(package, code, str(source), "-o", str(target))
+        told = re.match(r"(\d+) frames.*?, (\d+) with a crc fault", done.said)
+        assert told is not None, done.said
+        return Measured(int(told[1]), int(told[2]), done.seconds, done.peak_mb, target.stat().st_size / 1e6)
     finally:
         source.unlink(missing_ok=True)
         target.unlink(missing_ok=True)
 
 
-def child(package: str, code: str, source: str, target: str) -> int:
-    """The command as a process of its own, and what it took. A fork would begin with the memory of this one."""
+def child(package: str, *arguments: str) -> int:
+    """Runs the command and tells of its memory. It stands between: a process begins with the memory of its parent."""
     environment = {**os.environ, "PYTHONPATH": package}
-    command = [sys.executable, "-m", "lika_encoders", "decode", code, source, "-o", target]
-    done = subprocess.run(command, env=environment)
+    done = subprocess.run([sys.executable, "-m", "lika_encoders", "decode", *arguments], env=environment)
     print("peak", resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
     return done.returncode
 

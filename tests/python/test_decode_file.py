@@ -236,7 +236,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "options", "code", "said"),
     [
-        ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 whole frames of 6 bytes end here, and 1 more byte follow"),
+        ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 whole frames of 6 bytes end here, and 1 more byte follows"),
         ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 whole frames of 8 bytes end here"),
         ("it.csv", b"word\n0x1\nxyz\n", [], 1, "it.csv, line 3: 'xyz' is no hexadecimal number"),
         ("it.csv", b"word\n17\n", [], 1, "it.csv, line 2: '17' may be decimal or hexadecimal; say which digits"),
@@ -495,3 +495,35 @@ def test_memory_is_bounded(generated_python: tuple[Path, ModuleType], tmp_path: 
     assert done.frames == 50_000_000 // 6
     assert done.peak_mb < 200, done
     assert numpy.isclose(done.damaged, done.frames / 1000, rtol=0.1)
+
+
+@pytest.mark.slow
+def test_memory_is_bounded_however_long_a_column_is(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
+    """A file of Parquet may have all of its rows in one group."""
+    from stream import run
+
+    words = numpy.random.default_rng(1).integers(0, 1 << 45, 8_000_000, numpy.uint64)
+    pyarrow.parquet.write_table(pyarrow.table({"word": words}), tmp_path / "it.parquet", row_group_size=len(words))
+    out = str(tmp_path / "out.parquet")
+    done = run(generated_python[0], CODE, str(tmp_path / "it.parquet"), "-o", out, "--columns", "position")
+    assert done.said.startswith("8000000 frames")
+    assert done.peak_mb < 200, done
+
+
+def test_bytes_that_are_left_over_are_told_before_anything_is_done(
+    generated_python: tuple[Path, ModuleType],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    decode: Command,
+) -> None:
+    """Of a pipe nobody knows the length: there it is told at the end, and nothing is written either."""
+    monkeypatch.setattr(__import__("lika_encoders._sources", fromlist=["CHUNK"]), "CHUNK", 1)
+    (tmp_path / "it.bin").write_bytes(packed([GOOD] * 9) + b"x")
+    steps: list[tuple[object, ...]] = []
+    with pytest.raises(ValueError, match="offset 54: 9 whole frames of 6 bytes end here, and 1 more byte follows"):
+        generated_python[1].decode_file(CODE, "it.bin", "out.csv", progress=lambda *step: steps.append(step))
+    assert steps == []
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((tmp_path / "it.bin").read_bytes())))
+    done = decode(CODE, "-", "-o", "out.csv")
+    assert (done.code, "standard input, offset 54" in done.err) == (1, True)
+    assert not (tmp_path / "out.csv").exists()

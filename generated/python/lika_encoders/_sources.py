@@ -20,11 +20,13 @@ from ._many import Shape
 np: Any = import_module("numpy")
 
 #: So many frames are read at once: enough that a step costs little for each, few enough that memory stays small.
-CHUNK: Final = 1 << 18
+CHUNK: Final = 1 << 17
 #: The same of frames that come as text, each an object of its own.
 ROWS: Final = 1 << 16
 #: No line of a CSV file is longer; one that is belongs to another kind of file.
 _LONGEST: Final = 1 << 20
+#: So many bytes of a column of Parquet are read at once.
+_BUFFER: Final = 1 << 20
 
 FileKind = Literal["binary", "csv", "parquet"]
 WordKind = Literal["packed", "little", "big"]
@@ -143,8 +145,9 @@ def _source(file: BinaryIO, name: str, size: int | None, kind: FileKind, stored:
 
 def _rest(name: str, size: int, length: int) -> InputError:
     whole, rest = divmod(size, length)
-    said = f"{whole} whole frames of {length} bytes end here, and {rest} more byte{'s' if rest > 1 else ''} follow"
-    return InputError(name, f"offset {whole * length}", f"{said}; cut leaves them out")
+    more = "1 more byte follows" if rest == 1 else f"{rest} more bytes follow"
+    said = f"{whole} whole frames of {length} bytes end here, and {more}"
+    return InputError(name, f"offset {whole * length}", f"{said}; cut leaves out what is left over")
 
 
 def _binary(file: BinaryIO, name: str, length: int, stored: Stored, shape: Shape) -> Generator[Part, None, None]:
@@ -324,7 +327,8 @@ def _listed(names: list[str]) -> str:
 
 def _parquet(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
     with _told(name):
-        opened_file = import_module("pyarrow.parquet").ParquetFile(file)
+        # Without a buffer a column is read as a whole, however long it is.
+        opened_file = import_module("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
         column = column_of(list(opened_file.schema_arrow.names), stored.column, name)
         total = int(opened_file.metadata.num_rows)
     return Source(_batches(opened_file, column, name, stored, shape), total)
