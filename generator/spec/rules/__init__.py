@@ -29,6 +29,8 @@ from .walk import Rule
 FOUNDATIONS: tuple[Rule, ...] = (
     references.order_code_references,
     references.alternative_references,
+    parameters.parameter_origin,
+    parameters.alternative_use,
     references.expressions,
     order_code.parameter_cycle,
     order_code.order_code_pattern,
@@ -69,6 +71,7 @@ RULES: tuple[Rule, ...] = (
     procedures.step_access,
     procedures.step_waits,
     procedures.step_opens,
+    procedures.argument_written,
     procedures.procedure_name,
     parameters.parameter_interface,
     parameters.units,

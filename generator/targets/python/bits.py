@@ -88,7 +88,12 @@ def _ascend(places: Sequence[int]) -> bool:
 
 
 def from_pieces(pieces: Sequence[Piece], length: int = 0) -> Expr:
-    """The number that the pieces make; ``length`` is how many bytes there are, where that is known."""
+    """The number that the pieces make; ``length`` is how many bytes there are, where that is known.
+
+    Without pieces it is 0: no order code has such bits.
+    """
+    if not pieces:
+        return number(0)
     places = [piece.byte for piece in pieces]
     low_first = places[0] <= places[-1]
     ascending = places if low_first else places[::-1]
