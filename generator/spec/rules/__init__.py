@@ -51,6 +51,7 @@ RULES: tuple[Rule, ...] = (
     names.device_name,
     names.duplicate_name,
     names.duplicate_field,
+    names.duplicate_selection,
     names.duplicate_address,
     names.value_clash,
     repeated.repeated_item,
