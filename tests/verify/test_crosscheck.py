@@ -1,8 +1,9 @@
 """C and Python agree on a million random and corrupted frames of each layout: fault, members, encoding again, and what
 the frame tells, its verdict and reports.
 
-Both are the generated code as a user has it. C and the reference, which is the model alone, agree on what a million frames
-of each layout of an encoder tell: fault, verdict, reports and unused bits. ``CODEWHEEL_FRAMES`` sets another number.
+Both are the generated code as a user has it. C and the reference, which is the model alone, agree on what a million
+frames of each layout of an encoder tell: fault, verdict, reports and unused bits. ``CODEWHEEL_FRAMES`` sets another
+number.
 """
 
 from __future__ import annotations
