@@ -37,7 +37,7 @@ from ..reference import codec
 from ..reference.crc import form, polynomial_text
 from ..reference.limits import bounded, bounded_width, bounds, representable
 from ..reference.order_codes import combinations
-from ..reference.run_time import resolve_parameters
+from ..reference.run_time import corners, resolve_parameters
 from ..spec.problems import DocumentReport, Path
 from ..spec.rules.walk import interface_of
 from .agree import check_agreement
@@ -116,7 +116,7 @@ def _device(
         name=raw["device"],
         manufacturer=manufacturer,
         documents=tuple(record(Document, item, key=key) for key, item in raw.get("documents", {}).items()),
-        parameters=tuple(_parameter(name, item, context.definitions, variants) for name, item in parameters),
+        parameters=tuple(_parameter(name, item, context) for name, item in parameters),
         order_code=order_code,
         variants=variants,
         crcs=tuple(context.crcs.values()),
@@ -191,35 +191,39 @@ def _parameter_sets(
     raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant], alternatives: Sequence[Alternative]
 ) -> Mapping[str, Sequence[Mapping[str, int]]]:
     """By interface, every set of parameters that a layout has to suit: the order codes', the bounds of those held in
-    registers, and each answer of an alternative."""
+    registers, one by one and together, and each answer of an alternative with them."""
     kinds = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
     if not variants:  # Nothing is known of parameters; what does without them can be looked at all the same.
         return MappingProxyType({kind: ({},) for kind in kinds})
     found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
-    answers = [answer.sets for item in alternatives for answer in item.answers[1:]]
-    bounds = [
-        {name: item[key]}
+    answers: list[Mapping[str, int]] = [{}, *(answer.sets for item in alternatives for answer in item.answers[1:])]
+    bounds = {
+        name: [item[key] for key in ("min", "max") if key in item]
         for name, item in raw["parameters"].items()
         if "read_from" in item
-        for key in ("min", "max")
-        if key in item
-    ]
+    }
+    # One by one first: the fewest parameters that show a fault are told.
+    singles = ({name: value} for name, values in bounds.items() for value in values)
+    held = [{}, *singles, *(corners(bounds) if len(bounds) > 1 else ())]
+    seen: set[tuple[str, tuple[int, ...]]] = set()
     for variant in variants:
         known = found.setdefault(variant.interface, [])
         base = {name: value for name, value in variant.parameters.items() if name not in definitions}
-        for changed in ({}, *bounds, *answers):
-            parameters = resolve_parameters({**base, **changed}, definitions)
-            if parameters not in known:
-                known.append(parameters)
+        for changed in ({**one, **answer} for one in held for answer in answers):
+            given = {**base, **changed}
+            key = (variant.interface, tuple(given.values()))
+            if key not in seen:
+                seen.add(key)
+                known.append(resolve_parameters(given, definitions))
     # An interface that no order code selects has been reported; its layouts are looked at with the parameters of the
     # others.
     every = [parameters for known in found.values() for parameters in known]
     return MappingProxyType({kind: known or every for kind, known in found.items()})
 
 
-def _parameter(name: str, raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant]) -> Parameter:
-    largest = max((variant.parameters.get(name, 0) for variant in variants), default=0)
-    return record(Parameter, raw, name=name, equals=definitions.get(name), largest=largest)
+def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
+    values = (parameters.get(name, 0) for sets in context.parameter_sets.values() for parameters in sets)
+    return record(Parameter, raw, name=name, equals=context.definitions.get(name), largest=max(values, default=0))
 
 
 def _crc(raw: Raw) -> Crc:
@@ -285,7 +289,7 @@ def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, i
     item = placed.field(bounded(register))
     zero_means = item.field.number.zero_means if item is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
-    return low, high - 1 if high == zero_means else high, zero_means
+    return low, high - 1 if zero_means and high == zero_means else high, zero_means
 
 
 def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:

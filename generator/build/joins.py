@@ -83,6 +83,13 @@ def _check_gray(layout: Layout, site: Site) -> None:
         is_number_or_flag = isinstance(at_fault.kind, (Number, Choice, Flag))
         what = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is no number'}"
         site.report("gray-of", f"{what}; only a number of several bits can be in Gray code", "gray", "of")
+    for name, of in ((item.name, item.kind.of) for item in layout.fields if isinstance(item.kind, Parity)):
+        if of in layout.names_in(layout.gray_of):
+            wrong = (
+                f"'{name}' is the parity of '{of}', which is sent in Gray code; no word says of which of the two"
+                " numbers; write 'bits: 1' in place of 'parity_of'"
+            )
+            site.report("gray-of", wrong, "fields", name, "parity_of")
     for above, below in pairwise(parts):
         if any(below.low.value(values) + below.width.value(values) != above.low.value(values) for values in site.sets):
             wrong = (

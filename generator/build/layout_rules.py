@@ -55,7 +55,8 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
         site.report("too-long", f"'{field.name}' takes {bits} bits; {LARGEST_NUMBER} is the most")
     match kind:
         case Number():
-            pass
+            if kind.power_of_two:
+                _check_absent(field, "0 is no power of two; leave 'power_of_two' out", site)
         case Flag():
             if field.width != Expression(1):
                 site.report("width-mismatch", f"'{field.name}' is a flag of one bit; it takes {bits}")
@@ -68,12 +69,16 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
                 if item.value >> bits:
                     wrong = f"the value '{item.name}' = {item.value:#x} does not fit into {bits} bits"
                     site.report("value-too-wide", wrong)
+            if all(item.value for item in kind.values):
+                _check_absent(field, "none of its values is 0; give it one", site)
         case Constant() | Unused():
             narrowest = min((field.width.value(parameters) for parameters in site.sets), default=0)
             if not field.width.is_constant and kind.value >> narrowest and narrowest:
                 word = "unused" if isinstance(kind, Unused) else "constant"
                 wrong = f"'{word}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
                 site.report("value-too-wide", wrong)
+            if isinstance(kind, Constant) and kind.value:
+                _check_absent(field, f"'constant' is {kind.value:#x}; make it 0, or its width a plain number", site)
         case Decimal():
             if kind.limit > 1 << bits:
                 site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {bits} bits")
@@ -84,6 +89,15 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             _check_crc(layout, field, kind, site)
         case _:
             assert_never(kind)
+
+
+def _check_absent(field: Field, why: str, site: Site) -> None:
+    """Where an order code has none of the field's bits, it reads as 0; code would refuse each frame of it."""
+    lacking = next((parameters for parameters in site.sets if not field.width.value(parameters)), None)
+    if lacking is not None:
+        values = ", ".join(f"{name} = {lacking[name]}" for name in field.width.parameters)
+        wrong = f"'{field.name}' has no bits with {values} and reads as 0, but {why}"
+        site.report("value-too-wide", wrong)
 
 
 def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:

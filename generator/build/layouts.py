@@ -20,6 +20,8 @@ from .layout_rules import LARGEST_NUMBER, is_sound
 from .record import Raw, record, sources
 
 ZERO = Expression(0)
+#: More than any frame of an encoder has; beyond, a slip would take hours to lay out.
+_MOST_BITS = 100_000
 
 
 @dataclass(frozen=True)
@@ -232,6 +234,9 @@ def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
     flat = list(_flat(items))
     for parameters in site.sets:
         total = bits.value(parameters)
+        if total > _MOST_BITS:
+            site.report("too-long", f"the fields take {total} bits{_with(parameters, bits)}; {_MOST_BITS} is the most")
+            return False
         taken: list[tuple[int, int, Item]] = []
         for item in flat:
             width, low, span = (part.value(parameters) for part in (item.width, item.low, item.span))

@@ -281,19 +281,25 @@ class Layout:
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """The layout for one order code; fields without bits are left out."""
-        placed = (PlacedField(item, item.low.value(parameters), item.width.value(parameters)) for item in self.fields)
+        every = (PlacedField(item, item.low.value(parameters), item.width.value(parameters)) for item in self.fields)
+        placed = {item.name: item for item in every if item.width > 0}
         gray = bool(self.gray_when and parameters.get(self.gray_when))
-        return PlacedLayout(self, self.bits.value(parameters), tuple(item for item in placed if item.width > 0), gray)
+        unused = tuple((placed[item.name], place) for item, place in self.unused if item.name in placed)
+        return PlacedLayout(self, self.bits.value(parameters), tuple(placed.values()), gray, unused)
 
 
 @dataclass(frozen=True, slots=True)
 class PlacedLayout:
-    """A layout whose positions are numbers; ``gray`` says that the number ``layout.gray_of`` is sent in Gray code."""
+    """A layout whose positions are numbers; ``gray`` says that the number ``layout.gray_of`` is sent in Gray code.
+
+    ``unused`` are the unused fields that the order code has, each with its place as in ``layout.unused``.
+    """
 
     layout: Layout
     bits: int
     fields: tuple[PlacedField, ...]
     gray: bool = False
+    unused: tuple[tuple[PlacedField, int], ...] = ()
 
     @property
     def name(self) -> str:

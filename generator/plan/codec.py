@@ -61,7 +61,8 @@ class ZerosAbove:
     @property
     def may_reach(self) -> bool:
         """Whether the bytes that the field reaches have bits above it."""
-        return not self.bits.width.is_constant or self.field.container - 8 * len(self.beyond) > self.field.widest
+        reached = self.field.container - 8 * len(self.beyond)
+        return reached > (self.field.widest if self.bits.width.is_constant else 0)
 
 
 @dataclass(frozen=True, slots=True)

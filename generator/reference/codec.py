@@ -189,7 +189,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
             problems.append(Problem(Fault.RANGE, item.name, f"{item.name} {raw:X} does not belong to this frame"))
     crc = _decode_crc(device, placed, number, problems)
     fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
-    if placed.layout.unused:
+    if any(isinstance(item.kind, Unused) for item in placed.layout.fields):
         bits = unused_bits(placed, number)
         fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that are not as the manual has them", -1, -1))
     problems.sort(key=lambda item: list(Fault).index(item.fault))
@@ -219,10 +219,8 @@ def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> D
 def unused_bits(placed: PlacedLayout, number: int) -> int:
     """The unused bits of a frame as one number: 0 where they are as the manual has them."""
     found = 0
-    for field, place in placed.layout.unused:
-        item = placed.field(field.name)
-        if item is not None:
-            found |= (number >> item.low & item.mask ^ _documented(item)) << place
+    for item, place in placed.unused:
+        found |= (number >> item.low & item.mask ^ _documented(item)) << place
     return found
 
 
@@ -311,11 +309,11 @@ def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem
             pass  # compared with what they are made of when that is known
         case _ as kind:
             assert_never(kind)
-    runs = ((run, raw // run.divisor % run.modulus) for run in field.runs)
-    return [
-        DecodedField(name, wire, value, field.unit, meaning, item.high, item.low),
-        *(DecodedField(run.name, part, part, "", run.meaning, item.high, item.low) for run, part in runs),
-    ]
+    found = [DecodedField(name, wire, value, field.unit, meaning, item.high, item.low)]
+    for run in field.runs:
+        part = raw // run.divisor % run.modulus
+        found.append(DecodedField(run.name, part, part, "", run.meaning, item.high, item.low))
+    return found
 
 
 def _number_of(number: Number, raw: int, width: int) -> int:
@@ -376,11 +374,9 @@ def _used(placed: PlacedLayout) -> set[str]:
 def _unused(placed: PlacedLayout, turned: int) -> int:
     """The unused bits at their places: as the manual has them, but for those ``turned`` round."""
     number = 0
-    for field, place in placed.layout.unused:
-        item = placed.field(field.name)
-        if item is not None:
-            number |= (turned >> place & item.mask ^ _documented(item)) << item.low
-            turned &= ~(item.mask << place)
+    for item, place in placed.unused:
+        number |= (turned >> place & item.mask ^ _documented(item)) << item.low
+        turned &= ~(item.mask << place)
     if turned:
         raise EncodeError(f"'{UNUSED}' has the bits {turned:#x}, which are none of the unused bits of {placed.name}")
     return number

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations, product
+from math import prod
 from types import MappingProxyType
 
 from ..model import NOT_KNOWN, Device, Erratum, Parameter, Register, Variant, cite
@@ -30,6 +32,40 @@ def resolve_parameters(given: Mapping[str, int], definitions: Mapping[str, Expre
             except ExpressionError:
                 parameters[name] = 0  # out of reach; a width this large is reported where it is used
     return MappingProxyType(parameters)
+
+
+#: Combinations of extremes beyond which only those of two parameters at a time are looked at.
+_MOST_CORNERS = 64
+
+
+def corners(extremes: Mapping[str, Sequence[int]]) -> Iterator[Mapping[str, int]]:
+    """The joint extremes of parameters: what fits with one of them at its end may not where two are.
+
+    Where that would be too many, those of each two, the others being what they are, and all at the same end.
+    """
+    names = [name for name, values in extremes.items() if values]
+    if prod(len(set(extremes[name])) for name in names) <= _MOST_CORNERS:
+        yield from _joint(names, extremes)
+        return
+    for pair in combinations(names, 2):
+        yield from _joint(pair, extremes)
+    yield from ({name: end(extremes[name]) for name in names} for end in (min, max))
+
+
+def _joint(names: Sequence[str], extremes: Mapping[str, Sequence[int]]) -> Iterator[Mapping[str, int]]:
+    for values in product(*(dict.fromkeys(extremes[name]) for name in names)):
+        yield dict(zip(names, values, strict=True))
+
+
+def at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
+    """The parameters of a variant as delivered, and at the extremes of those that registers hold."""
+    given = {item.name: variant.parameters[item.name] for item in device.parameters if item.equals is None}
+    definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
+    bounds = {
+        item.name: [bound for bound in (item.min, item.max) if bound is not None] for item in device.run_time_parameters
+    }
+    for changed in ({}, *corners(bounds)):
+        yield resolve_parameters({**given, **changed}, definitions)
 
 
 def with_registers(device: Device, variant: Variant, held: Mapping[int, int]) -> Variant:

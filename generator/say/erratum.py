@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
+from .changed import change_in_words
 from .text import Ref, Said, said
 from .words import sentence
 
@@ -57,9 +58,15 @@ def _change(item: Erratum) -> Said:
     label = f"Overlay {item.overlay}" if item.overlay else f"Edition {item.edition}"
     if item.edition.startswith("before "):
         label = f"Editions {item.edition}"
-    there = f"The spec has {item.printed}; {'there' if item.edition else 'here'} it is {item.used}"
-    is_gone = item.used == NOT_KNOWN or (item.used == LEFT_OUT and item.edition)
-    changed = f"{item.printed}: {item.used}" if is_gone else there
+    what, value = change_in_words(item.printed), str(item.used)
+    if item.used == NOT_KNOWN:
+        changed = f"Not known {'there' if item.edition else 'here'}: {what}"
+    elif item.used == LEFT_OUT and item.edition:
+        changed = f"Not there: {what}"
+    elif item.printed.endswith(".note") and item.edition:
+        changed = f"Instead of {what}: {sentence(value)}"
+    else:
+        changed = f"The spec has {what}; {'there' if item.edition else 'here'} it is {value}"
     # Beside code it is enough that another edition differs: what the code does is right for this one.
     brief = "differs; the end of this file says how." if item.edition else None
     return replace(said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source), brief=brief)

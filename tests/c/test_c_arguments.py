@@ -22,7 +22,6 @@ VALUES: Mapping[str, tuple[int, ...]] = {
     "both": (0, 100000, 100001, 0x12345),
     "target": (3, 2, 500, 501),
     "goal": (0, 511, 512, 8191, 8192),
-    "unused": (0, 77),
     "mode": (6, 1, 0, 2, 7, 15, 16),
     "speed": (0, 1023, 1024, 0x2A5),
     "level": (7, 6, 900, 901, 0xFFF, 0x1000),
@@ -43,7 +42,7 @@ def run_arguments(arguments: Device, made_once: MadeOnce) -> Run:
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [["clang", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]], ids=" ".join)
 def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> None:
-    """Not for an argument that no step uses, nor for an encoder that is known by a byte called ``variant_id``."""
+    """Not for an encoder that is known by a byte called ``variant_id``."""
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
     compile_c(command, source(arguments), tmp_path, write(tmp_path, (arguments,)), link=False)

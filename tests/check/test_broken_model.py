@@ -53,3 +53,12 @@ def test_a_value_of_an_order_code_may_have_a_slash(label: str, code: str, bits: 
     devices, _ = load_for([SOUND / "slashed.yaml"], targets_named())
     found = find(devices[0], label)
     assert (found.variant.code, found.variant.parameters["position_bits"]) == (code, bits)
+
+
+def test_a_limit_that_is_a_product_at_run_time_has_a_type_that_holds_it() -> None:
+    """As delivered it is 256 * 16 - 1; with both registers at their highest the product takes 33 bits."""
+    devices, _ = load_for([SOUND], targets_named())
+    (device,) = (item for item in devices if item.name == "product_limit")
+    (c,) = (item for item in targets_named() if item.name == "c")
+    text = c.files(Library((device,)), {})["c/include/acme/product_limit.h"]
+    assert "static inline uint64_t acme_product_limit_reg_preset_max(" in text

@@ -1,7 +1,9 @@
 """C and Python agree on a million random and corrupted frames of each layout: fault, members, encoding again, and what
 the frame tells, its verdict and reports.
 
-Both are the generated code as a user has it. ``CODEWHEEL_FRAMES`` sets another number of frames.
+Both are the generated code as a user has it. C and the reference, which is the model alone, agree on what a million
+frames of each layout of an encoder tell: fault, verdict, reports and unused bits. ``CODEWHEEL_FRAMES`` sets another
+number.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ import struct
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -21,9 +23,11 @@ from typing import Any
 import pytest
 from batch import Batch, Codec, stdio_entry
 from c_harness import compile_c
-from codewheel.model import Device, Variant, Verdict
-from codewheel.plan.reports import reports_of
+from codewheel.model import Device, Fault, Variant, Verdict
+from codewheel.plan.reports import reportings, reports_of
+from codewheel.reference import codec as reference
 from codewheel.reference.codec import UNUSED
+from codewheel.reference.findings import findings
 from codewheel.targets.c.reserved import c_name
 from codewheel.targets.python.context import Context
 from frames import chunks, input_of, wires
@@ -37,6 +41,8 @@ LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
 #: Verdicts as C numbers them, by what Python calls them; 255 stands for none.
 VERDICTS = {item.value: number for number, item in enumerate(Verdict)}
 NO_VERDICT = 255
+#: Faults of the model, as C numbers them.
+FAULTS = {Fault.LENGTH: LENGTH, Fault.CRC: CRC, Fault.CONSTANT: CONSTANT, Fault.RANGE: RANGE}
 
 
 class Peer:
@@ -221,3 +227,60 @@ def test_c_and_python_agree(family: str, name: str, programs: Callable[[str], Pa
     # A sixth at least is sound, and lengths are wrong now and then: the comparison is not of one kind.
     assert kinds[0] > FRAMES / 6, kinds
     assert kinds[LENGTH] > FRAMES / 25, kinds
+
+
+def of_encoders() -> list[tuple[str, str]]:
+    """The frames that encoders send, as family and name."""
+    return [
+        (device.name, codec.name)
+        for device in library().values()
+        for codec in Batch(device).codecs
+        if codec.layout.sender == "encoder"
+    ]
+
+
+class Oracle:
+    """What the frames of a layout tell by the model: fault, verdict, mask of reports, and unused bits."""
+
+    def __init__(self, device: Device, codec: Codec) -> None:
+        self.device, self.layout = device, codec.layout
+        told = next((item.told for item in reportings(device) if item.codec.layout.name == codec.name), ())
+        self._bits = {item.by.field.name: 1 << item.report.number for item in told}
+
+    def of(self, variant: Variant, sent: Sequence[int] | Sequence[bytes]) -> Iterator[tuple[int, int, int, int]]:
+        device, placed, bits = self.device, self.layout.place(variant.parameters), self._bits
+        for wire in sent:
+            if isinstance(wire, bytes):
+                decoded = reference.decode_placed(device, placed, wire)
+            else:
+                decoded = reference.decode(device, placed, wire)
+            if decoded.problems:
+                yield FAULTS[decoded.problems[0].fault], NO_VERDICT, 0, 0
+                continue
+            said = findings(device, variant, decoded)
+            verdict = VERDICTS[said.verdict.value] if said.verdict is not None else NO_VERDICT
+            unused = decoded.fields[-1].raw if decoded.fields[-1].name == UNUSED else 0
+            yield 0, verdict, sum(bits[item.field] for item in said.reports), unused
+
+
+@pytest.mark.parametrize(("family", "name"), of_encoders())
+def test_c_tells_what_the_reference_tells(family: str, name: str, programs: Callable[[str], Path]) -> None:
+    batch = Batch(library()[family])
+    codec = next(item for item in batch.codecs if item.name == name)
+    oracle, size = Oracle(batch.device, codec), struct.calcsize(codec.answer)
+    unused = next((at for at, member in enumerate(codec.members, 1) if member.name == UNUSED), None)
+    kinds: Counter[tuple[int, int]] = Counter()
+    for variant, records in chunks(batch, codec, FRAMES, "reference"):
+        given = input_of(batch, codec, [(variant, records)])
+        out = subprocess.run([str(programs(family))], input=given, capture_output=True, check=True).stdout
+        assert len(out) == size * (len(records) // batch.record)
+        sent = wires(batch, codec, records)
+        answers = struct.iter_unpack(codec.answer, out)
+        for wire, answer, expected in zip(sent, answers, oracle.of(variant, sent), strict=True):
+            verdict, reports = answer[-2:] if answer[0] == 0 else (NO_VERDICT, 0)
+            found = answer[0], verdict, reports, answer[unused] if unused is not None else 0
+            assert found == expected, (variant.code, wire)
+            kinds[expected[:2]] += 1
+    assert kinds.total() == FRAMES
+    # Sound frames, and of each verdict that a flag can make.
+    assert sum(count for (fault, _), count in kinds.items() if not fault) > FRAMES / 6, kinds

@@ -1021,10 +1021,11 @@ class ProfileId(NamedTuple):
     SMA21 and ASC85 manuals have 28xx, with the data length in the low byte, for variants 0-24 and the like. Nor does a
     position of up to 36 bits fit 24. [6.5 p.24; 6.3.1 p.21; prot: p.14; sma21: 6.4; asc85: 6.4]
 
-    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
-    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: Not known there: register profile_id, register serial_number, register command, register device_type,
+    register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more. Why:
+    Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is known that 01
+    in 48h stores a resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+    [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     profile: int
@@ -1085,10 +1086,11 @@ class SerialNumber(NamedTuple):
     decimal digits of one number in the AMM5, and one running number in the ASC85, both high byte first; the AMM36
     manual prints the AMM5's example with its four bytes in reverse. [6.5 p.24; amm5: 6.4 p.38; asc85: 6.4; amm36: p.38]
 
-    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
-    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: Not known there: register profile_id, register serial_number, register command, register device_type,
+    register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more. Why:
+    Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is known that 01
+    in 48h stores a resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+    [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     year: int
@@ -1152,10 +1154,11 @@ class Command(IntEnum):
     stores the resolution but zeroes the preset. Used: set_resolution saves the resolution first, and only then writes
     and activates the preset. [6.5 p.24; 6.5 p.27; 6.5 p.28; 6.5 p.29]
 
-    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
-    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: Not known there: register profile_id, register serial_number, register command, register device_type,
+    register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more. Why:
+    Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is known that 01
+    in 48h stores a resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+    [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     NORMAL_OPERATIONAL_STATE = 0
@@ -1222,8 +1225,8 @@ class Configuration(NamedTuple):
     Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why: A register is written as a whole byte;
     00h in 49h would also set the output code to Gray (bit 5). [6.5]
 
-    Edition 1.1: The spec has configuration.note; there it is Of edition 1.1 only its address is known, and that one of
-    its bits has to be 1 before a preset can be entered, which 1.0 has as well and which is an erratum there. The
+    Edition 1.1: Instead of what is said of register configuration: Of edition 1.1 only its address is known, and that
+    one of its bits has to be 1 before a preset can be entered, which 1.0 has as well and which is an erratum there. The
     meaning of its bits is that of edition 1.0; the code of the position hangs on one of them. Why: The page that
     describes it is not public. [am36_1_1: p.24; am36_1_1: p.30]
 
@@ -1544,10 +1547,11 @@ class DeviceType(NamedTuple):
 
     Default: ``02``.
 
-    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
-    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: Not known there: register profile_id, register serial_number, register command, register device_type,
+    register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more. Why:
+    Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is known that 01
+    in 48h stores a resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+    [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     device_type: int
@@ -1722,10 +1726,11 @@ class DeviceId(NamedTuple):
     Erratum device_id_shared (open, omission): Printed: One device ID, AM I7 2 with the software version, for all
     models. Used: As printed. [6.5 p.31; prot: p.14-15]
 
-    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
-    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: Not known there: register profile_id, register serial_number, register command, register device_type,
+    register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more. Why:
+    Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is known that 01
+    in 48h stores a resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+    [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     model: str
@@ -1794,10 +1799,11 @@ class ManufacturerId(NamedTuple):
 
     Byte order: high byte first, at 7Eh.
 
-    Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-    interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-    these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause
-    after it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+    Edition 1.1: Not known there: register profile_id, register serial_number, register command, register device_type,
+    register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more. Why:
+    Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is known that 01
+    in 48h stores a resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+    [am36_1_1: p.24; am36_1_1: p.29]
     """
 
     name: str

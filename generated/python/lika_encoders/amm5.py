@@ -35,8 +35,8 @@ stands in DOCUMENTS.
 Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
 amm5=1.0`` makes files for such encoders.
 
-Editions before 1.4: Register 3Bh, Counting direction: not known. Why: The register was removed with this revision. What
-it took and when, is not said. [Document release]
+Editions before 1.4: Not known there: Register 3Bh, Counting direction. Why: The register was removed with this
+revision. What it took and when, is not said. [Document release]
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
@@ -2786,9 +2786,9 @@ class SerialNumber(NamedTuple):
     that an older AMM5 may answer in the other order. A year or a week that cannot be tells. [6.4 p.38; amm36: p.38;
     amm80: 6.4 p.41]
 
-    Editions before 1.7: serial_number: not known. Why: The registers 44h to 47h were updated; how they read before, is
-    not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says
-    that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
+    Editions before 1.7: Not known there: register serial_number. Why: The registers 44h to 47h were updated; how they
+    read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the number that is 0A E8 69 EE
+    here and says that it must be reversed. An older AMM5 may be like it. [Document release; amm36: p.38]
     """
 
     year: int
@@ -2852,10 +2852,10 @@ class Command(IntEnum):
 
     After a command the register goes back to 00 by itself.
 
-    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
-    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
-    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
-    to be right there. [Document release]
+    Editions before 1.4: Not known there: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+    procedure store_preset, procedure save_parameters and procedure activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
     """
 
     SAVE_PARAMETERS = 1
@@ -2897,9 +2897,9 @@ class DeviceId(NamedTuple):
     Erratum device_id_shared (open, omission): Printed: One device ID, AMM5 with the release, for all models. Used: As
     printed. [6.4 p.39; prot: p.14-15]
 
-    Editions before 1.7: device_id: not known. Why: The registers 78h to 7Dh were updated; what they held before, is not
-    said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out in 7Ch and the
-    software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
+    Editions before 1.7: Not known there: register device_id. Why: The registers 78h to 7Dh were updated; what they held
+    before, is not said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh alone, the type of time-out
+    in 7Ch and the software release in 7Dh. An older AMM5 may be like it. [Document release; amm36_device_id: p.39]
     """
 
     name: str
@@ -3034,10 +3034,10 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Result: The position at which the activation arrived has the preset value; all other positions follow from it.
 
-    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
-    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
-    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
-    to be right there. [Document release]
+    Editions before 1.4: Not known there: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+    procedure store_preset, procedure save_parameters and procedure activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder.
@@ -3081,10 +3081,10 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Result: The preset is saved; the position is the same as before.
 
-    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
-    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
-    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
-    to be right there. [Document release]
+    Editions before 1.4: Not known there: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+    procedure store_preset, procedure save_parameters and procedure activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder.
@@ -3126,10 +3126,10 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: Newly set register values are saved.
 
-    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
-    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
-    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
-    to be right there. [Document release]
+    Editions before 1.4: Not known there: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+    procedure store_preset, procedure save_parameters and procedure activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.
@@ -3153,10 +3153,10 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The position at which the command arrived has the preset value.
 
-    Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
-    procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
-    older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known
-    to be right there. [Document release]
+    Editions before 1.4: Not known there: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+    procedure store_preset, procedure save_parameters and procedure activate_preset. Why: The Command register was
+    updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none
+    of them is known to be right there. [Document release]
 
     Args:
         variant: The encoder, to be checked; the steps are the same for all of the family.

@@ -1109,6 +1109,10 @@ class Status(NamedTuple):
 
     A write to the same address reaches ``command`` instead.
 
+    The register is read by itself, not together with a position: it says how things stand when it is read. So it gives
+    no verdict on a position in a frame, whose own Error and Warning do, nor on one read in the position register at
+    another time. For that one wait until Position data valid is 1, as the procedure request_position does.
+
     Erratum absolute_data_valid_bit (settled, wrong data): Printed: Command 02: the status bit 2 Absolute data valid.
     List of status bits: bit 1. Used: Bit 1. Why: The list gives each of the eight bits once and has Internal data bus
     busy at bit 2. A public controller with the same commands lists its status byte in the order of the list. [6.4 p.26;

@@ -99,6 +99,20 @@ def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         _unique(named, "a field", report)
 
 
+def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A value of the selecting field tells one frame of its sender."""
+    told: dict[tuple[str, object, object], object] = {}
+    for layout in layouts(spec):
+        for selector, values in mapping(layout.owner, "when").items():
+            for index, value in enumerate(values):
+                key = (layout.interface, layout.owner.get("from"), value)
+                first = told.setdefault(key, layout.owner["name"])
+                if first != layout.owner["name"] or value in values[:index]:
+                    here = "here already" if first == layout.owner["name"] else f"told by {quoted(first)} already"
+                    wrong = f"{quoted(selector)} {value} is {here}; one frame of the {key[1]} has it"
+                    report.add("duplicate-name", (*layout.path, "when", selector, index), wrong)
+
+
 def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """No two registers of an interface and bank share a byte,
     but for one that is only read and one that is only written at the same place."""

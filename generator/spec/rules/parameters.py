@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ...model.expressions import Expression, ExpressionError, Factor
-from ..problems import DocumentReport, Path, quoted
+from ..problems import DocumentReport, Path, listed, quoted
 from .walk import (
     Fields,
     Has,
@@ -125,6 +125,32 @@ def _factors(text: object) -> list[Factor]:
     except ExpressionError:  # Reported by the rule on expressions.
         return []
     return [factor for term in terms for factor in term.factors]
+
+
+#: What says where the value of a parameter comes from; without any the order code sets it.
+_ORIGINS = ("equals", "read_from", "alternative")
+
+
+def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """The value of a parameter comes from one place."""
+    for name, parameter in mapping(spec, "parameters").items():
+        found = [key for key in _ORIGINS if key in parameter]
+        if len(found) > 1:
+            wrong = f"{listed(map(quoted, found))} each say what {quoted(name)} is; keep one"
+            report.add("parameter-origin", ("parameters", name, found[1]), wrong, at_key=True)
+
+
+def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Only where the fields of a frame or register lie may depend on what the user decides: there code asks for it."""
+    parameters = mapping(raw, "parameters")
+    decided = {name for name in parameters if "alternative" in mapping(parameters, name)}
+    used = [*expressions(spec), *((path, text) for path, _, text in uses(spec, raw) if path[-1] == "when")]
+    for path, text in used:
+        name = next((factor.parameter for factor in _factors(text) if factor.parameter in decided), None)
+        if name is not None and path[-1] not in _WIDTHS:
+            of = mapping(parameters, name)["alternative"]
+            wrong = f"{quoted(name)} is set by the alternative {quoted(of)}, which code asks for at a frame or register"
+            report.add("alternative-use", path, f"{wrong}; use it in 'bits' or 'low_bit' of a field")
 
 
 def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -83,6 +83,22 @@ def _writes(step: Spec, opener: Spec) -> bool:
     return of and "value" in opener and step.get("field", opener.get("field")) == opener.get("field")
 
 
+def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """What a procedure is given, it writes."""
+    procedures = by_name(raw, "procedures")
+    for path, procedure in items(spec, "procedures"):
+        # A step that the schema refused may be the one that writes it.
+        steps = [step for _, step in items(procedures.get(procedure["name"], {}), "steps")]
+        written = {step.get("value") for step in steps}
+        for below, argument in items(procedure, "arguments"):
+            if argument["name"] not in written:
+                wrong = (
+                    f"no step writes the argument {quoted(argument['name'])}; write it with"
+                    f" 'value: {argument['name']}', or leave the argument out"
+                )
+                report.add("argument-not-written", (*path, *below, "name"), wrong)
+
+
 def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """A procedure that is called like a value of the register to which it writes, a command, writes that value."""
     registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")

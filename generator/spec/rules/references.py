@@ -53,6 +53,10 @@ class _Names:
             wrong = f"there is no {kind} {quoted(name)}{suggestion(name, choices, 'known are')}"
             self._report.add("undefined-reference", path, wrong)
 
+    def tell(self, path: Path, wrong: str) -> None:
+        """Reports a name that is there, and does not say enough."""
+        self._report.add("undefined-reference", path, wrong)
+
     def refer_by(self, key: str, path: Path, item: Spec, kind: str, known: Iterable[str] | None = None) -> None:
         """The same for what ``item`` has under a key: a name, several, or nothing."""
         found = item.get(key, ())
@@ -132,6 +136,9 @@ def _opener(path: Path, opened: Spec, known: _Names) -> None:
         known.refer_by("field", path, opened, f"field of {quoted(name)} called", known.bits(name))
         values = known.values(name, opened.get("field"))
         known.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
+        if "field" not in opened and opened.get("value") in values and len(known.bits(name)) > 1:
+            wrong = f"{quoted(name)} has several fields; say with 'field' which of them"
+            known.tell((*path, "value"), f"{wrong} is to hold {quoted(opened['value'])}")
 
 
 def _meaning(path: Path, meaning: Spec, known: _Names) -> None:

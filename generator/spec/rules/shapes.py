@@ -213,6 +213,18 @@ def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for below, step in items(procedure, "steps"):
             kind: str = step["do"]
             _check_keys("step-shape", f"a {kind} step", (*path, *below), step, _STEPS[kind], _ALL_STEPS, report)
+            _check_repeated((*path, *below), step, report)
+
+
+def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
+    """What is between the requests of a step, or how far they are apart, is said of several."""
+    between = next((key for key in ("in_succession", "every_at_least_us") if step.get(key)), None)
+    if step["do"] == "send" and between is not None and step.get("times", 1) == 1:
+        found = "sends one" if "times" in step else "has no 'times'"
+        wrong = (
+            f"{quoted(between)} is about several requests, and the step {found}; say how many 'times', or leave it out"
+        )
+        report.add("step-shape", (*path, between), wrong, at_key=True)
 
 
 def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -12,7 +12,9 @@ from .types import size_of, unsigned
 
 
 def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
-    """The bits in these pieces of ``bytes``, and the type that holds them."""
+    """The bits in these pieces of ``bytes``, and the type that holds them; 0 where no order code has such bits."""
+    if not pieces:
+        return unsigned(1), Number(0)
     bits = sum(piece.mask.bit_length() for piece in pieces)
     kind, work = unsigned(bits), "uint64_t" if bits > 32 else "uint32_t"
     if len(pieces) == 1:

@@ -22,7 +22,9 @@ class Function:
 
 def number_of(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
     """A function for numbers of up to ``largest``, of 32 bits where they fit."""
-    bits, value = max(largest.bit_length(), 32), scope.of(expression)
+    # A product is worked out before anything is taken from it.
+    taken = min(expression.constant, 0) if any(term.is_product for term in expression.terms) else 0
+    bits, value = max((largest - taken).bit_length(), 32), scope.of(expression)
     if bits == 32 and any(term.is_power for term in expression.terms):
         value = Cast("uint32_t", value)
     return Function(name, unsigned(bits), value, about, not expression.is_constant)

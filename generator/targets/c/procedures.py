@@ -185,7 +185,7 @@ class ProcedureCode:
     def _argument(self, given: Given) -> ArgumentCode:
         refusals = [*given.refusals, *(refusal for item in given.written for refusal in self._of_byte(item))]
         kept = (item for index, item in enumerate(refusals) if item not in refusals[:index] and not _is_held(item))
-        kind = self._type(given.written[0]) if given.written else "uint64_t"
+        kind = self._type(given.written[0])
         return ArgumentCode(given, kind, self._names[given.argument.name], tuple(kept))
 
     def _of_byte(self, item: Writes) -> Iterator[ArgumentRefusal]:

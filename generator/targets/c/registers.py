@@ -10,6 +10,7 @@ from ...model import Choice, Constant, Field, Flag, Number, Register, RegisterMe
 from ...model.expressions import Expression
 from ...plan.limits import limits_of
 from ...plan.refusals import outside
+from ...reference.run_time import at_run_time
 from ...say.name import title, words
 from .about import about_member, about_register, table
 from .access import Access
@@ -155,8 +156,9 @@ class RegisterCode:
     def _function(self, name: str, about: str, limit: Expression, signed: bool) -> Function:
         if signed:
             return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
-        mine = (item for item in self.device.variants if item.interface == self.register.interface)
-        largest = max((limit.value(item.parameters) for item in mine), default=0)
+        mine = [item for item in self.device.variants if item.interface == self.register.interface]
+        states = (parameters for item in mine for parameters in at_run_time(self.device, item))
+        largest = max(map(limit.value, states), default=0)
         return number_of(self.scope, name, limit, largest, about)
 
 

@@ -21,6 +21,7 @@ from ...model import (
     Timing,
     assert_never,
 )
+from ...say.changed import change_in_words
 from ...say.crc import sent
 from ...say.field import value
 from ...say.interface import settings
@@ -143,7 +144,10 @@ def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
     if item.edition:
         yield "Edition", text(item.edition)
     is_change = bool(item.overlay or item.edition)
-    yield ("The spec has" if is_change else "Printed"), text(item.printed)
+    yield (
+        ("The spec has" if is_change else "Printed"),
+        text(change_in_words(item.printed) if is_change else item.printed),
+    )
     yield ("Here" if is_change else "Used"), text(item.used)
 
 

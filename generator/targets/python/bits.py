@@ -93,8 +93,10 @@ def _ascend(places: Sequence[int]) -> bool:
 def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
     """The number that the pieces make; ``length`` is how many bytes there are, where that is known.
 
-    ``byte`` is what a byte is called.
+    Without pieces it is 0: no order code has such bits. ``byte`` is what a byte is called.
     """
+    if not pieces:
+        return number(0)
     places = [piece.byte for piece in pieces]
     low_first = places[0] <= places[-1]
     ascending = places if low_first else places[::-1]

@@ -128,7 +128,7 @@ class Readme:
         spoilt = codec.encode(self.device, placed, {**values, flag.name: True})
         made = replace(made, spoilt=_text(placed, spoilt), reported=coder.reports.name_of(flag))
         end = layout.crc_field
-        if end is None or layout.in_bytes or not coder.measured:
+        if end is None or layout.in_bytes or coder.measured not in shown:
             return made
         received = (number ^ 1) & ((1 << end.widest) - 1)
         damaged = f"the CRC is {received:#04x}; over these bits it has to be {received ^ 1:#04x}"

@@ -2787,28 +2787,31 @@ static inline lika_result lika_am36_identify(
  * 49, bit 2, data 0. Used: 20h in register 49h: bit 2 at 0, the other bits at their defaults. Why:
  * A register is written as a whole byte; 00h in 49h would also set the output code to Gray (bit 5).
  * [6.5]
- * Edition 1.1: order_code.parts.singleturn.open, order_code.parts.singleturn.open_only_with,
- * order_code.parts.turns.open, order_code.parts.turns.open_only_with: left out. Why: The table of
- * the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other resolutions. [am36_1_1: p.22]
- * Edition 1.1: order_code.parts.output.values.BG, order_code.parts.output.values.GG,
- * interfaces.ssi: not known. Why: No page on SSI is public. That there are SSI models with BG, the
+ * Edition 1.1: Not there: values of part singleturn of the order code that are not listed, what
+ * values of part singleturn of the order code that are not listed go with, values of part turns of
+ * the order code that are not listed and what values of part turns of the order code that are not
+ * listed go with. Why: The table of the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other
+ * resolutions. [am36_1_1: p.22]
+ * Edition 1.1: Not known there: value BG of part output of the order code, value GG of part output
+ * of the order code and SSI. Why: No page on SSI is public. That there are SSI models with BG, the
  * name of the series tells, and no more. [am36_1_1_biss: p.21]
- * Edition 1.1: The spec has configuration.note; there it is Of edition 1.1 only its address is
- * known, and that one of its bits has to be 1 before a preset can be entered, which 1.0 has as well
- * and which is an erratum there. The meaning of its bits is that of edition 1.0; the code of the
- * position hangs on one of them. Why: The page that describes it is not public. [am36_1_1: p.24;
- * am36_1_1: p.30]
- * Edition 1.1: The spec has interfaces.biss.note; there it is The range of the clock is that of
- * edition 1.0, not known of 1.1. The encoder is always a slave, alone with one master. It must
- * never be installed in a network of several slaves. Why: Section 6.6 with the clock is not on a
- * public page. [am36_1_1_biss: p.21]
- * Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id,
- * printed_defaults, interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers
- * by address, the pages that describe these are not public. Of Command it is known that 01 in 48h
- * stores a resolution; its other values, and the pause after it, are not. No procedure is known to
- * be right. [am36_1_1: p.24; am36_1_1: p.29]
- * Edition 1.1: connectors, inputs, supply: not known. Why: No page on connections is public.
- * [am36_1_1_biss: p.21]
+ * Edition 1.1: Instead of what is said of register configuration: Of edition 1.1 only its address
+ * is known, and that one of its bits has to be 1 before a preset can be entered, which 1.0 has as
+ * well and which is an erratum there. The meaning of its bits is that of edition 1.0; the code of
+ * the position hangs on one of them. Why: The page that describes it is not public. [am36_1_1:
+ * p.24; am36_1_1: p.30]
+ * Edition 1.1: Instead of what is said of BiSS C-mode: The range of the clock is that of edition
+ * 1.0, not known of 1.1. The encoder is always a slave, alone with one master. It must never be
+ * installed in a network of several slaves. Why: Section 6.6 with the clock is not on a public
+ * page. [am36_1_1_biss: p.21]
+ * Edition 1.1: Not known there: register profile_id, register serial_number, register command,
+ * register device_type, register device_id, register manufacturer_id, the printed table of
+ * defaults, timings of BiSS C-mode and 2 more. Why: Page 24 lists the registers by address, the
+ * pages that describe these are not public. Of Command it is known that 01 in 48h stores a
+ * resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+ * [am36_1_1: p.24; am36_1_1: p.29]
+ * Edition 1.1: Not known there: the connectors, the hardware inputs and the supply. Why: No page on
+ * connections is public. [am36_1_1_biss: p.21]
  */
 
 #ifdef __cplusplus

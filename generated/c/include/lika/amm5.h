@@ -3410,25 +3410,26 @@ static inline lika_result lika_amm5_reset_errors(
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. Why: The
  * description knows no speed. Whether power-on above 300 rpm keeps the flag set, with all position
  * data at 0, is not said. [7.4.1 p.44; it: 7.4.1 p.44]
- * Editions before 1.8: order_code.parts.mount.values.B: left out. Why: AMM5B was introduced with
- * this revision. [Document release]
- * Editions before 1.7: serial_number: not known. Why: The registers 44h to 47h were updated; how
- * they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A for the
- * number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5 may be like it.
- * [Document release; amm36: p.38]
- * Editions before 1.7: device_id: not known. Why: The registers 78h to 7Dh were updated; what they
- * held before, is not said. The manual of the AMM36, a sister, has the device ID in 78h to 7Bh
- * alone, the type of time-out in 7Ch and the software release in 7Dh. An older AMM5 may be like it.
- * [Document release; amm36_device_id: p.39]
- * Editions before 1.6: order_code.parts.interface.values.BG1,
- * order_code.parts.interface.values.JP1: left out. Why: The versions with SSI and with RS-485 came
+ * Editions before 1.8: Not there: value B of part mount of the order code. Why: AMM5B was
+ * introduced with this revision. [Document release]
+ * Editions before 1.7: Not known there: register serial_number. Why: The registers 44h to 47h were
+ * updated; how they read before, is not said. The manual of the AMM36, a sister, prints EE 69 E8 0A
+ * for the number that is 0A E8 69 EE here and says that it must be reversed. An older AMM5 may be
+ * like it. [Document release; amm36: p.38]
+ * Editions before 1.7: Not known there: register device_id. Why: The registers 78h to 7Dh were
+ * updated; what they held before, is not said. The manual of the AMM36, a sister, has the device ID
+ * in 78h to 7Bh alone, the type of time-out in 7Ch and the software release in 7Dh. An older AMM5
+ * may be like it. [Document release; amm36_device_id: p.39]
+ * Editions before 1.6: Not there: value BG1 of part interface of the order code and value JP1 of
+ * part interface of the order code. Why: The versions with SSI and with RS-485 came with this
+ * revision; before, all were BiSS. [Document release]
+ * Editions before 1.6: Not there: SSI and RS-485. Why: The versions with SSI and with RS-485 came
  * with this revision; before, all were BiSS. [Document release]
- * Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and
- * with RS-485 came with this revision; before, all were BiSS. [Document release]
- * Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset,
- * procedures.store_preset, procedures.save_parameters, procedures.activate_preset: not known. Why:
- * The Command register was updated, so that older encoders may have other values or another pause.
- * Every procedure ends with it, so that none of them is known to be right there. [Document release]
+ * Editions before 1.4: Not known there: register command, time eeprom_write of BiSS C-mode,
+ * procedure set_preset, procedure store_preset, procedure save_parameters and procedure
+ * activate_preset. Why: The Command register was updated, so that older encoders may have other
+ * values or another pause. Every procedure ends with it, so that none of them is known to be right
+ * there. [Document release]
  */
 
 #ifdef __cplusplus

@@ -1139,6 +1139,10 @@ static inline lika_result lika_asc85_write_command(
  * Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25; 6.4 p.27].
  * Present status of the system, the side of Command & status that is read.
  * A write to the same address reaches Command & status, Command mode instead.
+ * The register is read by itself, not together with a position: it says how things stand when it is
+ * read. So it gives no verdict on a position in a frame, whose own Error and Warning do, nor on one
+ * read in the position register at another time. For that one wait until Position data valid is 1,
+ * as the procedure request_position does.
  * Erratum absolute_data_valid_bit (settled, wrong data).
  * Erratum internal_data_bus_busy_bit (settled, wrong data).
  * Erratum warning_sources (open, omission).

@@ -193,9 +193,9 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12
 # µs (Tp > 12 µs). Used: At least 12 µs; take more. [5.1; 5.3; amm5: 5.3]
 #
-# Edition 1.1: order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi: not known. Why: No
-# page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more. [am36_1_1_biss:
-# p.21]
+# Edition 1.1: Not known there: value BG of part output of the order code, value GG of part output of the order code and
+# SSI. Why: No page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more.
+# [am36_1_1_biss: p.21]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
@@ -244,14 +244,15 @@ SSI: Final = SsiFacts(
 # Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock, 10 µs max. Used: At
 # most 10 µs, without a rule. [6.6 p.32; prot: p.18]
 #
-# Edition 1.1: The spec has interfaces.biss.note; there it is The range of the clock is that of edition 1.0, not known
-# of 1.1. The encoder is always a slave, alone with one master. It must never be installed in a network of several
-# slaves. Why: Section 6.6 with the clock is not on a public page. [am36_1_1_biss: p.21]
+# Edition 1.1: Instead of what is said of BiSS C-mode: The range of the clock is that of edition 1.0, not known of 1.1.
+# The encoder is always a slave, alone with one master. It must never be installed in a network of several slaves. Why:
+# Section 6.6 with the clock is not on a public page. [am36_1_1_biss: p.21]
 #
-# Edition 1.1: profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults,
-# interfaces.biss.timings and 2 more: not known. Why: Page 24 lists the registers by address, the pages that describe
-# these are not public. Of Command it is known that 01 in 48h stores a resolution; its other values, and the pause after
-# it, are not. No procedure is known to be right. [am36_1_1: p.24; am36_1_1: p.29]
+# Edition 1.1: Not known there: register profile_id, register serial_number, register command, register device_type,
+# register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more. Why:
+# Page 24 lists the registers by address, the pages that describe these are not public. Of Command it is known that 01
+# in 48h stores a resolution; its other values, and the pause after it, are not. No procedure is known to be right.
+# [am36_1_1: p.24; am36_1_1: p.29]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.6 p.32"),

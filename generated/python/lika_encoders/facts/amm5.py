@@ -207,8 +207,8 @@ CRCS: Final[tuple[Crc, ...]] = (
 # MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
 # MHz. [5.3]
 #
-# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
-# this revision; before, all were BiSS. [Document release]
+# Editions before 1.6: Not there: SSI and RS-485. Why: The versions with SSI and with RS-485 came with this revision;
+# before, all were BiSS. [Document release]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
@@ -254,10 +254,10 @@ SSI: Final = SsiFacts(
 # Erratum biss_min_clock (open, wrong limit): Printed: Clock of 50 kHz at least; the time-out is worked out for 50 kHz
 # as well. Used: 50 kHz. Why: The BiSS protocol description starts at 80 kHz. [6.5 p.40; prot: p.18]
 #
-# Editions before 1.4: command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset,
-# procedures.save_parameters, procedures.activate_preset: not known. Why: The Command register was updated, so that
-# older encoders may have other values or another pause. Every procedure ends with it, so that none of them is known to
-# be right there. [Document release]
+# Editions before 1.4: Not known there: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
+# procedure store_preset, procedure save_parameters and procedure activate_preset. Why: The Command register was
+# updated, so that older encoders may have other values or another pause. Every procedure ends with it, so that none of
+# them is known to be right there. [Document release]
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -342,8 +342,8 @@ BISS: Final = BissFacts(
 # Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
 # 7.4.2 p.45]
 #
-# Editions before 1.6: interfaces.ssi, interfaces.rs485: left out. Why: The versions with SSI and with RS-485 came with
-# this revision; before, all were BiSS. [Document release]
+# Editions before 1.6: Not there: SSI and RS-485. Why: The versions with SSI and with RS-485 came with this revision;
+# before, all were BiSS. [Document release]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),

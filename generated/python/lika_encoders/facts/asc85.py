@@ -553,6 +553,12 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 ),
             ),
             meaning="Present status of the system, the side of Command & status that is read",
+            note=(
+                "The register is read by itself, not together with a position: it says how things stand when it is "
+                "read. So it gives no verdict on a position in a frame, whose own Error and Warning do, nor on one "
+                "read in the position register at another time. For that one wait until Position data valid is 1, as "
+                "the procedure request_position does."
+            ),
             source="6.4 p.25; 6.4 p.27",
         ),
         "position": Register(

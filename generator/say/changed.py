@@ -1,0 +1,98 @@
+"""What another edition or an overlay changes, in words: the path to a part of a spec, as a reader calls that part."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ..model import INTERFACES
+from .text import listed
+
+#: Parts at the top of a spec that are no list of named things.
+_TOP = {
+    "connectors": "the connectors",
+    "inputs": "the hardware inputs",
+    "supply": "the supply",
+    "printed_defaults": "the printed table of defaults",
+    "measurement": "what the position counts",
+    "movement": "the movement",
+    "characteristics": "the characteristics",
+    "leds": "the LEDs",
+    "tables": "the tables",
+    "alarms": "the alarms",
+}
+#: Keys of a part, as they are said before the part.
+_KEYS = {
+    "note": "what is said of {}",
+    "meaning": "the meaning of {}",
+    "default": "the default of {}",
+    "min": "the least value of {}",
+    "max": "the greatest value of {}",
+    "wait_at_least_ms": "the wait in ms after a write to {}",
+    "at_least_ms": "the least time in ms of {}",
+    "open": "values of {} that are not listed",
+    "open_only_with": "what values of {} that are not listed go with",
+}
+#: Lists of named things, with the word for one of them.
+_LISTS = {
+    "registers": "register",
+    "fields": "field",
+    "layouts": "frame",
+    "timings": "time",
+    "procedures": "procedure",
+    "parts": "part",
+    "values": "value",
+    "alarms": "alarm",
+    "crcs": "CRC",
+    "parameters": "parameter",
+    "connectors": "connector",
+    "field_groups": "group of fields",
+    "data_ids": "data ID",
+    "steps": "step",
+    "contacts": "contact",
+    "characteristics": "characteristic",
+    "leds": "LED",
+    "tables": "table",
+    "examples": "example",
+    "alternatives": "alternative",
+    "documents": "document",
+}
+_PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
+_MORE = re.compile(r" and ([0-9]+ more)$")
+
+
+def in_words(paths: str) -> str:
+    """One path or several, as ``registers.bank.default, supply and 2 more``, as a reader calls what they lead to."""
+    more = _MORE.search(paths)
+    found = [_of(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
+    return "".join(map(str, listed([*found, *([more[1]] if more is not None else [])])))
+
+
+def change_in_words(printed: str) -> str:
+    """A part and its value, as ``bank.default: 50``, in words; what is no path stays as it is."""
+    paths, colon, value = printed.partition(": ")
+    if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
+        return printed
+    return f"{in_words(paths)}{colon}{value}"
+
+
+def _of(steps: Sequence[str]) -> str:
+    """From the outermost step in; a step that has no words stays as it is."""
+    if len(steps) == 1 and steps[0] in _TOP:
+        return _TOP[steps[0]]
+    said, index = "", 0
+    if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
+        said, index = f"register {steps[0]}", 1
+    while index < len(steps):
+        step, following = steps[index], steps[index + 1] if index + 1 < len(steps) else ""
+        if step == "interfaces" and following:
+            said, index = (INTERFACES[following].title if following in INTERFACES else following), index + 2
+        elif step == "order_code":
+            said, index = "the order code", index + 1
+        elif step in _LISTS and following:
+            said, index = f"{_LISTS[step]} {following}" + (f" of {said}" if said else ""), index + 2
+        elif step in _KEYS and not following:
+            said, index = _KEYS[step].format(said), index + 1
+        else:
+            said, index = f"{step.replace('_', ' ')}" + (f" of {said}" if said else ""), index + 1
+    return said
