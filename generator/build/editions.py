@@ -14,7 +14,7 @@ from typing import Any
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition
 from ..reference.parts import for_codes
 from ..spec.document import Path
-from ..spec.overlay import Layer, Laying
+from ..spec.overlay import Layer, LayerKind, Laying
 from ..spec.places import NothingThere, as_affected, resolve
 from ..spec.problems import DocumentReport, Report, listed, quoted
 from .overlays import Build, Family, errata_of, few, without_examples
@@ -79,7 +79,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     laying = Laying(family.document, report)
     before = len(report)
     for index, key, name in _steps(family, revision):
-        laying.lay([Layer(family.document, ("editions", index, key), "edition", name)])
+        laying.lay([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = laying.document(name)
     document = replace(document, data={key: item for key, item in document.data.items() if key != "editions"})

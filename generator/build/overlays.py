@@ -17,7 +17,7 @@ from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay
 from ..reference.parts import for_codes
 from ..spec.check import check_overlay
 from ..spec.document import Document
-from ..spec.overlay import SUFFIX, Laid, Layer, Laying
+from ..spec.overlay import SUFFIX, Laid, Layer, LayerKind, Laying
 from ..spec.problems import Problem, Report, quoted, suggestion
 from .record import record
 
@@ -104,7 +104,7 @@ def _laid(family: Family, overlays: Sequence[Document], special: str, build: Bui
     """The family that overlays make of another."""
     laying = Laying(family.document, report)
     before = len(report)
-    laying.lay([Layer(item, ("changes",), "overlay", item.data["overlay"]) for item in overlays])
+    laying.lay([Layer(item, ("changes",), LayerKind.OVERLAY, item.data["overlay"]) for item in overlays])
     document = laying.document(f"{family.device.name}_{special.lower()}" if special else "")
     inside = Report()
     device = build(document, inside)
@@ -153,7 +153,7 @@ def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
 def _one_story(item: Laid) -> tuple[str, str, object]:
     """What is told in one go."""
     layer = item.layer
-    return layer.kind, layer.name, (layer.path, item.number) if layer.kind == "edition" else item
+    return layer.kind.value, layer.name, (layer.path, item.number) if layer.kind is LayerKind.EDITION else item
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:

@@ -187,16 +187,21 @@ def _add_show(commands: _Commands) -> None:
     parser.set_defaults(run=_show)
 
 
+_ABOUT_FRAMES = (
+    "FRAME is hex bytes for RS-485; for SSI and BiSS one number, first bit sent most significant: 0b... with every "
+    "digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit codes: 0 done; 1 "
+    "a frame with a fault, or a register that holds another value than this encoder's; 2 wrong usage, text that is no "
+    "frame, or a frame that needs --choose; 3 a sound frame whose position is not usable. Of several frames the worst "
+    "decides: 2, 1, 3."
+)
+
+
 def _add_decode(commands: _Commands) -> None:
     parser = commands.add_parser(
         "decode",
         help="name every bit of a frame",
         description="Name every bit of a frame, check its CRC, and say what the encoder reports.",
-        epilog="FRAME is hex bytes for RS-485; for SSI and BiSS one number, first bit sent most significant: 0b... "
-        "with every digit, 0x..., or hex bytes. Lines of standard input may be empty or have comments after #. Exit "
-        "codes: 0 done; 1 a frame with a fault, or a register that holds another value than this encoder's; 2 wrong "
-        "usage, text that is no frame, or a frame that needs --choose; 3 a sound frame whose position is not usable. "
-        "Of several frames the worst decides: 2, 1, 3.",
+        epilog=_ABOUT_FRAMES,
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(

@@ -68,7 +68,13 @@ def spec_page() -> str:
     ]
     for name in _in_order(device):
         lines += _definition(name, device["$defs"][name], device["$defs"])
-    lines += [
+    lines += _other_files(maker, overlay)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[str]:
+    """The files beside a device file."""
+    return [
         "## The manufacturer file",
         "",
         paragraph(text(maker["description"])),
@@ -90,7 +96,6 @@ def spec_page() -> str:
         _SECOND.format(prose=_coded(PROSE), lists=_coded(NO_FACTS)),
         "",
     ]
-    return "\n".join(lines).rstrip() + "\n"
 
 
 def _coded(words: Iterable[str]) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 from pathlib import Path as File
 from typing import Any
 
@@ -38,13 +39,20 @@ _FIXED = frozenset("codewheel device manufacturer editions".split())
 _LONGEST_SHOWN = 120
 
 
+class LayerKind(Enum):
+    """Who lays changes over a spec: an overlay of the user's, or another edition of the manual."""
+
+    OVERLAY = "overlay"
+    EDITION = "edition"
+
+
 @dataclass(frozen=True, slots=True)
 class Layer:
     """A list of changes that is laid over a spec: where it stands, and what outputs call it."""
 
     document: Document
     path: Path
-    kind: str
+    kind: LayerKind
     name: str
 
     @property
@@ -118,7 +126,7 @@ class Laying:
 
     def _documents(self, layer: Layer) -> None:
         """Takes over the documents that a layer cites."""
-        for key, item in (layer.document.data.get("documents", {}) if layer.kind == "overlay" else {}).items():
+        for key, item in (layer.document.data.get("documents", {}) if layer.kind is LayerKind.OVERLAY else {}).items():
             known = self._data.get("documents", {})
             if key in known and known[key] != item:
                 wrong = f"{quoted(key)} is another document in the spec; call this one otherwise"
@@ -130,7 +138,7 @@ class Laying:
             else:
                 mark = marks.children[key]
                 self._data, self._marks = put(self._data, self._marks, ("documents", key), item, mark)
-        if layer.kind == "overlay":
+        if layer.kind is LayerKind.OVERLAY:
             bad_source(layer.document.data, self._data, self._report.for_document(layer.document))
 
     def _change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:

@@ -7,6 +7,8 @@ templates, which get names and expressions from here.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer
@@ -92,20 +94,24 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
             "folder.py.jinja", {**values, "folder": folder}, own
         )
     for module in modules:
-        header = _header(f"the specification of {plain(module.device.title)}")
-        family: Family = {
-            **values,
-            "header": header,
-            "module": module,
-            "imports": imports(module),
-            "facts": module.fact_names,
-            "offers": sorted({name for _, names in module.contents for name in names}),
-        }
-        files[f"{package}/{module.name}.py"] = TEMPLATES.render("device.py.jinja", family, own)
-        family["imports"] = fact_imports(module)
-        files[f"{package}/facts/{module.name}.py"] = TEMPLATES.render("facts.py.jinja", family, own)
-        files[f"{package}/_shapes/{module.name}.py"] = TEMPLATES.render("shapes.py.jinja", family, own)
+        files |= {f"{package}/{name}": made for name, made in _family(module, values, own)}
     return files
+
+
+def _family(module: Module, values: Package, own: Path | None) -> Iterator[tuple[str, str]]:
+    """The modules of a family: its frames, its facts, and many frames at once."""
+    family: Family = {
+        **values,
+        "header": _header(f"the specification of {plain(module.device.title)}"),
+        "module": module,
+        "imports": imports(module),
+        "facts": module.fact_names,
+        "offers": sorted({name for _, names in module.contents for name in names}),
+    }
+    yield f"{module.name}.py", TEMPLATES.render("device.py.jinja", family, own)
+    family["imports"] = fact_imports(module)
+    yield f"facts/{module.name}.py", TEMPLATES.render("facts.py.jinja", family, own)
+    yield f"_shapes/{module.name}.py", TEMPLATES.render("shapes.py.jinja", family, own)
 
 
 def _header(source: str) -> str:
