@@ -39,8 +39,9 @@ class Table(Mapping[str, Any]):
         verdict: Any,
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
+        tells: tuple[tuple[str, str, int], ...] = (),
     ) -> None:
-        self.encoder = encoder
+        self.encoder, self._tells = encoder, tells
         self._columns = columns
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
         self._names = [*parts, *columns, *(["verdict"] if verdict is not None else []), "fault"]
@@ -82,6 +83,16 @@ class Table(Mapping[str, Any]):
         """Whether each frame is sound and its position usable, with a warning or without."""
         worst = [*Verdict].index(Verdict.NOT_USABLE)
         return self.ok if self._verdict is None else (self._verdict != worst) & self.ok
+
+    @property
+    def reports(self) -> dict[str, Any]:
+        """By the name of each report that such frames can make, whether each frame is sound and makes it."""
+        made = {}
+        for report, flag, mask in self._tells:
+            unused = self["unused"] if mask else None
+            active = self[flag] if flag else unused & (mask & (1 << 8 * unused.itemsize) - 1) != 0
+            made[report] = active & self.ok
+        return made
 
     def __getitem__(self, name: str) -> Any:
         if name == "fault":

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from .._many import Column, CrcOf, Fold, Join, Shape, Speaks, Unused, of_bits
+from .._shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
 from .._reports import Verdict
 from ..am36 import BissEncoder, SsiEncoder, crc_biss_6
 
@@ -48,6 +48,10 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         speaks=(
             Speaks(Verdict.NOT_USABLE, mask=2),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=1),
+        ),
+        tells=(
+            Tells("warning", mask=1),
+            Tells("error", mask=2),
         ),
         crc=CrcOf(
             low=0,

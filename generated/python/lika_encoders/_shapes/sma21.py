@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from .._many import Check, Column, CrcOf, Fold, Shape, Speaks, Unused, of_bits, of_bytes
+from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
 from .._reports import Verdict
 from .._table import Fault
 from ..sma21 import BissEncoder, Rs485Encoder, SsiEncoder, crc_biss_6, crc_rs485_8
@@ -23,6 +23,9 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
+        ),
+        tells=(
+            Tells("error", flag="error"),
         ),
         gray=(1, variant.position_bits) if variant.ssi_gray else None,
         position="position",
@@ -51,6 +54,10 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
             Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        ),
+        tells=(
+            Tells("error", flag="error"),
+            Tells("warning", flag="warning"),
         ),
         crc=CrcOf(
             low=0,
@@ -145,6 +152,20 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
+        tells=(
+            Tells("status_alarm", flag="status_alarm"),
+            Tells("status_error", flag="status_error"),
+            Tells("overspeed", flag="overspeed"),
+            Tells("initialization_error", flag="initialization_error"),
+            Tells("hardware_error", flag="hardware_error"),
+            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            Tells("higher_track_error", flag="higher_track_error"),
+            Tells("low_amplitude_error", flag="low_amplitude_error"),
+            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
+            Tells("temperature_alarm", flag="temperature_alarm"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
+        ),
         crc=CrcOf(
             low=48,
             width=8,
@@ -184,6 +205,12 @@ def shape_of_wide_position_reply() -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        ),
+        tells=(
+            Tells("status_alarm", flag="status_alarm"),
+            Tells("status_error", flag="status_error"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
         ),
         crc=CrcOf(
             low=64,
@@ -248,6 +275,20 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        ),
+        tells=(
+            Tells("status_alarm", flag="status_alarm"),
+            Tells("status_error", flag="status_error"),
+            Tells("overspeed", flag="overspeed"),
+            Tells("initialization_error", flag="initialization_error"),
+            Tells("hardware_error", flag="hardware_error"),
+            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            Tells("higher_track_error", flag="higher_track_error"),
+            Tells("low_amplitude_error", flag="low_amplitude_error"),
+            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
+            Tells("temperature_alarm", flag="temperature_alarm"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
         ),
         crc=CrcOf(
             low=64,
