@@ -210,6 +210,85 @@ def test_counts_go_on_where_the_position_starts_again(families: dict[str, Family
     assert found.tolist() == expected
 
 
+UNITS = {
+    "AMM5A21/65KSC1": ("turns", "degrees", "radians"),
+    "ASC8525/SC1": ("turns", "degrees", "radians"),
+    "SMA21-SC1-0050": ("micrometres", "millimetres", "metres"),
+}
+
+
+@pytest.mark.parametrize("label", UNITS)
+def test_units_are_those_of_one_position(families: dict[str, Family], label: str) -> None:
+    """Every number is just that of the encoder's own method, for a position and for a count that went on."""
+    encoder, source = lookup_of(families, label), random.Random(5)
+    positions = [source.randrange(encoder.modulus) for _ in range(2_000)]
+    table = encoder.decode_many(encoder.encode_many({"position": positions}))
+    counts = table.unwrapped()
+    for unit in UNITS[label]:
+        method = getattr(encoder, unit)
+        assert table.in_units(unit).tolist() == [method(position) for position in positions]
+        assert table.in_units(unit, counts).tolist() == [method(count) for count in counts.tolist()]
+    assert table.in_units("counts").tolist() == positions
+    other = "metres" if "turns" in UNITS[label] else "turns"
+    with pytest.raises((AttributeError, ValueError)):
+        table.in_units(other)
+
+
+@pytest.mark.parametrize("label", UNITS)
+def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str) -> None:
+    """Counted with unwrap from one usable frame to the next, over the place where the position starts again."""
+    encoder, source = lookup_of(families, label), random.Random(6)
+    unit, per_count = UNITS[label][0], getattr(encoder, UNITS[label][0])(1)
+    at, time, counts, times = encoder.modulus - 50, 0.0, [], []
+    for _ in range(500):
+        at, time = at + source.randint(-90, 100), time + source.choice((0.001, 0.002))
+        counts.append(at)
+        times.append(time)
+    words = encoder.encode_many({"position": numpy.array(counts) % encoder.modulus, "error": numpy.arange(500) == 7})
+    words[[0, 100, 101]] ^= numpy.uint64(1)
+    table, last = encoder.decode_many(words), None
+    found, raw = table.velocity(numpy.array(times), unit), table.velocity(numpy.array(times))
+    for place, (count, time) in enumerate(zip(counts, times, strict=True)):
+        if place in (0, 7, 100, 101):
+            assert numpy.isnan(found[place])
+            continue
+        if last is None:
+            assert numpy.isnan(found[place])
+        else:
+            assert raw[place] == pytest.approx((count - last[0]) / (time - last[1]), rel=1e-9)
+            assert found[place] == pytest.approx((count - last[0]) * per_count / (time - last[1]), rel=1e-9)
+        last = count, time
+    assert numpy.nanmax(numpy.abs(table.velocity(0.001) - numpy.gradient(table.unwrapped()) * 1000)) < 2 * 190_000
+    with pytest.raises(ValueError, match="3 times of 500 frames"):
+        table.velocity([0, 1, 2])
+
+
+def test_counts_go_on_from_table_to_table(families: dict[str, Family]) -> None:
+    """In pieces they are what they are in one, also where a piece begins with faults or is nothing else."""
+    encoder, source = lookup_of(families, "AMM5A17/1SC1"), random.Random(7)
+    counts = numpy.cumsum([source.randint(-30_000, 60_000) for _ in range(300)])
+    words = encoder.encode_many({"position": counts % encoder.modulus})
+    words[100:130] ^= numpy.uint64(1)
+    expected, previous, pieces = encoder.decode_many(words).unwrapped().tolist(), None, []
+    for start in range(0, 300, 20):
+        piece = encoder.decode_many(words[start : start + 20]).unwrapped(previous).tolist()
+        pieces += piece
+        previous = piece[-1]
+    assert pieces == expected
+
+
+def test_a_position_that_the_encoder_does_not_send(families: dict[str, Family]) -> None:
+    sma21 = families["sma21"].module
+    encoder = sma21.lookup("SMA21-JP1-0005")
+    frames = sma21.WidePositionReply.encode_many({"position": [3, -1]})
+    with pytest.raises(ValueError, match="position is -1"):
+        encoder.decode_many(frames, sma21.WidePositionReply).unwrapped()
+
+
+def lookup_of(families: dict[str, Family], label: str) -> Any:
+    return next(item.module.lookup(label) for item in families.values() if label in item.module.VARIANTS)
+
+
 def test_other_libraries_take_the_columns(families: dict[str, Family]) -> None:
     table = families["amm5"].module.lookup("AMM5A21/65KSC1").decode_many([0x55BCD15E2, 0x55BCD15E3])
     assert [*table] == ["singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]

@@ -464,7 +464,9 @@ class Rs485Encoder(Variant):
         if kind is EepromReadReply:
             return EepromReadReply.decode_many(frames, cast(EepromAddress, eeprom_address))
         many: Callable[[Rows], Table] = getattr(kind, "decode_many")
-        return many(frames)
+        table = many(frames)
+        table.encoder = self
+        return table
 
     def encode_many(
         self,

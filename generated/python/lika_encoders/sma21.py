@@ -507,7 +507,9 @@ class Rs485Encoder(Variant):
         if kind is IdentificationReply:
             return IdentificationReply.decode_many(frames, self)
         many: Callable[[Rows], Table] = getattr(kind, "decode_many")
-        return many(frames)
+        table = many(frames)
+        table.encoder = self
+        return table
 
     def encode_many(self, columns: Mapping[str, Any], kind: type[Reply]) -> Any:
         """Many frames of one ``kind`` made of columns as ``decode_many`` gives them, as rows of bytes. Needs NumPy."""
