@@ -1,4 +1,4 @@
-"""Frames made of columns are what each of them is by itself, and what one frame refuses, columns refuse with the row."""
+"""Frames made of columns are what each of them is by itself; what one frame refuses, columns refuse with the row."""
 
 from __future__ import annotations
 

@@ -77,7 +77,8 @@ def frames_of(batch: Batch) -> list[Codec]:
 
 
 @pytest.mark.parametrize(
-    ("family", "name"), [(device.name, codec.name) for device in library().values() for codec in frames_of(Batch(device))]
+    ("family", "name"),
+    [(device.name, codec.name) for device in library().values() for codec in frames_of(Batch(device))],
 )
 def test_columns_are_what_c_says(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
     if str(tree / "python") not in sys.path:

@@ -18,6 +18,9 @@ from ._table import Fault, Table
 #: So many frames are decoded at once: what belongs to them stays in the cache, and few calls go to each.
 CHUNK: Final = 32_768
 
+#: What decodes frames in compiled code where it can; ``helper.use`` sets it.
+HELPER: Callable[[Any, Shape, Mapping[str, Any], Any], bool] | None = None
+
 #: NumPy, of which the package needs nothing else; type checkers of all versions read this.
 np: Any = import_module("numpy")
 
@@ -82,9 +85,15 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     out = _columns(count, {**kinds(shape), "fault": "u1"})
     fault = out.pop("fault")
     fault[:] = 0
-    for start in range(0, count, CHUNK):
-        part = slice(start, start + CHUNK)
-        _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])
+    if HELPER is not None and HELPER(source, shape, out, fault):
+        where = np.flatnonzero(fault)
+        if len(where):
+            limbs = _limbs(source[where], shape) if shape.length else [source[where]]
+            _tell_faults(source[where], limbs, where, shape, out, fault)
+    else:
+        for start in range(0, count, CHUNK):
+            part = slice(start, start + CHUNK)
+            _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])
     if len(wrong):
         fault[wrong] = Fault.LENGTH
     worth = out.pop("verdict", None)
@@ -158,9 +167,16 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
         _judge(shape, out)
     if doubtful:
         where = np.flatnonzero(reduce(np.logical_or, doubtful))
-        fault[where] = _faults(source.take(where, 0), [limb.take(where) for limb in limbs], shape)
-        if shape.otherwise is not None:
-            out["verdict"] *= fault == 0
+        _tell_faults(source.take(where, 0), [limb.take(where) for limb in limbs], where, shape, out, fault)
+
+
+def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
+    """Puts the faults of the frames at ``where`` into their column; a position with a fault is worth nothing."""
+    fault[where] = _faults(source, limbs, shape)
+    if shape.otherwise is not None:
+        worth: Any = out["verdict"]
+        worth *= fault == 0
+
 
 
 def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:

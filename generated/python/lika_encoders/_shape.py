@@ -211,7 +211,7 @@ class Sound(NamedTuple):
 @lru_cache(maxsize=256)
 def sound(shape: Shape) -> Sound:
     """The checks of a shape put together: those of one byte become one, those of bits that never change another."""
-    masks, values = [0] * (-(-shape.bits // 64)), [0] * (-(-shape.bits // 64))
+    mask = values = 0
     left: list[Check] = []
     by_byte: dict[int, list[Check]] = {}
     for item in shape.checks:
@@ -222,10 +222,9 @@ def sound(shape: Shape) -> Sound:
         plain = [value for value in item.values if not value >> item.width]
         if len(places) == 1:
             by_byte.setdefault(places.pop(), []).append(item)
-        elif len(plain) == 1 and item.low // 64 == (item.low + item.width - 1) // 64:
-            at, low = divmod(item.low, 64)
-            masks[at] |= ((1 << item.width) - 1) << low
-            values[at] |= plain[0] << low
+        elif len(plain) == 1:
+            mask |= ((1 << item.width) - 1) << item.low
+            values |= plain[0] << item.low
         else:
             left.append(item)
     some: list[tuple[int, tuple[int, ...]]] = []
@@ -235,13 +234,15 @@ def sound(shape: Shape) -> Sound:
         for byte in good:
             same &= ~(byte ^ good[0])
         if good and len(good) == 1 << 8 - same.bit_count():
-            masks[place // 8] |= same << 8 * (place % 8)
-            values[place // 8] |= (good[0] & same) << 8 * (place % 8)
+            mask |= same << 8 * place
+            values |= (good[0] & same) << 8 * place
         elif len(good) <= 8:
             some.append((place, tuple(good)))
         else:
             left += items
-    return Sound(tuple(zip(masks, values)), tuple(some), tuple(left))
+    limbs = range(0, shape.bits, 64)
+    fixed = tuple((mask >> low & (1 << 64) - 1, values >> low & (1 << 64) - 1) for low in limbs)
+    return Sound(fixed, tuple(some), tuple(left))
 
 
 def holds(number: int, item: Check) -> bool:

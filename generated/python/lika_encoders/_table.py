@@ -98,7 +98,7 @@ class Table(Mapping[str, Any]):
         """By the name of each report that such frames can make, whether each frame is sound and makes it."""
         made = {}
         for report, flag, mask in self._tells:
-            unused = self["unused"] if mask else None
+            unused: Any = self["unused"] if mask else None
             active = self[flag] if flag else unused & (mask & (1 << 8 * unused.itemsize) - 1) != 0
             made[report] = active & self.ok
         return made

@@ -60,7 +60,8 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 
 #: What the package's modules are called that hold no device.
 SHARED = tuple(
-    "_codec _codes _encoder _facts _make _many _order_codes _registers _reports _run _shape _steps _table _why".split()
+    """_codec _codes _encoder _facts _helper _make _many _order_codes _registers _reports _run _shape _steps _table _why
+    build_helper""".split()
 )
 #: The folders for what is loaded only when it is asked for, with a module for each device.
 FOLDERS = ("facts", "_shapes")
@@ -83,8 +84,8 @@ VARIANT_NAMES = """bytes cls code decode decode_many degrees encode_many family 
     radians self special special_code tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index is_as_documented
-    limits reports self usable_position variant verdict""".split()
+CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
+    is_as_documented limits reports self usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits body cls computed data isinstance len number remainder self type values variant word".split(),
     *FUNCTIONS,
