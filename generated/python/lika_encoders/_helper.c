@@ -282,7 +282,8 @@ static inline void use_byte(block *of, const step *s, size_t first, size_t count
 }
 
 /* What is left of a word after `number` folds; a loop of each length, so that its folds are in registers. */
-static inline void fold(const uint64_t *restrict words, const step *s, size_t number, size_t count, uint8_t *restrict doubt)
+static inline void fold(
+    const uint64_t *restrict words, const step *s, size_t number, size_t count, uint8_t *restrict doubt)
 {
     uint64_t low[FOLDINGS];
     uint64_t back[FOLDINGS];

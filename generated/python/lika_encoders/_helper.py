@@ -74,7 +74,7 @@ def _loaded(path: Path) -> Callable[[Any, Shape, Mapping[str, Any], Any], bool]:
         raise HelperError(f"{path} is of the generation {found}, this package of {generation()}: make it again")
 
     def decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> bool:
-        """Whether the library decodes such frames; if so it has, and ``fault`` is not 0 where one has to be looked at."""
+        """Whether the library decodes such frames; if so it has, and ``fault`` is not 0 where one is in doubt."""
         steps = steps_of(shape)
         if steps is None:
             return False

@@ -198,7 +198,7 @@ def late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
 
 
 class Sound(NamedTuple):
-    """What a quick look asks of a frame: bits that are ``fixed`` under a mask in each limb of 64, what ``bytes`` can be.
+    """What a quick look asks of a frame: ``fixed`` bits under a mask in each limb of 64, what ``bytes`` can be.
 
     ``others`` are what has to be looked at as it is. Only frames that fail are looked at for what is wrong with them.
     """
