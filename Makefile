@@ -32,6 +32,10 @@ verify: .venv/.installed tools bench-packages engines
 verify-%: .venv/.installed tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_$*.py
 
+# The Python package has several such files.
+verify-python: .venv/.installed tools
+	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_python_*.py
+
 verify-footprint: bench-packages
 
 verify-stream: engines

@@ -218,7 +218,11 @@ def many() -> Candidates:
     )
     rows = numpy.frombuffer(replies * (MANY // 2000), numpy.uint8).reshape(-1, 11)
     short = numpy.frombuffer(REPLY * MANY, numpy.uint8).reshape(-1, 6)
+    some_wrong = words.copy()
+    some_wrong[::100] ^= numpy.uint64(1)
+    positions = words >> numpy.uint64(8)
     copy = numpy.empty_like(words)
+    table = encoder.decode_many(words)
 
     def fields() -> object:
         return words >> numpy.uint64(8), words & numpy.uint64(0x80), words & numpy.uint64(0x40)
@@ -227,12 +231,48 @@ def many() -> Candidates:
         "copy of the words": lambda: numpy.copyto(copy, words),
         "NumPy by hand: three fields at once, no CRC": fields,
         "ours: decode_many, BiSS": lambda: encoder.decode_many(words),
-        "ours: decode_many, SSI": lambda: ssi.decode_many(words),
+        "ours: decode_many, BiSS, a frame in 100 with a fault": lambda: encoder.decode_many(some_wrong),
+        "ours: decode_many, SSI": lambda: ssi.decode_many(positions),
         "ours: decode_many, reply of 6 bytes": lambda: serial.decode_many(short, amm5.SingleturnReply),
         "ours: decode_many, longest reply, 11 bytes": lambda: serial.decode_many(rows, amm5.CompleteReply),
     }
     by_c = compiled(words)
-    return {**found, **({"our C header, -O3 -march=native, BiSS": by_c} if by_c is not None else {})}
+    found |= {"our C header, -O3 -march=native, BiSS": by_c} if by_c is not None else {}
+    for kind, native in (("portable", False), ("native", True)):
+        found |= helped({name: call for name, call in found.items() if "ours: decode_many" in name}, kind, native)
+    return {
+        **found,
+        "ours: encode_many, BiSS": lambda: encoder.encode_many({"position": positions}),
+        "ours: table.unwrapped": table.unwrapped,
+    }
+
+
+def helped(calls: Candidates, kind: str, native: bool) -> Candidates:
+    """The same with the compiled helper; nothing, and said so, where it cannot be made."""
+    from lika_encoders import _many, use_helper
+    from lika_encoders._helper import HelperError
+    from lika_encoders.build_helper import build
+
+    library = Path(tempfile.mkdtemp(), "helper.so")
+    try:
+        use_helper(build(library, native))
+    except HelperError as error:
+        print(f"  left out: the compiled helper, {kind}: {error}")
+        return {}
+    loops = _many.HELPER
+    use_helper(off=True)
+
+    def with_loops(call: Callable[[], object]) -> Callable[[], object]:
+        def run() -> object:
+            _many.HELPER = loops
+            try:
+                return call()
+            finally:
+                _many.HELPER = None
+
+        return run
+
+    return {f"helper, {kind}: {name.partition(', ')[2]}": with_loops(call) for name, call in calls.items()}
 
 
 PROGRAM = """

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from ..model import Choice, Decimal, Flag, Layout, Text, Verdict
 from ..model.expressions import Expression
 from .codec import AlwaysIs, AtMost, Check, Codec, Fixed, IsOneOf, ParityIs, ParityOf, Part, Reserved, ZerosAbove
-from .reports import Judgement
+from .reports import Judgement, Reporting
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,15 @@ class Worth:
     verdict: Verdict
     flag: Part | None
     unless: tuple[Part, ...]
+    mask: int
+
+
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """A report, and what makes a frame give it: a flag, or one of some unused bits."""
+
+    report: str
+    flag: Part | None
     mask: int
 
 
@@ -86,6 +95,15 @@ def worth(judgement: Judgement) -> Iterator[Worth]:
                 yield Worth(verdict, None, (), ((1 << item.by.bits.widest) - 1) << item.by.place)
             else:
                 yield Worth(verdict, item.by, item.unless, 0)
+
+
+def telling(reporting: Reporting) -> Iterator[Telling]:
+    """What makes the reports of a frame."""
+    for item in reporting.told:
+        if isinstance(item.by, Reserved):
+            yield Telling(item.report.name, None, ((1 << item.by.bits.widest) - 1) << item.by.place)
+        else:
+            yield Telling(item.report.name, item.by, 0)
 
 
 def crc_place(layout: Layout, width: int) -> int:

@@ -8,14 +8,17 @@ from typing import Any
 
 import numpy
 import pytest
+from codewheel.model import Verdict
 from codewheel.reference import codec
+from codewheel.reference.findings import findings
+from codewheel.targets.python.names import CLASS_NAMES, attribute
 from test_agreement import ALL, KINDS, Case, Family, cases, families, family, given, values_of
 
 __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
 
-#: So many frames of each layout, of all order codes together.
-FRAMES = 10_000
+#: So many frames of each layout, of all order codes together; and so many against the model, which takes its time.
+FRAMES, FRAMES_OF_THE_MODEL = 10_000, 1_000
 FAULTS = {"length": 1, "crc": 2, "constant": 3, "range": 4}
 
 
@@ -62,17 +65,29 @@ def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
         order = [item.name for item in type(frames[sound[0]].verdict)] if sound else []
         expected = [order.index(frame.verdict.name) if frame is not None else 0 for frame in frames]
         assert table.verdict.tolist() == expected, case.layout.name
+    if hasattr(case.view, "reports"):
+        told = {name: set(numpy.flatnonzero(column).tolist()) for name, column in table.reports.items()}
+        named = {name: item.name for name, item in case.family.module.REPORTS.items()}
+        for name, places in told.items():
+            said = {place for place in sound if any(item.name == named[name] for item in frames[place].reports)}
+            assert places == said, (case.layout.name, name)
+        assert {item.name for place in sound for item in frames[place].reports} <= {named[name] for name in told}
+
+
+def by_layout(family: Family) -> dict[str, list[Case]]:
+    """The cases of each frame of a family; registers are left out."""
+    found: dict[str, list[Case]] = defaultdict(list)
+    for case in cases(family):
+        if case.register is None:
+            found[case.layout.name].append(case)
+    assert found
+    return found
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_columns_are_what_each_frame_is(family: Family) -> None:
     source = random.Random(family.device.name)
-    by_layout: dict[str, list[Case]] = defaultdict(list)
-    for case in cases(family):
-        if case.register is None:
-            by_layout[case.layout.name].append(case)
-    assert by_layout
-    for name, found in by_layout.items():
+    for name, found in by_layout(family).items():
         seen: set[int] = set()
         for case in found:
             made = numbers(case, max(40, FRAMES // len(found)), source)
@@ -86,16 +101,49 @@ def test_columns_are_what_each_frame_is(family: Family) -> None:
         assert not found[0].layout.crc_field or FAULTS["crc"] in seen, name
 
 
-def test_the_reference_agrees(families: dict[str, Family]) -> None:
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_columns_are_what_the_model_says(family: Family) -> None:
     """Straight against the model, without the decoder of one frame between."""
-    source = random.Random(1)
-    case = next(item for item in cases(families["amm5"]) if item.layout.name == "complete_reply")
-    sent = [values_of(case, "random", source) for _ in range(500)]
-    made = [codec.encode(case.family.device, case.placed, values) for values in sent]
-    table = case.view.decode_many([case.carried(number) for number in made], *given(case))
-    assert not table.fault.any()
-    for name in ("singleturn", "encoder_id", "battery_alarm", "unused"):
-        assert table[name].tolist() == [values[name] for values in sent]
+    source = random.Random(f"model {family.device.name}")
+    for found in by_layout(family).values():
+        for case in found:
+            made = numbers(case, max(20, FRAMES_OF_THE_MODEL // len(found)), source)
+            wire = b"".join(map(case.carried, made)) if case.layout.in_bytes else made
+            agree_with_the_model(case, case.view.decode_many(wire, *given(case)), made)
+
+
+def agree_with_the_model(case: Case, table: Any, made: list[int]) -> None:
+    device, names = case.family.device, {name: attribute(name, CLASS_NAMES) for name in model_names(case)}
+    columns = {name: table[column].tolist() for name, column in names.items() if column in table}
+    faults, reports = table.fault.tolist(), {name: column.tolist() for name, column in table.reports.items()}
+    judged = table.verdict.tolist() if "verdict" in table else None
+    for place, number in enumerate(made):
+        said = codec.decode(device, case.placed, number)
+        assert faults[place] == (FAULTS[said.problems[0].fault.value] if said.problems else 0), hex(number)
+        if said.problems:
+            continue
+        raw = {item.name: item for item in said.fields}
+        for name, column in columns.items():
+            # What an order code does not have is 0 in a column, and nothing in the model.
+            expected = plain(raw[name], column[place]) if name in raw else 0
+            assert column[place] == expected, (case.layout.name, name, hex(number))
+        told = findings(device, case.variant, said)
+        # Reports of the same words are told apart by their names alone, which the model takes from the field.
+        assert sum(column[place] for column in reports.values()) == len(told.reports), hex(number)
+        if judged is not None:
+            assert told.verdict is [*Verdict][judged[place]], hex(number)
+
+
+def model_names(case: Case) -> list[str]:
+    """What the model calls the columns."""
+    return [*(item.name for item in case.layout.fields), *(item.name for item in case.layout.joins), codec.UNUSED]
+
+
+def plain(field: codec.DecodedField, column: object) -> object:
+    """The value of a field as a column has it: a choice by its number, text as bytes without zeros at its end."""
+    if isinstance(column, bytes) and isinstance(field.value, str):
+        return field.value.encode("ascii", "replace").rstrip(b"\0") if field.value.isascii() else column
+    return field.raw if isinstance(field.value, str) else field.value
 
 
 def test_lengths_are_a_column_too(families: dict[str, Family]) -> None:
@@ -160,6 +208,85 @@ def test_counts_go_on_where_the_position_starts_again(families: dict[str, Family
         expected.append(previous)
         assert previous == count - offset
     assert found.tolist() == expected
+
+
+UNITS = {
+    "AMM5A21/65KSC1": ("turns", "degrees", "radians"),
+    "ASC8525/SC1": ("turns", "degrees", "radians"),
+    "SMA21-SC1-0050": ("micrometres", "millimetres", "metres"),
+}
+
+
+@pytest.mark.parametrize("label", UNITS)
+def test_units_are_those_of_one_position(families: dict[str, Family], label: str) -> None:
+    """Every number is just that of the encoder's own method, for a position and for a count that went on."""
+    encoder, source = lookup_of(families, label), random.Random(5)
+    positions = [source.randrange(encoder.modulus) for _ in range(2_000)]
+    table = encoder.decode_many(encoder.encode_many({"position": positions}))
+    counts = table.unwrapped()
+    for unit in UNITS[label]:
+        method = getattr(encoder, unit)
+        assert table.in_units(unit).tolist() == [method(position) for position in positions]
+        assert table.in_units(unit, counts).tolist() == [method(count) for count in counts.tolist()]
+    assert table.in_units("counts").tolist() == positions
+    other = "metres" if "turns" in UNITS[label] else "turns"
+    with pytest.raises((AttributeError, ValueError)):
+        table.in_units(other)
+
+
+@pytest.mark.parametrize("label", UNITS)
+def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str) -> None:
+    """Counted with unwrap from one usable frame to the next, over the place where the position starts again."""
+    encoder, source = lookup_of(families, label), random.Random(6)
+    unit, per_count = UNITS[label][0], getattr(encoder, UNITS[label][0])(1)
+    at, time, counts, times = encoder.modulus - 50, 0.0, [], []
+    for _ in range(500):
+        at, time = at + source.randint(-90, 100), time + source.choice((0.001, 0.002))
+        counts.append(at)
+        times.append(time)
+    words = encoder.encode_many({"position": numpy.array(counts) % encoder.modulus, "error": numpy.arange(500) == 7})
+    words[[0, 100, 101]] ^= numpy.uint64(1)
+    table, last = encoder.decode_many(words), None
+    found, raw = table.velocity(numpy.array(times), unit), table.velocity(numpy.array(times))
+    for place, (count, time) in enumerate(zip(counts, times, strict=True)):
+        if place in (0, 7, 100, 101):
+            assert numpy.isnan(found[place])
+            continue
+        if last is None:
+            assert numpy.isnan(found[place])
+        else:
+            assert raw[place] == pytest.approx((count - last[0]) / (time - last[1]), rel=1e-9)
+            assert found[place] == pytest.approx((count - last[0]) * per_count / (time - last[1]), rel=1e-9)
+        last = count, time
+    assert numpy.nanmax(numpy.abs(table.velocity(0.001) - numpy.gradient(table.unwrapped()) * 1000)) < 2 * 190_000
+    with pytest.raises(ValueError, match="3 times of 500 frames"):
+        table.velocity([0, 1, 2])
+
+
+def test_counts_go_on_from_table_to_table(families: dict[str, Family]) -> None:
+    """In pieces they are what they are in one, also where a piece begins with faults or is nothing else."""
+    encoder, source = lookup_of(families, "AMM5A17/1SC1"), random.Random(7)
+    counts = numpy.cumsum([source.randint(-30_000, 60_000) for _ in range(300)])
+    words = encoder.encode_many({"position": counts % encoder.modulus})
+    words[100:130] ^= numpy.uint64(1)
+    expected, previous, pieces = encoder.decode_many(words).unwrapped().tolist(), None, []
+    for start in range(0, 300, 20):
+        piece = encoder.decode_many(words[start : start + 20]).unwrapped(previous).tolist()
+        pieces += piece
+        previous = piece[-1]
+    assert pieces == expected
+
+
+def test_a_position_that_the_encoder_does_not_send(families: dict[str, Family]) -> None:
+    sma21 = families["sma21"].module
+    encoder = sma21.lookup("SMA21-JP1-0005")
+    frames = sma21.WidePositionReply.encode_many({"position": [3, -1]})
+    with pytest.raises(ValueError, match="position is -1"):
+        encoder.decode_many(frames, sma21.WidePositionReply).unwrapped()
+
+
+def lookup_of(families: dict[str, Family], label: str) -> Any:
+    return next(item.module.lookup(label) for item in families.values() if label in item.module.VARIANTS)
 
 
 def test_other_libraries_take_the_columns(families: dict[str, Family]) -> None:

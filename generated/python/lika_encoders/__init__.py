@@ -35,6 +35,7 @@ from ._steps import Modify, Poll, Read, Send, Step, Wait, Write
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from . import _codes, am36, amm5, asc85, biss, sma21
     from ._stream import decode_file, decode_partition
@@ -82,6 +83,7 @@ __all__ = [
     "identify",
     "lookup",
     "run",
+    "use_helper",
     "why",
 ]
 
@@ -198,6 +200,19 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     from ._why import why
 
     return why(encoder, frame)
+
+
+def use_helper(path: str | Path | None = None, *, off: bool = False) -> None:
+    """Has ``decode_many`` use compiled loops from now on, with the same results in less time.
+
+    ``python -m lika_encoders.build_helper`` makes them. ``off`` goes back to NumPy alone.
+
+    Raises:
+        HelperError: There is no such file, or it belongs to another generation of this package.
+    """
+    from ._helper import LIBRARY, use
+
+    use(None if off else path or LIBRARY)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:

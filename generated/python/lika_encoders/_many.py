@@ -5,142 +5,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
+from functools import lru_cache, reduce
 from importlib import import_module
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Final
 
 from ._encoder import Encoder
 from ._reports import Verdict
+from ._shape import Check, Column, CrcOf, Shape, kinds, late_fields, smallest, sound, unused_bits, unused_groups
+from ._shape import width_of
 from ._table import Fault, Table
 
-#: So many frames are decoded at once: what belongs to them stays in the cache.
-CHUNK: Final = 16_384
+#: So many frames are decoded at once: what belongs to them stays in the cache, and few calls go to each.
+CHUNK: Final = 32_768
+
+#: What decodes frames in compiled code where it can; ``helper.use`` sets it.
+HELPER: Callable[[Any, Shape, Mapping[str, Any], Any], bool] | None = None
 
 #: NumPy, of which the package needs nothing else; type checkers of all versions read this.
 np: Any = import_module("numpy")
 
 
-class Column(NamedTuple):
-    """A field: ``width`` bits from ``low`` up, in the number that a frame makes.
-
-    ``kind`` says what they stand for. ``runs`` are the names, divisors and moduli of decimal digits.
-    """
-
-    name: str
-    low: int
-    width: int
-    kind: Literal["number", "signed", "flag", "not_flag", "choice", "digits", "text"] = "number"
-    zero_means: int = 0
-    runs: tuple[tuple[str, int, int], ...] = ()
-
-
-class Check(NamedTuple):
-    """What has to hold of ``width`` bits from ``low`` up.
-
-    They are ``values``, or at most ``limit``, or where ``parity_of`` says which bits, their parity; ``odd`` turns it.
-    """
-
-    low: int
-    width: int
-    fault: Fault
-    values: tuple[int, ...] = ()
-    limit: int | None = None
-    parity_of: tuple[int, int] | None = None
-    odd: bool = False
-
-
-class Fold(NamedTuple):
-    """A step of a CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``."""
-
-    shift: int
-    mask: int
-    back: int
-
-
-class CrcOf(NamedTuple):
-    """The CRC of ``width`` bits at ``low``; ``differs`` tells for one frame in which bits it is not as computed.
-
-    ``steps`` fold a number whose last bits are turned by ``xorout``; ``is_xor`` says that it is the XOR of all bytes.
-    """
-
-    low: int
-    width: int
-    differs: Callable[[int], int]
-    steps: tuple[Fold, ...] = ()
-    xorout: int = 0
-    is_xor: bool = False
-
-
-def of_bytes(
-    function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
-) -> Callable[[int], int]:
-    """What tells in which bits the CRC in the last ``width`` of ``length`` bytes is not as ``function`` computes it."""
-
-    def differs(number: int) -> int:
-        data = number.to_bytes(length, order)
-        return function(data[:-width]) ^ int.from_bytes(data[-width:], order)
-
-    return differs
-
-
-def of_bits(function: Callable[[int, int], int], covered: int, width: int) -> Callable[[int], int]:
-    """What tells in which of the last ``width`` bits the CRC of a number is not as ``function`` computes it."""
-    return lambda number: function(number >> width, covered) ^ number & ((1 << width) - 1)
-
-
-class Join(NamedTuple):
-    """A number made of fields, each with the place where it begins in it."""
-
-    name: str
-    fields: tuple[tuple[str, int], ...]
-
-
-class Unused(NamedTuple):
-    """Bits that mean nothing: those that are not ``value`` are 1 in ``unused`` from ``place`` up."""
-
-    low: int
-    width: int
-    value: int
-    place: int
-
-
-class Speaks(NamedTuple):
-    """What makes a position worth ``verdict``: a flag unless others speak, or the unused bits in ``mask``."""
-
-    verdict: Verdict
-    flag: str = ""
-    unless: tuple[str, ...] = ()
-    mask: int = 0
-
-
-class Shape(NamedTuple):
-    """How a frame is read. ``length`` is its number of bytes, 0 where it is a number of ``bits`` bits.
-
-    ``fixed`` are the bits that each such frame has. ``position`` is the column that is the position, if there is one,
-    and ``otherwise`` what that is worth if nothing speaks.
-    """
-
-    bits: int
-    length: int = 0
-    order: Literal["little", "big"] = "little"
-    columns: tuple[Column, ...] = ()
-    joins: tuple[Join, ...] = ()
-    unused: tuple[Unused, ...] = ()
-    checks: tuple[Check, ...] = ()
-    crc: CrcOf | None = None
-    gray: tuple[int, int] | None = None
-    fixed: int = 0
-    parities: tuple[Check, ...] = ()
-    position: str = ""
-    otherwise: Verdict | None = None
-    speaks: tuple[Speaks, ...] = ()
-
-
 class Chunk:
-    """Some frames, each a number in limbs of 64 bits, the lowest first."""
+    """Some frames, each a number of ``bits`` bits in limbs of 64, the lowest first; what is above them is 0."""
 
-    def __init__(self, limbs: list[Any]) -> None:
-        self.limbs = limbs
+    def __init__(self, limbs: list[Any], bits: int) -> None:
+        self.limbs, self.bits = limbs, bits
         self._bytes: dict[int, Any] = {}
 
     def byte(self, place: int) -> Any:
@@ -150,26 +39,32 @@ class Chunk:
             self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
         return self._bytes[place]
 
-    def take(self, low: int, width: int) -> Any:
-        """``width`` bits from ``low`` up."""
-        if width == 0:
-            return np.zeros(len(self.limbs[0]), np.uint64)
-        if low % 8 + width <= 8:
-            found = self.byte(low // 8)
-            found = found >> np.uint8(low % 8) if low % 8 else found
-            return found & np.uint8((1 << width) - 1) if low % 8 + width < 8 else found
+    def small(self, low: int, mask: int) -> Any:
+        """Those bits from ``low`` up that are in ``mask``, all of them in one byte."""
+        found = self.byte(low // 8)
+        found = found >> np.uint8(low % 8) if low % 8 else found
+        return found if mask == 0xFF >> low % 8 else found & np.uint8(mask)
+
+    def take(self, low: int, width: int, out: Any = None) -> Any:
+        """``width`` bits from ``low`` up; as numbers of 64 bits into ``out`` if that is given."""
+        if width == 0 or low % 8 + width <= 8:
+            count = len(self.limbs[0])
+            found = self.small(low, (1 << width) - 1) if width else np.zeros(count, np.uint8)
+            return found if out is None else np.copyto(out, found)
         at, shift = divmod(low, 64)
-        number = self.limbs[at] >> np.uint64(shift)
+        whole = shift + width in (64, self.bits - 64 * at)
+        number = np.right_shift(self.limbs[at], np.uint64(shift), out=out)
         if shift + width > 64:
             number |= self.limbs[at + 1] << np.uint64(64 - shift)
-        if shift + width != 64:
+            whole = low + width == self.bits or width == 64
+        if not whole:
             number &= np.uint64((1 << width) - 1)
         return number
 
-    def flag(self, low: int, active: bool) -> Any:
+    def flag(self, low: int, active: bool, out: Any) -> None:
         """Whether a bit is 1, or with ``active`` false whether it is 0."""
         bit = self.byte(low // 8) & np.uint8(1 << low % 8)
-        return bit != 0 if active else bit == 0
+        (np.not_equal if active else np.equal)(bit, 0, out=out)
 
     def ungray(self, low: int, width: int) -> None:
         """Turns bits out of Gray code."""
@@ -179,43 +74,48 @@ class Chunk:
         while shift < width:
             found = found ^ found >> np.uint64(shift) & mask
             shift *= 2
-        self.limbs[0] = self.limbs[0] ^ gray ^ found
+        self.limbs = [self.limbs[0] ^ gray ^ found]
         self._bytes.clear()
 
 
 def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     """The columns of ``frames``: see ``decode_many`` of a frame's class."""
-    source, wrong = _bytes_of(frames, shape) if shape.length else _words_of(frames)
+    source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames)
     count = len(source)
-    out = _columns(count, {**_kinds(shape), "fault": "u1"})
+    out = _columns(count, {**kinds(shape), "fault": "u1"})
     fault = out.pop("fault")
     fault[:] = 0
-    for start in range(0, count, CHUNK):
-        part = source[start : start + CHUNK]
-        _decode(part, shape, {name: column[start : start + CHUNK] for name, column in out.items()}, fault[start:])
+    if HELPER is not None and HELPER(source, shape, out, fault):
+        where = np.flatnonzero(fault)
+        if len(where):
+            limbs = _limbs(source[where], shape) if shape.length else [source[where]]
+            _tell_faults(source[where], limbs, where, shape, out, fault)
+    else:
+        for start in range(0, count, CHUNK):
+            part = slice(start, start + CHUNK)
+            _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])
     if len(wrong):
         fault[wrong] = Fault.LENGTH
     worth = out.pop("verdict", None)
     if worth is not None and len(wrong):
         worth[wrong] = 0
-    parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in _late(shape, join)}
-    return Table(encoder, out, fault, worth, shape.position, parts)
+    parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
+    return Table(encoder, out, fault, worth, shape.position, parts, shape.tells)
 
 
-def _columns(count: int, kinds: Mapping[str, str]) -> dict[str, Any]:
+def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     """Columns side by side in one piece of memory, which the system hands out in larger pages than many small ones."""
-    size = {name: np.dtype(kind).itemsize for name, kind in kinds.items()}
+    size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
     space = np.empty(count * sum(size.values()), np.uint8)
     columns, start = {}, 0
-    for name in sorted(kinds, key=lambda name: -size[name]):
+    for name in sorted(wanted, key=lambda name: -size[name]):
         end = start + count * size[name]
-        columns[name], start = space[start:end].view(kinds[name]), end
-    return {name: columns[name] for name in kinds}
+        columns[name], start = space[start:end].view(wanted[name]), end
+    return {name: columns[name] for name in wanted}
 
 
-def _bytes_of(frames: object, shape: Shape) -> tuple[Any, Any]:
+def rows_of(frames: object, length: int) -> tuple[Any, Any]:
     """Frames as rows of bytes, and the places of those that have another length."""
-    length = shape.length
     if isinstance(frames, (list, tuple)):
         rows = [bytes(item) for item in frames]
         wrong = [place for place, row in enumerate(rows) if len(row) != length]
@@ -235,7 +135,7 @@ def _bytes_of(frames: object, shape: Shape) -> tuple[Any, Any]:
 def _words_of(frames: object) -> tuple[Any, Any]:
     """Frames as numbers of 64 bits, and the places of those that have more."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
-        return np.frombuffer(frames, "<u8"), ()
+        return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
     if isinstance(frames, np.ndarray):
         if frames.dtype.kind not in "ui" or frames.ndim != 1:
             raise TypeError(f"frames are whole numbers in one row, not an array of {frames.dtype} {frames.shape}")
@@ -249,90 +149,98 @@ def _words_of(frames: object) -> tuple[Any, Any]:
     return np.array(words, np.uint64), np.array(wrong, np.intp)
 
 
-def _kinds(shape: Shape) -> dict[str, str]:
-    """The columns that are written, and what their items are."""
-    late = {name for join in shape.joins for name, _, _ in _late(shape, join)}
-    found: dict[str, str] = {}
-    for item in shape.columns:
-        if item.name in late:
-            continue
-        if item.kind == "digits":
-            found |= {name: "i8" for name, _, _ in item.runs}
-        elif item.kind == "text":
-            found[item.name] = f"S{item.width // 8}"
-        else:
-            found[item.name] = "?" if item.kind.endswith("flag") else "u8" if item.width == 64 else "i8"
-            found |= {item.name: _smallest(item.width)} if item.kind == "choice" else {}
-    found |= {join.name: "u8" if _width(shape, join) == 64 else "i8" for join in shape.joins}
-    found |= {"unused": _smallest(_unused_bits(shape))} if shape.unused else {}
-    return found | ({"verdict": "u1"} if shape.otherwise is not None else {})
-
-
-def _smallest(width: int) -> str:
-    """The smallest kind of number for bits that nobody reckons with."""
-    return "u1" if width <= 8 else "u2" if width <= 16 else "u4" if width <= 32 else "u8"
-
-
-def _unused_bits(shape: Shape) -> int:
-    """How many bits the number of all unused bits has."""
-    return max(item.place + item.width for item in shape.unused)
-
-
-def _width(shape: Shape, join: Join) -> int:
-    by_name = {item.name: item for item in shape.columns}
-    return sum(by_name[name].width for name, _ in join.fields)
-
-
-def _late(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
-    """The fields that are plain bits of a number made of them, and are taken out of it only when asked for."""
-    by_name = {item.name: item for item in shape.columns}
-    if _width(shape, join) > 63 or join is not shape.joins[0]:
-        return []
-    plain = ((by_name[name], low) for name, low in join.fields)
-    return [(i.name, low, i.width) for i, low in plain if i.kind == "number" and not i.zero_means]
-
-
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Decodes some frames into their columns."""
-    count = len(source)
-    too_long = None
-    if shape.length:
-        chunk = Chunk(_limbs(source, shape))
-    else:
-        chunk = Chunk([source])
-        if shape.bits < 64 and int(source.max()) >> shape.bits:
-            too_long = source >> np.uint64(shape.bits) != 0
-            chunk = Chunk([source & np.uint64((1 << shape.bits) - 1)])
-    found = [(Fault.CRC, _crc_differs(chunk, shape.crc, shape.bits))] if shape.crc is not None else []
+    """Decodes some frames into their columns; of those that fail a quick look it says what is wrong."""
+    limbs, bits, doubts = _limbs(source, shape) if shape.length else [source], shape.bits, []
+    if not shape.length and bits < 64 and int(source.max()) >> bits:
+        doubts = [source >> np.uint64(bits)]
+        limbs = [source & np.uint64((1 << bits) - 1)]
+    chunk = Chunk(limbs, bits)
+    if shape.crc is not None:
+        doubts.append(crc_difference(chunk, shape.crc))
     if shape.gray is not None:
         chunk.ungray(*shape.gray)
-    found += [(item.fault, ~_holds(chunk, item)) for item in shape.checks]
-    faults = [(kind, where) for kind, where in found if where.any()]
-    if too_long is not None:
-        faults.append((Fault.LENGTH, too_long))
-    found_here = fault[:count]
-    for kind, where in sorted(faults, key=lambda item: -item[0]):
-        found_here *= (~where).view(np.uint8)
-        found_here += where.view(np.uint8) * np.uint8(kind)
+    doubts += _doubts(chunk, shape)
+    doubtful = [item for item in doubts if item.any()]
     _write(chunk, shape, out)
     if shape.otherwise is not None:
-        _judge(shape, out, fault[:count] if faults else None)
+        _judge(shape, out)
+    if doubtful:
+        where = np.flatnonzero(reduce(np.logical_or, doubtful))
+        _tell_faults(source.take(where, 0), [limb.take(where) for limb in limbs], where, shape, out, fault)
+
+
+def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
+    """Puts the faults of the frames at ``where`` into their column; a position with a fault is worth nothing."""
+    fault[where] = _faults(source, limbs, shape)
+    if shape.otherwise is not None:
+        worth: Any = out["verdict"]
+        worth *= fault == 0
+
+
+
+def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
+    """What is not 0 or false where a frame fails; the CRC left out."""
+    look = sound(shape)
+    found = [
+        limb & np.uint64(mask) ^ np.uint64(value) for limb, (mask, value) in zip(chunk.limbs, look.fixed) if mask
+    ]
+    for place, values in look.bytes:
+        byte = chunk.byte(place)
+        found.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
+    return [*found, *(~_holds(chunk, item) for item in look.others)]
+
+
+def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
+    """What is wrong with each frame: what one frame is checked for first is said last."""
+    chunk = Chunk(limbs, shape.bits)
+    found = [(Fault.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    if shape.gray is not None:
+        chunk.ungray(*shape.gray)
+    found += [(item.fault, np.logical_not(_holds(chunk, item))) for item in shape.checks]
+    if not shape.length and shape.bits < 64:
+        found.append((Fault.LENGTH, source >> np.uint64(shape.bits) != 0))
+    fault = np.zeros(len(source), np.uint8)
+    for kind, where in sorted(found, key=lambda item: -item[0]):
+        fault *= np.logical_not(where)
+        fault += where * np.uint8(kind)
+    return fault
 
 
 def _limbs(rows: Any, shape: Shape) -> list[Any]:
-    """Rows of bytes as numbers; they are read eight bytes at once, and what belongs to other rows is masked off."""
+    """Rows of bytes as numbers, read eight bytes at once; where those overlap, what is not of a limb is shifted out."""
+    rows = np.ascontiguousarray(rows)
     count, length = rows.shape
-    space = np.empty(count * length + 16, np.uint8)
-    space[8:-8].reshape(count, length)[:] = rows
+    is_little = shape.order == "little"
+    kind = "<u8" if is_little else ">u8"
+    if length < 8:
+        return [_short(rows, kind, is_little)]
     limbs = []
     for low in range(0, length, 8):
-        offset = 8 + (low if shape.order == "little" else length - low - 8)
-        kind = "<u8" if shape.order == "little" else ">u8"
-        limb = np.ndarray((count,), kind, space, offset, (length,)).astype(np.uint64)
-        if length - low < 8:
-            limb &= np.uint64((1 << 8 * (length - low)) - 1)
+        over = max(low + 8 - length, 0)
+        offset = low - over if is_little else length - low - 8 + over
+        limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
+        if over:
+            limb >>= np.uint64(8 * over)
         limbs.append(limb)
     return limbs
+
+
+def _short(rows: Any, kind: str, is_little: bool) -> Any:
+    """Rows of less than eight bytes as numbers: they are read on into what follows, but for the last eight rows."""
+    count, length = rows.shape
+    most = max(count - 8, 0)
+    limb = np.empty(count, np.uint64)
+    if most:
+        limb[:most] = np.ndarray((most,), kind, rows, 0, (length,))
+    padded = np.zeros((count - most, 8), np.uint8)
+    padded[:, :length] = rows[most:]
+    limb[most:] = padded.view(kind)[:, 0]
+    if is_little:
+        limb &= np.uint64((1 << 8 * length) - 1)
+    else:
+        limb >>= np.uint64(8 * (8 - length))
+    return limb
 
 
 def _holds(chunk: Chunk, item: Check) -> Any:
@@ -355,24 +263,18 @@ def _holds(chunk: Chunk, item: Check) -> Any:
     return found
 
 
-def _crc_differs(chunk: Chunk, crc: CrcOf, bits: int) -> Any:
-    """Whether a frame's CRC is another than it has to be."""
-    return crc_difference(chunk, crc, bits) != 0
-
-
-def crc_difference(chunk: Chunk, crc: CrcOf, bits: int) -> Any:
+def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
     """The bits of a frame's CRC that are not as computed; 0 where it is right."""
     if crc.steps:
-        return _folded(chunk.limbs[0], crc, bits)
+        return _folded(chunk.limbs[0], crc, chunk.bits)
     if crc.is_xor:
-        number = chunk.limbs[0]
-        for limb in chunk.limbs[1:]:
-            number = number ^ limb
+        number = reduce(np.bitwise_xor, chunk.limbs)
         half = (number ^ number >> np.uint64(32)).astype(np.uint32)
         half ^= half >> np.uint32(16)
         half ^= half >> np.uint32(8)
-        return half.astype(np.uint8) ^ np.uint8(crc.xorout)
-    tables = _tables(crc.differs, bits)
+        found = half.astype(np.uint8)
+        return found ^ np.uint8(crc.xorout) if crc.xorout else found
+    tables = _tables(crc.differs, chunk.bits)
     found = tables[0][chunk.byte(0)]
     for place, table in enumerate(tables[1:], 1):
         found ^= table[chunk.byte(place)]
@@ -419,84 +321,84 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
             _write_column(chunk, item, out)
     for join in shape.joins:
         fields = [(by_name[name], low) for name, low in join.fields]
-        low = fields[0][0].low
+        low, number = fields[0][0].low, out[join.name].view(np.uint64)
         if all(item.low == low + place for item, place in fields):
-            number = chunk.take(low, _width(shape, join))
-        else:
-            number = 0
-            for item, place in fields:
-                number = number | chunk.take(item.low, item.width).astype(np.uint64) << np.uint64(place)
-        out[join.name][:] = number.astype(np.uint64, copy=False).view(out[join.name].dtype)
+            chunk.take(low, width_of(shape, join), number)
+            continue
+        chunk.take(low, fields[0][0].width, number)
+        for item, place in fields[1:]:
+            part = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
+            number |= part << np.uint64(place)
     if shape.unused:
-        out["unused"][:] = _unused(chunk, shape)
+        _write_unused(chunk, shape, out["unused"])
 
 
-def _unused(chunk: Chunk, shape: Shape) -> Any:
+def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
     """Unused bits that are not as the manual has them, in as few bytes as hold them."""
-    kind = np.dtype(_smallest(_unused_bits(shape))).type
+    kind = np.dtype(smallest(unused_bits(shape))).type
     number = kind(0)
-    for item in shape.unused:
-        turned = chunk.take(item.low, item.width).astype(kind, copy=False)
-        if item.value:
-            turned = turned ^ kind(item.value & ((1 << item.width) - 1))
-        number = number | (turned << kind(item.place) if item.place else turned)
-    return number
+    for low, mask, value, place in unused_groups(shape):
+        width = mask.bit_length()
+        small = low % 8 + width <= 8
+        turned = chunk.small(low, mask) if small else chunk.take(low, width) & np.uint64(mask)
+        if value:
+            turned = turned ^ turned.dtype.type(value)
+        turned = turned.astype(kind, copy=False)
+        number = number | (turned << kind(place) if place else turned)
+    out[:] = number
 
 
 def _write_column(chunk: Chunk, item: Column, out: Mapping[str, Any]) -> None:
     if item.kind in ("flag", "not_flag"):
-        out[item.name][:] = chunk.flag(item.low, item.kind == "flag")
-        return
-    bits = chunk.take(item.low, item.width)
-    if item.kind == "choice":
-        out[item.name][:] = bits
-        return
-    bits = bits.astype(np.uint64, copy=False)
-    if item.kind == "digits":
+        chunk.flag(item.low, item.kind == "flag", out[item.name])
+    elif item.kind == "choice":
+        out[item.name][:] = chunk.take(item.low, item.width)
+    elif item.kind == "digits":
+        bits = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
         for name, divisor, modulus in item.runs:
             out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
     elif item.kind == "text":
         length = item.width // 8
-        rows = np.empty((len(bits), length), np.uint8)
+        rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
         for place in range(length):
-            low = item.low + 8 * (length - 1 - place)
-            rows[:, place] = chunk.take(low, 8)
+            rows[:, place] = chunk.take(item.low + 8 * (length - 1 - place), 8)
         out[item.name][:] = rows.view(f"S{length}")[:, 0]
-    elif item.kind == "signed" and item.width:
-        top = np.uint64(1 << item.width - 1)
-        out[item.name][:] = ((bits ^ top) - top).view(np.int64)
-    elif item.zero_means:
-        out[item.name][:] = np.where(bits == 0, np.uint64(item.zero_means), bits)
     else:
-        out[item.name][:] = bits.view(out[item.name].dtype)
+        number = out[item.name].view(np.uint64)
+        chunk.take(item.low, item.width, number)
+        if item.kind == "signed" and item.width:
+            top = np.uint64(1 << item.width - 1)
+            number ^= top
+            number -= top
+        elif item.zero_means:
+            number[number == 0] = item.zero_means
 
 
-def _judge(shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """What the position of each frame is worth; nothing is, in a frame with a fault.
+def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
+    """What the position of each sound frame is worth.
 
     It is reckoned rather than chosen: that takes as long for frames that differ as for frames that do not.
     """
-    otherwise = VERDICTS.index(shape.otherwise)
+    otherwise, worth = VERDICTS.index(shape.otherwise), out["verdict"]
     spare: Any = out.get("unused")
     turned = bool(shape.unused) and spare.any()
-    bits = 8 * spare.itemsize if turned else 0
-    speaking: dict[Verdict, Any] = {}
+    speaking: dict[Verdict, list[Any]] = {}
     for item in shape.speaks:
-        if not (item.flag or turned):
+        if item.flag:
+            where = out[item.flag]
+            for name in item.unless:
+                where = np.greater(where, out[name])
+        elif turned:
+            where = spare & spare.dtype.type(item.mask & (1 << 8 * spare.itemsize) - 1) != 0
+        else:
             continue
-        where = out[item.flag] if item.flag else spare & spare.dtype.type(item.mask & ((1 << bits) - 1)) != 0
-        if item.unless:
-            where = where & ~np.logical_or.reduce([out[name] for name in item.unless])
-        speaking[item.verdict] = speaking[item.verdict] | where if item.verdict in speaking else where
-    worth = out["verdict"]
+        speaking.setdefault(item.verdict, []).append(where)
     worth[:] = otherwise
     if Verdict.USABLE_WITH_WARNING in speaking:
         less = np.uint8(otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING))
-        worth -= speaking[Verdict.USABLE_WITH_WARNING].view(np.uint8) * less
+        worth -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
     if Verdict.NOT_USABLE in speaking:
-        worth *= (~speaking[Verdict.NOT_USABLE]).view(np.uint8)
-    if fault is not None:
-        worth *= (fault == 0).view(np.uint8)
+        worth *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
 
 
 #: The verdicts by what stands for them in a column: the worst is 0.

@@ -7,11 +7,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from importlib import import_module
-from typing import Any
+from math import tau
+from typing import Any, Final, Literal
 
-from ._codec import RangeError
+from ._codec import RangeError, unwrap
 from ._encoder import Encoder
 from ._reports import Verdict
+
+
+#: What counts can be shown in.
+Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
+
+#: A turn, and how many micrometres make a length.
+_OF_A_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
+_OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
 
 
 class Fault(IntEnum):
@@ -39,8 +48,9 @@ class Table(Mapping[str, Any]):
         verdict: Any,
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
+        tells: tuple[tuple[str, str, int], ...] = (),
     ) -> None:
-        self.encoder = encoder
+        self.encoder, self._tells = encoder, tells
         self._columns = columns
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
         self._names = [*parts, *columns, *(["verdict"] if verdict is not None else []), "fault"]
@@ -83,6 +93,16 @@ class Table(Mapping[str, Any]):
         worst = [*Verdict].index(Verdict.NOT_USABLE)
         return self.ok if self._verdict is None else (self._verdict != worst) & self.ok
 
+    @property
+    def reports(self) -> dict[str, Any]:
+        """By the name of each report that such frames can make, whether each frame is sound and makes it."""
+        made = {}
+        for report, flag, mask in self._tells:
+            unused: Any = self["unused"] if mask else None
+            active = self[flag] if flag else unused & (mask & (1 << 8 * unused.itemsize) - 1) != 0
+            made[report] = active & self.ok
+        return made
+
     def __getitem__(self, name: str) -> Any:
         if name == "fault":
             return self._fault
@@ -109,15 +129,18 @@ class Table(Mapping[str, Any]):
         kinds = ((kind, int((self._fault == kind).sum())) for kind in Fault)
         return {kind: count for kind, count in kinds if count}
 
-    def unwrapped(self) -> Any:
+    def unwrapped(self, previous: int | None = None) -> Any:
         """The position of each frame as a count that goes on where the position starts again.
 
         It begins with the first usable position; a frame without one has that of the frame before. Between two usable
         frames the encoder may move by less than half of the ``modulus``.
 
+        Args:
+            previous: The last count of the frames before these, where this goes on with them.
+
         Raises:
             AttributeError: These frames have no position.
-            RangeError: A position is above the highest that this encoder sends.
+            RangeError: A position is above the highest that this encoder sends, or below 0.
             ValueError: The manual does not say where the position of this encoder starts again.
         """
         np: Any = import_module("numpy")
@@ -125,16 +148,60 @@ class Table(Mapping[str, Any]):
         highest: int = getattr(self.encoder, "highest", modulus - 1)
         good = np.flatnonzero(self.usable)
         position = self.position.astype(np.int64)
-        found = np.zeros(len(position), np.int64)
         if not len(good):
-            return found
+            return np.full(len(position), previous or 0, np.int64)
         used = position[good]
-        if int(used.max()) > highest:
-            raise RangeError("position", int(used.max()), f"0 to {highest}")
+        for wrong in (int(used.max()), int(used.min())):
+            if not 0 <= wrong <= highest:
+                raise RangeError("position", wrong, f"0 to {highest}")
+        start = int(used[0]) if previous is None else unwrap(previous, int(used[0]), modulus, highest)
         steps = (np.diff(used) + modulus // 2) % modulus - modulus // 2
-        counts = np.concatenate([used[:1], used[0] + np.cumsum(steps)])
-        before = np.maximum(np.cumsum(self.usable) - 1, 0)
-        return counts[before]
+        counts = np.concatenate([[start if previous is None else previous, start], start + np.cumsum(steps)])
+        return counts[np.cumsum(self.usable)].astype(np.int64)
+
+    def in_units(self, unit: Unit, counts: Any = None) -> Any:
+        """``counts`` of each frame in a unit, by default its ``position``; angles lie within one revolution.
+
+        Raises:
+            AttributeError: This encoder does not measure in such a unit.
+            ValueError: The manual does not say what a count is worth.
+        """
+        found = self.position if counts is None else counts
+        one, parts = self._unit(unit)
+        if unit in ("degrees", "radians"):
+            found = found % parts
+        return found * one / parts
+
+    def velocity(self, seconds: Any, unit: Unit = "counts") -> Any:
+        """How fast the encoder moved since the usable frame before, in units per second.
+
+        It is NaN for a frame that is not usable, and for the first that is.
+
+        Args:
+            seconds: The time from one frame to the next, or an array with the time of each.
+
+        Raises:
+            AttributeError, RangeError, ValueError: As of ``unwrapped`` and ``in_units``.
+        """
+        np: Any = import_module("numpy")
+        counts, good = self.unwrapped(), np.flatnonzero(self.usable)
+        times = np.arange(len(counts)) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
+        if len(times) != len(counts):
+            raise ValueError(f"{len(times)} times of {len(counts)} frames")
+        one, parts = self._unit(unit)
+        found = np.full(len(counts), np.nan)
+        found[good[1:]] = np.diff(counts[good]) * one / parts / np.diff(times[good])
+        return found
+
+    def _unit(self, unit: Unit) -> tuple[float, int]:
+        """Numbers that make the count 1 a unit: the one divided by the other."""
+        if unit == "counts":
+            return 1, 1
+        if unit in _OF_A_TURN:
+            per_turn: int = getattr(self.encoder, "from_turns")(1)
+            return _OF_A_TURN[unit], per_turn
+        micrometres: int = getattr(self.encoder, "micrometres")(1)
+        return micrometres, _OF_A_LENGTH[unit]
 
     def to_arrow(self) -> Any:
         """A table of Arrow with the same columns; ``pip install pyarrow``."""

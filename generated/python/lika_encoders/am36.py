@@ -409,6 +409,10 @@ class SsiEncoder(Variant):
         """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
         return SsiWord.decode_many(frames, self)
 
+    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+        """Many frames made of columns as ``decode_many`` gives them. Needs NumPy."""
+        return SsiWord.encode_many(columns, self)
+
 
 class BissEncoder(Variant):
     """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
@@ -451,6 +455,10 @@ class BissEncoder(Variant):
     def decode_many(self, frames: Words) -> Table:
         """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
         return SingleCycleData.decode_many(frames, self)
+
+    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+        """Many frames made of columns as ``decode_many`` gives them. Needs NumPy."""
+        return SingleCycleData.encode_many(columns, self)
 
 
 @overload
@@ -703,6 +711,21 @@ class SsiWord(NamedTuple):
 
         return decode_many(frames, shape_of_ssi_word(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: SsiEncoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: numbers of 64 bits. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._make import encode_many
+        from ._shapes.am36 import shape_of_ssi_word
+
+        return encode_many(columns, shape_of_ssi_word(variant))
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -884,6 +907,21 @@ class SingleCycleData(NamedTuple):
         from ._shapes.am36 import shape_of_single_cycle_data
 
         return decode_many(frames, shape_of_single_cycle_data(variant), variant)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: numbers of 64 bits. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._make import encode_many
+        from ._shapes.am36 import shape_of_single_cycle_data
+
+        return encode_many(columns, shape_of_single_cycle_data(variant))
 
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.

@@ -363,6 +363,10 @@ class SsiEncoder(Variant):
         """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
         return SsiWord.decode_many(frames, self)
 
+    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+        """Many frames made of columns as ``decode_many`` gives them. Needs NumPy."""
+        return SsiWord.encode_many(columns, self)
+
 
 class BissEncoder(Variant):
     """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
@@ -405,6 +409,10 @@ class BissEncoder(Variant):
     def decode_many(self, frames: Words) -> Table:
         """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
         return SingleCycleData.decode_many(frames, self)
+
+    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+        """Many frames made of columns as ``decode_many`` gives them. Needs NumPy."""
+        return SingleCycleData.encode_many(columns, self)
 
 
 class Rs485Encoder(Variant):
@@ -460,7 +468,30 @@ class Rs485Encoder(Variant):
         if kind is EepromReadReply:
             return EepromReadReply.decode_many(frames, cast(EepromAddress, eeprom_address))
         many: Callable[[Rows], Table] = getattr(kind, "decode_many")
-        return many(frames)
+        table = many(frames)
+        table.encoder = self
+        return table
+
+    def encode_many(
+        self,
+        columns: Mapping[str, Any],
+        kind: type[Reply],
+        *,
+        eeprom_address: EepromAddress | None = None,
+    ) -> Any:
+        """Many frames of one ``kind`` made of columns as ``decode_many`` gives them, as rows of bytes. Needs NumPy."""
+        if kind is SingleturnReply:
+            return SingleturnReply.encode_many(columns, self)
+        if kind is MultiturnReply:
+            return MultiturnReply.encode_many(columns, self)
+        if kind is CompleteReply:
+            return CompleteReply.encode_many(columns, self)
+        if kind is EepromWriteReply:
+            return EepromWriteReply.encode_many(columns, cast(EepromAddress, eeprom_address))
+        if kind is EepromReadReply:
+            return EepromReadReply.encode_many(columns, cast(EepromAddress, eeprom_address))
+        make: Callable[[Mapping[str, Any]], Any] = getattr(kind, "encode_many")
+        return make(columns)
 
 
 @overload
@@ -754,6 +785,21 @@ class SsiWord(NamedTuple):
 
         return decode_many(frames, shape_of_ssi_word(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: SsiEncoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: numbers of 64 bits. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_ssi_word
+
+        return encode_many(columns, shape_of_ssi_word(variant))
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -932,6 +978,21 @@ class SingleCycleData(NamedTuple):
 
         return decode_many(frames, shape_of_single_cycle_data(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: numbers of 64 bits. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_single_cycle_data
+
+        return encode_many(columns, shape_of_single_cycle_data(variant))
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -1021,6 +1082,19 @@ class DataRequest(NamedTuple):
         from ._shapes.amm5 import shape_of_data_request
 
         return decode_many(frames, shape_of_data_request(), None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_data_request
+
+        return encode_many(columns, shape_of_data_request())
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1128,6 +1202,20 @@ class EepromWriteRequest(NamedTuple):
         from ._shapes.amm5 import shape_of_eeprom_write_request
 
         return decode_many(frames, shape_of_eeprom_write_request(eeprom_address), None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        decided(EepromAddress, eeprom_address)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_eeprom_write_request
+
+        return encode_many(columns, shape_of_eeprom_write_request(eeprom_address))
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1238,6 +1326,20 @@ class EepromReadRequest(NamedTuple):
         from ._shapes.amm5 import shape_of_eeprom_read_request
 
         return decode_many(frames, shape_of_eeprom_read_request(eeprom_address), None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        decided(EepromAddress, eeprom_address)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_eeprom_read_request
+
+        return encode_many(columns, shape_of_eeprom_read_request(eeprom_address))
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1395,6 +1497,21 @@ class SingleturnReply(NamedTuple):
         from ._shapes.amm5 import shape_of_singleturn_reply
 
         return decode_many(frames, shape_of_singleturn_reply(variant), variant)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_singleturn_reply
+
+        return encode_many(columns, shape_of_singleturn_reply(variant))
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1568,6 +1685,21 @@ class MultiturnReply(NamedTuple):
 
         return decode_many(frames, shape_of_multiturn_reply(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_multiturn_reply
+
+        return encode_many(columns, shape_of_multiturn_reply(variant))
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1715,6 +1847,19 @@ class EncoderIdReply(NamedTuple):
         from ._shapes.amm5 import shape_of_encoder_id_reply
 
         return decode_many(frames, shape_of_encoder_id_reply(), None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_encoder_id_reply
+
+        return encode_many(columns, shape_of_encoder_id_reply())
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1975,6 +2120,21 @@ class CompleteReply(NamedTuple):
 
         return decode_many(frames, shape_of_complete_reply(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_complete_reply
+
+        return encode_many(columns, shape_of_complete_reply(variant))
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -2131,6 +2291,20 @@ class EepromWriteReply(NamedTuple):
 
         return decode_many(frames, shape_of_eeprom_write_reply(eeprom_address), None)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        decided(EepromAddress, eeprom_address)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_eeprom_write_reply
+
+        return encode_many(columns, shape_of_eeprom_write_reply(eeprom_address))
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -2258,6 +2432,20 @@ class EepromReadReply(NamedTuple):
         from ._shapes.amm5 import shape_of_eeprom_read_reply
 
         return decode_many(frames, shape_of_eeprom_read_reply(eeprom_address), None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        decided(EepromAddress, eeprom_address)
+        from ._make import encode_many
+        from ._shapes.amm5 import shape_of_eeprom_read_reply
+
+        return encode_many(columns, shape_of_eeprom_read_reply(eeprom_address))
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.

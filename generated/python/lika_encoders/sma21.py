@@ -417,6 +417,10 @@ class SsiEncoder(Variant):
         """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
         return SsiWord.decode_many(frames, self)
 
+    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+        """Many frames made of columns as ``decode_many`` gives them. Needs NumPy."""
+        return SsiWord.encode_many(columns, self)
+
 
 class BissEncoder(Variant):
     """An encoder with BiSS C-mode: see ``Variant`` for what it is."""
@@ -459,6 +463,10 @@ class BissEncoder(Variant):
     def decode_many(self, frames: Words) -> Table:
         """Many frames at once, as columns; a frame with a fault raises nothing, see ``fault``. Needs NumPy."""
         return SingleCycleData.decode_many(frames, self)
+
+    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+        """Many frames made of columns as ``decode_many`` gives them. Needs NumPy."""
+        return SingleCycleData.encode_many(columns, self)
 
 
 class Rs485Encoder(Variant):
@@ -503,7 +511,18 @@ class Rs485Encoder(Variant):
         if kind is IdentificationReply:
             return IdentificationReply.decode_many(frames, self)
         many: Callable[[Rows], Table] = getattr(kind, "decode_many")
-        return many(frames)
+        table = many(frames)
+        table.encoder = self
+        return table
+
+    def encode_many(self, columns: Mapping[str, Any], kind: type[Reply]) -> Any:
+        """Many frames of one ``kind`` made of columns as ``decode_many`` gives them, as rows of bytes. Needs NumPy."""
+        if kind is PositionReply:
+            return PositionReply.encode_many(columns, self)
+        if kind is IdentificationReply:
+            return IdentificationReply.encode_many(columns, self)
+        make: Callable[[Mapping[str, Any]], Any] = getattr(kind, "encode_many")
+        return make(columns)
 
 
 @overload
@@ -778,6 +797,21 @@ class SsiWord(NamedTuple):
 
         return decode_many(frames, shape_of_ssi_word(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: SsiEncoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: numbers of 64 bits. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, SsiEncoder):
+            raise wrong_encoder(variant, Variant, _SSI)
+        from ._make import encode_many
+        from ._shapes.sma21 import shape_of_ssi_word
+
+        return encode_many(columns, shape_of_ssi_word(variant))
+
     def encode(self) -> int:
         """The word, its first bit most significant.
 
@@ -947,6 +981,21 @@ class SingleCycleData(NamedTuple):
 
         return decode_many(frames, shape_of_single_cycle_data(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: numbers of 64 bits. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, BissEncoder):
+            raise wrong_encoder(variant, Variant, _BISS)
+        from ._make import encode_many
+        from ._shapes.sma21 import shape_of_single_cycle_data
+
+        return encode_many(columns, shape_of_single_cycle_data(variant))
+
     def encode(self) -> int:
         """The word, its first bit most significant, with the CRC.
 
@@ -1035,6 +1084,19 @@ class DataRequest(NamedTuple):
         from ._shapes.sma21 import shape_of_data_request
 
         return decode_many(frames, shape_of_data_request(), None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        from ._make import encode_many
+        from ._shapes.sma21 import shape_of_data_request
+
+        return encode_many(columns, shape_of_data_request())
 
     def encode(self) -> bytes:
         """The bytes.
@@ -1246,6 +1308,21 @@ class PositionReply(NamedTuple):
 
         return decode_many(frames, shape_of_position_reply(variant), variant)
 
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._make import encode_many
+        from ._shapes.sma21 import shape_of_position_reply
+
+        return encode_many(columns, shape_of_position_reply(variant))
+
     def encode(self) -> bytes:
         """The bytes, with the CRC.
 
@@ -1446,6 +1523,19 @@ class WidePositionReply(NamedTuple):
         from ._shapes.sma21 import shape_of_wide_position_reply
 
         return decode_many(frames, shape_of_wide_position_reply(), None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        from ._make import encode_many
+        from ._shapes.sma21 import shape_of_wide_position_reply
+
+        return encode_many(columns, shape_of_wide_position_reply())
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.
@@ -1669,6 +1759,21 @@ class IdentificationReply(NamedTuple):
         from ._shapes.sma21 import shape_of_identification_reply
 
         return decode_many(frames, shape_of_identification_reply(variant), variant)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: Rs485Encoder) -> Any:
+        """Many such frames made of columns as ``decode_many`` gives them: rows of bytes. Needs NumPy.
+
+        Raises:
+            RangeError: A value does not fit its field; ``row`` says in which row, the first of several.
+            TypeError: A column is missing, or none of such frames.
+        """
+        if not isinstance(variant, Rs485Encoder):
+            raise wrong_encoder(variant, Variant, _RS485)
+        from ._make import encode_many
+        from ._shapes.sma21 import shape_of_identification_reply
+
+        return encode_many(columns, shape_of_identification_reply(variant))
 
     def encode(self) -> bytes:
         """The bytes, with the CRC.

@@ -122,7 +122,7 @@ def _of_coder(coder: Coder) -> Iterator[str]:
     yield "BitField NamedTuple by_class"
     yield "Data LengthError as_bytes" if plan.in_bytes else "Word as_word too_long"
     if coder.register is None:
-        yield "Rows" if plan.in_bytes else "Words"
+        yield "Rows Any Mapping" if plan.in_bytes else "Words Any Mapping"
     yield _if(coder.takes_variant or coder.attributes, "made")
     yield _if(coder.takes_variant, "check_encoder wrong_encoder")
     yield _if(plan.gray, "from_gray to_gray")

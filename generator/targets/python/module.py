@@ -178,7 +178,7 @@ class Module:
         """How many frames are decoded at once, of each frame."""
         frames = (item for section in self.sections for item in section.coders)
         told = self.context.reportings
-        return [Shape(item, told[item.layout.name].judgement if item.layout.name in told else None) for item in frames]
+        return [Shape(item, told.get(item.layout.name)) for item in frames]
 
     @property
     def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:

@@ -60,8 +60,8 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 
 #: What the package's modules are called that hold no device.
 SHARED = tuple(
-    """__main__ _codec _codes _encoder _facts _many _order_codes _registers _reports _run _sinks _sources _steps _stream
-    _table _why""".split()
+    """__main__ _codec _codes _encoder _facts _helper _make _many _order_codes _registers _reports _run _shape _sinks
+    _sources _steps _stream _table _why build_helper""".split()
 )
 #: The folders for what is loaded only when it is asked for, with a module for each device.
 FOLDERS = ("facts", "_shapes")
@@ -79,13 +79,13 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
     VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses for itself.
-VARIANT_NAMES = """bytes cls code decode decode_many degrees family frame_bits from_degrees from_millimetres
+VARIANT_NAMES = """bytes cls code decode decode_many degrees encode_many family frame_bits from_degrees from_millimetres
     from_radians from_turns highest interface metres micrometres millimetres modulus parts
     radians self special special_code tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes, and in them the methods, use for themselves.
-CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode frame_bits index is_as_documented
-    limits reports self usable_position variant verdict""".split()
+CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
+    is_as_documented limits reports self usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits body cls computed data isinstance len number remainder self type values variant word".split(),
     *FUNCTIONS,

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from functools import cached_property
 
 from ...model import Choice
-from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, kind_of, parities, worth
-from ...plan.reports import Judgement
+from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, kind_of, parities, telling, worth
+from ...plan.reports import Reporting
 from .codec import Coder
 from .expr import Expr
 from .literals import Call, Code, Literal, Member, record
@@ -16,8 +16,9 @@ from .literals import Call, Code, Literal, Member, record
 class Shape:
     """The columns of one frame, as its template asks for them."""
 
-    def __init__(self, coder: Coder, judgement: Judgement | None) -> None:
-        self.coder, self.plan, self._judgement = coder, coder.plan, judgement
+    def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
+        self.coder, self.plan, self._reporting = coder, coder.plan, reporting
+        self._judgement = reporting.judgement if reporting is not None else None
         self.name = f"shape_of_{coder.layout.name}"
 
     @cached_property
@@ -33,6 +34,7 @@ class Shape:
         yield "parities", [*self._parities()]
         judgement = self._judgement
         yield "speaks", [self._speaks(item) for item in worth(judgement)] if judgement is not None else []
+        yield "tells", [*self._tells()]
 
     def _at(self, place: Place) -> dict[str, Literal]:
         return {"low": self._code(place.low), "width": self._code(place.width)}
@@ -48,7 +50,10 @@ class Shape:
             needed: dict[str, Literal] = {"": names.attribute(field.name), **self._at(Place(field.low, field.width))}
             zero_means = 0 if isinstance(field.kind, Choice) else field.number.zero_means
             made = "" if kind == "number" else kind
-            yield record("Column", needed, kind=made, zero_means=zero_means or None, runs=runs)
+            power_of_two = (not isinstance(field.kind, Choice) and field.number.power_of_two) or None
+            yield record(
+                "Column", needed, kind=made, zero_means=zero_means or None, power_of_two=power_of_two, runs=runs
+            )
 
     def _joins(self) -> Iterator[Call]:
         names = self.coder.names
@@ -86,6 +91,11 @@ class Shape:
         unless = tuple(names.attribute(part.field.name) for part in item.unless)
         verdict = Member("Verdict", item.verdict.name)
         return record("Speaks", {"": verdict}, flag=flag, unless=unless, mask=item.mask or None)
+
+    def _tells(self) -> Iterator[Call]:
+        for item in telling(self._reporting) if self._reporting is not None else ():
+            flag = self.coder.names.attribute(item.flag.field.name) if item.flag is not None else ""
+            yield record("Tells", {"": item.report}, flag=flag, mask=item.mask or None)
 
     @property
     def otherwise(self) -> str:

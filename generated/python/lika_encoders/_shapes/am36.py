@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._many import Column, CrcOf, Fold, Join, Shape, Speaks, Unused, of_bits
+from .._shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
 from .._reports import Verdict
 from ..am36 import BissEncoder, SsiEncoder, crc_biss_6
 
@@ -50,6 +50,10 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         speaks=(
             Speaks(Verdict.NOT_USABLE, mask=2),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=1),
+        ),
+        tells=(
+            Tells("warning", mask=1),
+            Tells("error", mask=2),
         ),
         crc=CrcOf(
             low=0,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._many import Check, Column, CrcOf, Fold, Join, Shape, Speaks, Unused, of_bits, of_bytes
+from .._shape import Check, Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits, of_bytes
 from .._reports import Verdict
 from .._table import Fault
 from ..amm5 import BissEncoder, EepromAddress, Rs485Encoder, SsiEncoder, crc_biss_6, crc_rs485_8
@@ -48,6 +48,10 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
             Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        ),
+        tells=(
+            Tells("error", flag="error"),
+            Tells("warning", flag="warning"),
         ),
         crc=CrcOf(
             low=0,
@@ -181,6 +185,12 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
+        tells=(
+            Tells("status_st_error", flag="status_st_error"),
+            Tells("status_other_error", flag="status_other_error"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
+        ),
         crc=CrcOf(
             low=40,
             width=8,
@@ -226,6 +236,12 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
+        tells=(
+            Tells("status_st_error", flag="status_st_error"),
+            Tells("status_other_error", flag="status_other_error"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
+        ),
         crc=CrcOf(
             low=40,
             width=8,
@@ -258,6 +274,12 @@ def shape_of_encoder_id_reply() -> Shape:
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(2,)),
+        ),
+        tells=(
+            Tells("status_st_error", flag="status_st_error"),
+            Tells("status_other_error", flag="status_other_error"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
         ),
         crc=CrcOf(
             low=24,
@@ -328,6 +350,19 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, mask=256),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=6144),
         ),
+        tells=(
+            Tells("status_st_error", flag="status_st_error"),
+            Tells("status_other_error", flag="status_other_error"),
+            Tells("busy", flag="busy"),
+            Tells("st_error", flag="st_error"),
+            Tells("ps_error", flag="ps_error"),
+            Tells("mt_error", flag="mt_error"),
+            Tells("battery_alarm", flag="battery_alarm"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
+            Tells("alarm_zero_0", mask=256),
+            Tells("alarm_zero_3_4", mask=6144),
+        ),
         crc=CrcOf(
             low=80,
             width=8,
@@ -358,6 +393,9 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
             Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(6,)),
         ),
+        tells=(
+            Tells("eeprom_write_reply_mem_busy", flag="mem_busy"),
+        ),
         crc=CrcOf(
             low=24,
             width=8,
@@ -385,6 +423,9 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
             Check(low=0, width=3, fault=Fault.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=Fault.CONSTANT, parity_of=(3, 4)),
             Check(low=3, width=4, fault=Fault.RANGE, values=(13,)),
+        ),
+        tells=(
+            Tells("eeprom_read_reply_mem_busy", flag="mem_busy"),
         ),
         crc=CrcOf(
             low=24,

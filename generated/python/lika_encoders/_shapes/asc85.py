@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._many import Check, Column, CrcOf, Fold, Shape, Speaks, of_bits
+from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
 from .._reports import Verdict
 from .._table import Fault
 from ..asc85 import BissEncoder, SsiEncoder, crc_biss_6
@@ -46,6 +46,10 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
             Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        ),
+        tells=(
+            Tells("error", flag="error"),
+            Tells("warning", flag="warning"),
         ),
         crc=CrcOf(
             low=0,

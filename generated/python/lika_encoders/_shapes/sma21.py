@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from .._many import Check, Column, CrcOf, Fold, Shape, Speaks, Unused, of_bits, of_bytes
+from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
 from .._reports import Verdict
 from .._table import Fault
 from ..sma21 import BissEncoder, Rs485Encoder, SsiEncoder, crc_biss_6, crc_rs485_8
@@ -25,6 +25,9 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
+        ),
+        tells=(
+            Tells("error", flag="error"),
         ),
         gray=(1, variant.position_bits) if variant.ssi_gray else None,
         position="position",
@@ -53,6 +56,10 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
             Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+        ),
+        tells=(
+            Tells("error", flag="error"),
+            Tells("warning", flag="warning"),
         ),
         crc=CrcOf(
             low=0,
@@ -147,6 +154,20 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
         ),
+        tells=(
+            Tells("status_alarm", flag="status_alarm"),
+            Tells("status_error", flag="status_error"),
+            Tells("overspeed", flag="overspeed"),
+            Tells("initialization_error", flag="initialization_error"),
+            Tells("hardware_error", flag="hardware_error"),
+            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            Tells("higher_track_error", flag="higher_track_error"),
+            Tells("low_amplitude_error", flag="low_amplitude_error"),
+            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
+            Tells("temperature_alarm", flag="temperature_alarm"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
+        ),
         crc=CrcOf(
             low=48,
             width=8,
@@ -186,6 +207,12 @@ def shape_of_wide_position_reply() -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, flag="status_alarm"),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        ),
+        tells=(
+            Tells("status_alarm", flag="status_alarm"),
+            Tells("status_error", flag="status_error"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
         ),
         crc=CrcOf(
             low=64,
@@ -250,6 +277,20 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Speaks(Verdict.USABLE_WITH_WARNING, flag="temperature_alarm"),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=15),
             Speaks(Verdict.USABLE_WITH_WARNING, mask=192),
+        ),
+        tells=(
+            Tells("status_alarm", flag="status_alarm"),
+            Tells("status_error", flag="status_error"),
+            Tells("overspeed", flag="overspeed"),
+            Tells("initialization_error", flag="initialization_error"),
+            Tells("hardware_error", flag="hardware_error"),
+            Tells("encoder_inharmonious_error", flag="encoder_inharmonious_error"),
+            Tells("higher_track_error", flag="higher_track_error"),
+            Tells("low_amplitude_error", flag="low_amplitude_error"),
+            Tells("signal_strength_alarm", flag="signal_strength_alarm"),
+            Tells("temperature_alarm", flag="temperature_alarm"),
+            Tells("status_info", mask=15),
+            Tells("status_zero", mask=192),
         ),
         crc=CrcOf(
             low=64,

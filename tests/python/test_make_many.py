@@ -1,0 +1,143 @@
+"""Frames made of columns are what each of them is by itself; what one frame refuses, columns refuse with the row."""
+
+from __future__ import annotations
+
+import pickle
+import random
+from typing import Any
+
+import numpy
+import pytest
+from test_agreement import ALL, Case, Family, families, family, given
+from test_many import by_layout, numbers, one_by_one
+
+__all__ = ["families", "family"]
+pytestmark = pytest.mark.slow
+
+FRAMES = 1_000
+
+
+def sound_columns(case: Case, source: random.Random) -> tuple[list[Any], list[Any], dict[str, Any]]:
+    """Sound frames that can be encoded again: as they are sent, as objects, and as columns."""
+    wire = [case.carried(number) for number in numbers(case, max(40, FRAMES // 10), source)]
+    frames, _ = one_by_one(case, wire)
+    table = case.view.decode_many(wire, *given(case))
+    good = [place for place, frame in enumerate(frames) if frame is not None and can_be_encoded(frame)]
+    columns = {name: table[name][good] for name in table}
+    return [wire[place] for place in good], [frames[place] for place in good], columns
+
+
+def can_be_encoded(frame: Any) -> bool:
+    """Text that is no ASCII shows a mark, which is refused; so are numbers that are read though they should not be."""
+    try:
+        frame.encode()
+    except ValueError:
+        return False
+    return True
+
+
+def plain(made: Any) -> list[Any]:
+    """Frames as one frame is encoded."""
+    return [bytes(row) for row in made] if made.ndim == 2 else made.tolist()
+
+
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_columns_make_the_frames_they_come_from(family: Family) -> None:
+    source = random.Random(family.device.name)
+    for name, found in by_layout(family).items():
+        for case in found:
+            wire, _, columns = sound_columns(case, source)
+            assert wire
+            made = case.view.encode_many(columns, *given(case))
+            assert plain(made) == wire, (case.variant.code, name)
+            assert made.dtype == (numpy.uint8 if case.layout.in_bytes else numpy.uint64)
+            for join in case.layout.joins:
+                less = {key: value for key, value in columns.items() if key not in join.fields}
+                assert plain(case.view.encode_many(less, *given(case))) == wire, (name, join.name)
+
+
+@pytest.mark.parametrize("family", ALL, indirect=True)
+def test_what_one_frame_refuses_columns_refuse(family: Family) -> None:
+    source = random.Random(f"refusals {family.device.name}")
+    refused = 0
+    for found in by_layout(family).values():
+        for case in found[:6]:
+            _, frames, columns = sound_columns(case, source)
+            kept = {name: columns[name] for name in type(frames[0])._fields if name in columns}
+            for name, column in kept.items():
+                for value in values_around(column):
+                    row = source.randrange(len(frames))
+                    refused += refuses_alike(case, frames[row]._replace(**{name: value}), kept, name, row)
+    assert refused > 3
+
+
+def values_around(column: Any) -> list[Any]:
+    """Values at and beyond the bounds of what a field may have."""
+    if column.dtype.kind == "S":
+        return ["\u00e9" * column.dtype.itemsize, "x" * (column.dtype.itemsize + 1), "x" * column.dtype.itemsize]
+    if column.dtype.kind == "b":
+        return [True, False]
+    return [-1, 0, 1, 2, 3, *(base + step for base in map((1).__lshift__, range(2, 63, 3)) for step in (-1, 0, 1))]
+
+
+def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, row: int) -> bool:
+    """Whether a frame is refused; columns that have it in a row have to be, or to make what it makes."""
+    column = columns[name]
+    value = getattr(frame, name)
+    kind = numpy.asarray(value).dtype if isinstance(value, str) else numpy.int64
+    changed = column.astype(numpy.result_type(column.dtype, kind)) if column.dtype.kind != "b" else column.copy()
+    if column.dtype == numpy.uint64:
+        if value < 0:
+            return False
+        changed = column.copy()
+    changed[row] = value
+    given_columns = {**columns, name: changed}
+    try:
+        expected = frame.encode()
+    except ValueError as error:
+        alone: Any = error
+        with pytest.raises(ValueError) as caught:
+            case.view.encode_many(given_columns, *given(case))
+        found: Any = caught.value
+        assert type(alone).__name__ in {item.__name__ for item in type(found).__mro__}
+        assert (found.row, found.value) == (row, alone.value), case.layout.name
+        # A name that Python needs itself has another in columns and attributes.
+        assert found.field in (alone.field, f"{alone.field}_")
+        return True
+    assert plain(case.view.encode_many(given_columns, *given(case)))[row] == expected, (case.layout.name, name, value)
+    return False
+
+
+def test_what_is_left_out(families: dict[str, Family]) -> None:
+    """Flags and unused bits may be; a single value stands for all rows; a name that is none is a slip."""
+    amm5 = families["amm5"].module
+    encoder = amm5.lookup("AMM5A21/65KSC1")
+    words = encoder.encode_many({"position": numpy.array([89902357, 5]), "warning": True})
+    frames = [amm5.SingleCycleData.from_position(encoder, at, error=False, warning=True) for at in (89902357, 5)]
+    assert words.tolist() == [frame.encode() for frame in frames]
+    for wrong in ({"position": [1], "speed": [2]}, {"singleturn": [1]}, {"position": [1.5]}, {"position": ["1"]}):
+        with pytest.raises(TypeError):
+            encoder.encode_many(wrong)
+    with pytest.raises(ValueError, match="2 rows"):
+        encoder.encode_many({"singleturn": [1, 2], "multiturn": [1]})
+    assert encoder.encode_many({"position": numpy.zeros(0, int)}).tolist() == []
+    # What has a fault has no values, and what contradicts itself is refused.
+    with pytest.raises(ValueError, match="row 1: fault is 2"):
+        encoder.encode_many(encoder.decode_many([frames[0].encode(), frames[0].encode() ^ 1]))
+    with pytest.raises(ValueError, match="row 1: position is 7"):
+        encoder.encode_many({"position": [1, 7], "singleturn": [1, 8], "multiturn": [0, 0]})
+    serial = amm5.lookup("AMM5A23/65KJP1")
+    rows = serial.encode_many({"singleturn": [6016277], "data_id": amm5.DataId.SINGLETURN}, amm5.SingleturnReply)
+    assert rows.tobytes() == bytes.fromhex("02 00 15 CD 5B 81")
+
+
+@pytest.mark.parametrize("row", [0, 32_767, 32_768, 40_000])
+def test_the_first_wrong_row_is_named(families: dict[str, Family], row: int) -> None:
+    encoder = families["amm5"].module.lookup("AMM5A21/65KSC1")
+    position = numpy.zeros(70_000, numpy.int64)
+    position[row] = position[60_000] = 1 << 37
+    with pytest.raises(ValueError) as caught:
+        encoder.encode_many({"position": position})
+    found: Any = pickle.loads(pickle.dumps(caught.value))
+    assert (found.row, found.field, found.value) == (row, "position", 1 << 37)
+    assert str(found) == str(caught.value) == f"row {row}: position is {1 << 37}; it has to be 0 to {(1 << 37) - 1}"

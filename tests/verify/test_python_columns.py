@@ -1,0 +1,152 @@
+"""Many frames at once are what C, one frame at a time and the model make of them, a million of each layout.
+
+The first two tests are those of tests/python/test_many.py with more frames. The third takes the frames of the
+comparison of C and Python, and holds columns straight against what C answers. ``CODEWHEEL_FRAMES`` sets another number.
+"""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy
+import pytest
+from batch import Batch, Codec, member_format, stdio_entry
+from c_harness import compile_c
+from codewheel.model import Layout
+from codewheel.plan.reports import reports_of
+from codewheel.targets.python.names import CLASS_NAMES, attribute
+from frames import chunks, input_of
+from test_crosscheck import LENGTH, NO_VERDICT, Peer
+from tools import tool
+from tree import generated_tree, library, number_from_environment
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+
+import test_many as shorter
+from test_agreement import FAMILIES, MADE_UP
+from test_many import families, family
+
+__all__ = ["families", "family"]
+
+FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
+#: The model takes 0.1 ms and more for a frame; specs of tests alone have many order codes for each of their layouts.
+FRAMES_OF_THE_MODEL, FRAMES_OF_TESTS = 20_000, 100_000
+#: So many frames go through C at once.
+PIECE = 10_000
+
+
+@pytest.mark.parametrize("family", [*FAMILIES, *MADE_UP], indirect=True)
+def test_columns_are_what_each_frame_is(family: shorter.Family, monkeypatch: pytest.MonkeyPatch) -> None:
+    most = FRAMES if family.device.name in FAMILIES else FRAMES_OF_TESTS
+    monkeypatch.setattr(shorter, "FRAMES", min(most, FRAMES))
+    shorter.test_columns_are_what_each_frame_is(family)
+
+
+@pytest.mark.parametrize("family", [*FAMILIES, *MADE_UP], indirect=True)
+def test_columns_are_what_the_model_says(family: shorter.Family, monkeypatch: pytest.MonkeyPatch) -> None:
+    most = FRAMES_OF_THE_MODEL if family.device.name in FAMILIES else FRAMES_OF_THE_MODEL // 10
+    monkeypatch.setattr(shorter, "FRAMES_OF_THE_MODEL", min(most, FRAMES))
+    shorter.test_columns_are_what_the_model_says(family)
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return generated_tree(tmp_path_factory.mktemp("columns"))
+
+
+@pytest.fixture(scope="module")
+def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The C program of a family."""
+    folder, include = tmp_path_factory.mktemp("programs"), tree / "c" / "include"
+    command = [tool("gcc"), "-std=c99", "-O2"]
+    sources = {name: Batch(device).source(stdio_entry()) for name, device in library().items()}
+    return cache(lambda family: compile_c(command, sources[family], folder, include, f"{family}_columns"))
+
+
+def frames_of(batch: Batch) -> list[Codec]:
+    """What is sent, by an encoder or to it; registers are left out."""
+    layouts = {layout.name for _, layout in batch.device.layouts()}
+    return [codec for codec in batch.codecs if codec.name in layouts]
+
+
+@pytest.mark.parametrize(
+    ("family", "name"),
+    [(device.name, codec.name) for device in library().values() for codec in frames_of(Batch(device))],
+)
+def test_columns_are_what_c_says(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
+    if str(tree / "python") not in sys.path:
+        sys.path.insert(0, str(tree / "python"))
+    device = library()[family]
+    batch = Batch(device)
+    codec = next(item for item in batch.codecs if item.name == name)
+    peer = Peer(batch, codec, importlib.import_module(f"{device.manufacturer.python_package}.{family}"))
+    kinds: Counter[int] = Counter()
+    for variant, records in chunks(batch, codec, FRAMES, "columns", PIECE):
+        sent = input_of(batch, codec, [(variant, records)])
+        said = subprocess.run([str(programs(family))], input=sent, capture_output=True, check=True).stdout
+        answers = numpy.frombuffer(said, answer_of(codec))
+        extra = [*([peer.variant(device, variant)] if peer.takes_variant else []), *peer.answers(variant)]
+        table = peer.kind.decode_many(frames_in(batch, codec, records), *extra)
+        compare(batch, codec, table, answers)
+        kinds.update(dict(zip(*map(numpy.ndarray.tolist, numpy.unique(table.fault, return_counts=True)), strict=True)))
+    assert sum(kinds.values()) == FRAMES
+    # A sixth at least is sound, and lengths are wrong now and then: the comparison is not of one kind.
+    assert kinds[0] > FRAMES / 6, kinds
+    assert kinds[LENGTH] > FRAMES / 25, kinds
+
+
+def frames_in(batch: Batch, codec: Codec, records: bytes) -> Any:
+    """The frames of records: words as an array, frames of bytes in a list, as some have another length."""
+    rows = numpy.frombuffer(records, numpy.uint8).reshape(-1, batch.record)
+    if not codec.view.plan.in_bytes:
+        return rows[:, 1:9].copy().view(">u8")[:, 0]
+    data = rows[:, 1:].tobytes()
+    wide = batch.record - 1
+    return [data[at : at + size] for at, size in zip(range(0, len(data), wide), rows[:, 0].tolist(), strict=True)]
+
+
+def answer_of(codec: Codec) -> numpy.dtype[Any]:
+    """What C answers to each record, as columns."""
+    kinds = {"?": "?", "B": "u1", "H": "<u2", "I": "<u4", "Q": "<u8", "b": "i1", "h": "<i2", "i": "<i4", "q": "<i8"}
+    members = [
+        (item.name, f"S{item.characters}" if item.characters else kinds[member_format(item)]) for item in codec.members
+    ]
+    again = [("again", "u1"), ("sent", "u1", (codec.sent,)), ("verdict ", "u1"), ("reports ", "<u8")]
+    return numpy.dtype([("fault ", "u1"), *members, *again])
+
+
+def compare(batch: Batch, codec: Codec, table: Any, answers: Any) -> None:
+    assert (table.fault == answers["fault "]).all(), codec.name
+    sound = table.fault == 0
+    compared = set()
+    for name in names_of(codec.layout):
+        column = attribute(name, CLASS_NAMES)
+        member = next((item.name for item in codec.members if item.name in (name, f"{name}_")), None)
+        if column in table and member is not None:
+            assert (table[column][sound] == answers[member][sound]).all(), (codec.name, name)
+            compared |= {column}
+    assert compared == {name for name in table if name not in ("fault", "verdict")}, codec.name
+    verdict = answers["verdict "][sound]
+    if "verdict" in table:
+        assert (table.verdict[sound] == verdict).all(), codec.name
+        assert not table.verdict[~sound].any(), codec.name
+    else:
+        assert (verdict == NO_VERDICT).all()
+    reported = numpy.zeros(len(sound), numpy.uint64)
+    number = {item.name: item.number for item in reports_of(batch.device)}
+    for name, active in table.reports.items():
+        reported |= active.astype(numpy.uint64) << numpy.uint64(number[name])
+    assert (reported[sound] == answers["reports "][sound]).all(), codec.name
+
+
+def names_of(layout: Layout) -> list[str]:
+    """Everything that a frame can show."""
+    runs = [run.name for item in layout.fields for run in item.runs]
+    return [*(item.name for item in layout.fields), *runs, *(item.name for item in layout.joins), "unused"]
