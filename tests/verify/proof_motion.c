@@ -116,14 +116,3 @@ void forms_of_an_angle(void)
     __CPROVER_assert((uint16_t)@maker@_angle_q15(angle) == (uint16_t)(angle >> 16), "the same bits");
     __CPROVER_assert(@maker@_angle_millidegrees(angle) < 360000U, "less than a turn");
 }
-
-/* An angle of any number of steps: the greatest that is not past the position. Steps of a byte, of
-   which all are shown; more are too hard to multiply. */
-void angle_of_a_few_steps(void)
-{
-    const uint8_t steps = (uint8_t)nondet_number();
-    const uint16_t position = (uint16_t)nondet_number();
-    __CPROVER_assume(steps != 0U);
-    const uint64_t angle = @maker@_angle(position, steps), rest = (uint64_t)(position % steps) << 32;
-    __CPROVER_assert(angle * steps <= rest && rest < (angle + 1U) * steps, "its angle");
-}
