@@ -11,7 +11,6 @@ int32_t nondet_error(void);
 size_t nondet_size(void);
 
 #define STEPS 2U
-/* Of a step: a byte of which some bits are changed is read and written, a poll and a request go twice at most. */
 #define ACCESSES 2U
 
 static @maker@_step steps[STEPS];
@@ -27,6 +26,7 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
     for (at = 0U; at < STEPS; at++) {
         @maker@_step step;
         __CPROVER_assume(step.times <= ACCESSES);
+        __CPROVER_assume(step.address <= ACCESSES || step.address > @MAKER@_REPLY_BYTES || step.kind != @MAKER@_STEP_SEND);
         steps[at] = step;
         if (at < count && step.kind == @MAKER@_STEP_READ) {
             (*length)++;
@@ -36,64 +36,84 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
     return count;
 }
 
-/* What was asked for is done: what it reads into is there, and may hold anything after it. */
-static void accessed(const @maker@_runner *runner, @maker@_todo todo)
+/* Of a step: a byte of which some bits are changed is read and written; the others as often as they say. */
+static uint32_t most_of(const @maker@_step *step)
 {
-    size_t at;
-    if (todo == @MAKER@_TODO_WRITE) {
-        return;
-    }
-    __CPROVER_assert(runner->length == 0U || __CPROVER_w_ok(runner->data, runner->length), "there is room for it");
-    __CPROVER_assert(todo == @MAKER@_TODO_SEND || runner->length != 0U, "something is read");
-    for (at = 0U; at < @MAKER@_REPLY_BYTES; at++) {
-        if (at < runner->length) {
-            runner->data[at] = nondet_byte();
-        }
-    }
+    const bool changes = step->kind == @MAKER@_STEP_WRITE || step->kind == @MAKER@_STEP_CLOSE;
+    return (changes || step->kind == @MAKER@_STEP_POLL) ? ACCESSES : (step->kind == @MAKER@_STEP_SEND && step->times != 0U)
+        ? step->times : 1U;
 }
 
-/* Steps one after the other until the end, with waits that may last longer than they have to. */
-void a_procedure(void)
+/* How many bytes the steps from one on read. */
+static size_t reads_from(size_t first, size_t count)
+{
+    size_t at, reads = 0U;
+    for (at = 0U; at < STEPS; at++) {
+        reads += (at >= first && at < count && steps[at].kind == @MAKER@_STEP_READ) ? 1U : 0U;
+    }
+    return reads;
+}
+
+/* What holds between two calls: a step of the list or its end; after a fault one that closes; and
+   room for just the bytes that are still to be read. */
+static bool is_sound(const @maker@_runner *runner, size_t count)
+{
+    const bool well = runner->result == @MAKER@_OK;
+    return runner->steps == steps && runner->count == count && runner->at <= count && runner->begun <= count
+        && (!well || runner->bytes == &room[STEPS - reads_from(runner->at, count)])
+        && (well || runner->at == count || steps[runner->at].kind == @MAKER@_STEP_CLOSE)
+        && (well || runner->failure.step < runner->begun)
+        && (runner->at == count || runner->round < most_of(&steps[runner->at]));
+}
+
+/* One thing after the other, from any state that is sound, with an end that may be any: it is sound again, and nearer
+   to the end. So all of it is, whatever its length. */
+void a_round(void)
 {
     @maker@_runner runner;
     uint8_t *bytes;
-    size_t length, round, reads = 0U, accesses = 0U;
+    size_t length;
     const size_t count = any_steps(&bytes, &length);
-    uint32_t now = nondet_number();
-    bool failed = false, ended = false;
+    const uint32_t now = nondet_number();
     __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, now) == @MAKER@_OK, "its places fit");
+    __CPROVER_assert(is_sound(&runner, count), "it begins soundly");
     runner.poll_at_most = ACCESSES;
-    runner.poll_pause_us = nondet_number();
-    __CPROVER_assume(runner.poll_pause_us < 0x80000000U && steps[0].microseconds < 0x80000000U);
-    __CPROVER_assume(steps[1].microseconds < 0x80000000U);
-    for (round = 0U; round < 9U && !ended; round++) {
-        const @maker@_todo todo = @maker@_runner_next(&runner, now);
-        const bool before = runner.result != @MAKER@_OK;
-        if (todo == @MAKER@_TODO_END) {
-            ended = true;
-        } else if (todo == @MAKER@_TODO_WAIT) {
-            const uint32_t passed = nondet_number();
-            __CPROVER_assert(runner.wait_us != 0U, "there is something to wait for");
-            __CPROVER_assume(passed >= runner.wait_us && passed < 0x80000000U);
-            now += passed;
-        } else {
-            const int32_t error = nondet_error();
-            __CPROVER_assert(todo != @MAKER@_TODO_BUSY && runner.at < count, "a step of the list");
-            __CPROVER_assert(!before || steps[runner.at].kind == @MAKER@_STEP_CLOSE, "after a fault it only closes");
-            __CPROVER_assert(@maker@_runner_next(&runner, now) == @MAKER@_TODO_BUSY, "one thing at a time");
-            reads += (error == 0 && steps[runner.at].kind == @MAKER@_STEP_READ) ? runner.length : 0U;
-            accessed(&runner, todo);
-            @maker@_runner_done(&runner, error, now);
-            failed = failed || error != 0;
-            accesses++;
-        }
+    runner.result = (@maker@_result)(nondet_byte() % 10U);
+    runner.at = nondet_size();
+    runner.begun = nondet_size();
+    runner.failure.step = nondet_size();
+    runner.round = nondet_number();
+    runner.pause_us = nondet_number();
+    runner.held[0] = nondet_byte();
+    __CPROVER_assume(runner.at <= count);
+    runner.bytes = &room[STEPS - reads_from(runner.at, count)];
+    __CPROVER_assume(is_sound(&runner, count));
+    const @maker@_runner before = runner;
+    const @maker@_todo todo = @maker@_runner_next(&runner, now);
+    __CPROVER_assert(before.result == @MAKER@_OK || runner.result == before.result, "the first fault is kept");
+    __CPROVER_assert(is_sound(&runner, count), "it is sound while something is under way");
+    if (todo == @MAKER@_TODO_END) {
+        __CPROVER_assert(runner.at == count, "all is done");
+        __CPROVER_assert(runner.result != @MAKER@_OK || runner.bytes == &room[STEPS], "and all is read");
+        return;
     }
-    __CPROVER_assert(accesses <= STEPS * ACCESSES, "no more than the steps say");
-    __CPROVER_assert(ended, "it ends");
-    __CPROVER_assert(@maker@_runner_next(&runner, now) == @MAKER@_TODO_END, "and stays there");
-    __CPROVER_assert(!failed || runner.result != @MAKER@_OK, "no fault is lost");
-    __CPROVER_assert(runner.result == @MAKER@_OK || runner.failure.step < count, "the step that failed");
-    __CPROVER_assert(runner.result != @MAKER@_OK || reads == length, "all was read");
+    if (todo == @MAKER@_TODO_WAIT) {
+        __CPROVER_assert(runner.wait_us != 0U && runner.wait_us <= runner.pause_us, "there is something to wait for");
+        return;
+    }
+    __CPROVER_assert(todo != @MAKER@_TODO_BUSY && runner.at < count, "a step of the list");
+    __CPROVER_assert(@maker@_runner_next(&runner, now) == @MAKER@_TODO_BUSY, "one thing at a time");
+    if (todo != @MAKER@_TODO_WRITE && runner.length != 0U) {
+        __CPROVER_assert(__CPROVER_w_ok(runner.data, runner.length), "there is room for it");
+        __CPROVER_havoc_slice(runner.data, runner.length);
+    }
+    const size_t at = runner.at;
+    const uint32_t round = runner.round;
+    const int32_t error = nondet_error();
+    @maker@_runner_done(&runner, error, now);
+    __CPROVER_assert(error == 0 || runner.result != @MAKER@_OK, "no fault is lost");
+    __CPROVER_assert(runner.at > at || runner.round > round, "it is nearer to the end");
+    __CPROVER_assert(is_sound(&runner, count), "it is sound again");
 }
 
 /* Places that are none too few or too many: nothing is done at all. */
@@ -113,9 +133,11 @@ void places_that_do_not_fit(void)
 void done_too_often(void)
 {
     @maker@_runner runner;
-    __CPROVER_assume(runner.doing == @MAKER@_TODO_END);
-    const size_t at = runner.at;
-    const uint32_t from = runner.from_us, pause = runner.pause_us;
+    uint8_t *bytes;
+    size_t length;
+    const size_t count = any_steps(&bytes, &length);
+    const uint32_t now = nondet_number();
+    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, now) == @MAKER@_OK, "its places fit");
     @maker@_runner_done(&runner, nondet_error(), nondet_number());
-    __CPROVER_assert(runner.at == at && runner.from_us == from && runner.pause_us == pause, "nothing");
+    __CPROVER_assert(runner.at == 0U && runner.from_us == now && runner.result == @MAKER@_OK, "nothing");
 }
