@@ -482,3 +482,18 @@ def test_the_target_raises_nothing_else() -> None:
     assert issubclass(TargetError, ValueError)
     for path in (ROOT / "generator" / "targets").glob("c*.py"):
         assert "raise ValueError" not in path.read_text()
+
+
+#: May be dropped: the tracker keeps what it says.
+MAY_BE_LEFT = {"lika_tracker_add"}
+
+
+def test_no_result_can_be_dropped_unseen(include: Path) -> None:
+    """Each function that gives a result has the mark by which compilers warn where nobody looks at it."""
+    plain, marked = set(), set()
+    for path in include.rglob("*.h"):
+        text = without_texts(path.read_text(encoding="ascii"))
+        for found in re.finditer(r"^(LIKA_NODISCARD\n)?static inline lika_result\s+(\w+)\(", text, re.MULTILINE):
+            (marked if found[1] else plain).add(found[2])
+    assert plain == MAY_BE_LEFT
+    assert len(marked) > 100
