@@ -63,7 +63,8 @@ PARTS = (
         "receive: RS-485 byte by byte, after a refused reply too",
         ("receive",),
         "lika_rs485_line *line, uint8_t byte, uint32_t now",
-        "if (byte == 0U) { lika_rs485_resume(line); } return lika_rs485_take(line, byte) || lika_rs485_late(line, now);",
+        "if (byte == 0U) { lika_rs485_resume(line); } "
+        "return lika_rs485_take(line, byte) || lika_rs485_late(line, now);",
     ),
     Part(
         "tracker: a position",
@@ -72,9 +73,7 @@ PARTS = (
         "return (uint32_t)lika_tracker_add(axis, *position, now);",
         200,
     ),
-    Part(
-        "tracker: its speed", ("tracker",), "const lika_tracker *axis", "return (uint32_t)lika_tracker_speed(axis);"
-    ),
+    Part("tracker: its speed", ("tracker",), "const lika_tracker *axis", "return (uint32_t)lika_tracker_speed(axis);"),
     Part(
         "angle: of a power of two that is fixed",
         ("angle",),
@@ -93,9 +92,7 @@ PARTS = (
         "uint32_t angle, uint32_t offset",
         "return (uint32_t)lika_angle_q31(lika_angle_electrical(angle, 7U, offset));",
     ),
-    Part(
-        "angle: thousandths of a degree", ("angle",), "uint32_t angle", "return lika_angle_millidegrees(angle);"
-    ),
+    Part("angle: thousandths of a degree", ("angle",), "uint32_t angle", "return lika_angle_millidegrees(angle);"),
     Part(
         "runner: what to do now, and that it is over",
         ("runner",),

@@ -117,7 +117,7 @@ def test_no_version_date_or_path(include: Path, c_devices: tuple[Device, ...]) -
 def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
     readme = (include.parent / "README.md").read_text()
     code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
-    assert len(code) == 2
+    assert len(code) == 3
     main = """#include <stdio.h>
 int32_t bus_read(void *context, uint16_t address, uint8_t *bytes, size_t length)
 {
@@ -157,7 +157,7 @@ int main(void)
     return 0;
 }
 """
-    program = compile_c(["gcc", "-std=c99"], code[0] + code[1] + main, tmp_path, include)
+    program = compile_c(["gcc", "-std=c99"], code[0] + code[1] + code[2] + main, tmp_path, include)
     preset = "".join(
         f"w {line}\n"
         for line in ("40 01", "11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00", "40 00", "77 01")

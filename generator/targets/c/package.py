@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer
+from ...model import Biss, Device, Manufacturer
 from .. import has_biss
 from .comments import ascii_text
 from .crcs import CrcCode
@@ -112,6 +112,11 @@ class Guide:
     example: ExampleCode
     reads: ShownRegister | None
     runs: ShownRun | None
+
+    @property
+    def over_biss(self) -> bool:
+        """Whether its registers are reached by a master of the user's."""
+        return isinstance(self.example.interface, Biss)
 
     @property
     def member(self) -> str:
