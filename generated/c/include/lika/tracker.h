@@ -22,7 +22,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xDE86DBA1U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xBD166B11U)
 #error "lika/tracker.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -79,8 +79,8 @@ static inline void lika_tracker_start(
  * After a preset, or whatever else moves the encoder's zero: the next position is the first again,
  * and counting starts from it. What was set at the start stays, but no 0 is waited out. Untold, a
  * tracker refuses a far jump for SILENCE_US and takes a near one for a movement. Call it once the
- * encoder has taken the preset over, also where it may have half-way, drop the frame that was under way meanwhile, and let no
- * interrupt add one during the call.
+ * encoder has taken the preset over, also where it may have half-way; drop the frame that was under
+ * way meanwhile, and let no interrupt add one during the call.
  */
 static inline void lika_tracker_restart(lika_tracker *tracker, uint32_t now_us)
 {
