@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import prod
 from typing import Generic, TypeVar
 
-from ..model import Device, Interface, Measurement
+from ..model import Device, Interface, Measurement, Parameter
 from ..model.expressions import Expression
 
 T = TypeVar("T")
@@ -54,6 +55,27 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
             kinds.setdefault(found, []).append(interface.name)
     cases = tuple((found, tuple(names)) for found, names in sorted(kinds.items(), key=lambda item: len(item[1])))
     return Cases(cases, sum(map(len, kinds.values())) == len(device.interfaces))
+
+
+def also_measured(device: Device) -> frozenset[str]:
+    """The parameters that follow from others and tell, with every order code, what a measurement tells: the counts of
+    a revolution, or after how many a position starts again."""
+    derived = [item for item in device.parameters if item.equals is not None]
+    return frozenset(item.name for item in derived if _is_measured(device, item))
+
+
+def _is_measured(device: Device, parameter: Parameter) -> bool:
+    found: list[set[str]] = []
+    for variant in device.variants:
+        value, item = variant.parameters.get(parameter.name), device.measurement_of(variant.interface)
+        if value is None or item is None or not counts(item):
+            continue
+        if any(name not in variant.parameters for part in counts(item) for name in part.parameters):
+            return False
+        whole = prod(part.value(variant.parameters) for part in counts(item))
+        turn = item.steps_per_turn.value(variant.parameters) if item.steps_per_turn is not None else whole
+        found.append({place for place, told in (("turn", turn), ("whole", whole)) if told == value})
+    return bool(found) and bool(set.intersection(*found))
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:

@@ -32,6 +32,11 @@ def layout(device: Device, interface: Interface, item: Layout) -> Iterator[Said]
     yield from facts(interface, item)
     yield from needs(device, item)
     yield from told(item.note)
+    yield from errata_of(device, interface, item)
+
+
+def errata_of(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:
+    """The errata of the frame as a whole."""
     yield from map(erratum, errata(device, f"interfaces.{interface.name}.{item.name}"))
 
 

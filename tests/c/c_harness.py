@@ -248,7 +248,7 @@ class Numeric:
 
 #: The functions of positions, by the end of their names: type, and type of each argument.
 _OF_POSITIONS = {
-    "steps_per_turn": ("uint64_t",),
+    "counts_per_turn": ("uint64_t",),
     "modulus": ("uint64_t",),
     "position_difference": ("int64_t", "uint64_t", "uint64_t"),
     "turns": ("double", "uint64_t"),

@@ -40,6 +40,7 @@ FUNCTIONS = {
     "angle_highest_bit": ("uint32_t", ("uint64_t",)),
     "counts_per_second": ("int64_t", ("int64_t", "uint32_t")),
     "tracker_start": ("void", ("lika_tracker *", "uint64_t", "uint32_t", "uint32_t", "uint32_t")),
+    "tracker_restart": ("void", ("lika_tracker *", "uint32_t")),
     "tracker_add": ("int", ("lika_tracker *", "uint64_t", "uint32_t")),
     "tracker_speed": ("int64_t", ("const lika_tracker *",)),
 }

@@ -434,6 +434,9 @@ def test_small_functions_agree_with_their_expressions(family: Family) -> None:
             }
         wanted |= {name: bound for name, bound in bounds.items() if bound is not None and not bound.is_constant}
     view = DeviceView(device)
+    # AMM5's number of positions is that after which they start again; it has one function, by that name.
+    also = {"positions": "modulus"} if device.name == "amm5" else {}
+    wanted = {also.get(name, name): item for name, item in wanted.items()}
     assert set(wanted) <= {item.name.removeprefix(view.prefix + "_") for item in functions(view)}
     variants = (*device.variants, *run_time_variants(device))
     check(

@@ -170,6 +170,20 @@ def test_no_fault_lasts(motion: ctypes.CDLL) -> None:
     assert (tracker.position, tracker.refused, tracker.elapsed_us) == (4_000_000, 0, 524_288)
 
 
+def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
+    """The preset's value is believed at once, 0 too; untold, it would be refused."""
+    tracker = started(motion, 1 << 23, 1000, boot=10_000)
+    assert add(motion, tracker, 4_000_000, 0) == OK
+    assert add(motion, tracker, 0, 100) == RANGE
+    motion.tracker_restart(ctypes.byref(tracker), 200)
+    assert (tracker.known, tracker.refused, tracker.moved, tracker.elapsed_us) == (0, 0, 0, 0)
+    assert (tracker.modulus, tracker.limit) == (1 << 23, 1000 + (1000 >> 4))
+    assert add(motion, tracker, 0, 300) == OK
+    assert (tracker.known, tracker.position, tracker.at_us) == (1, 0, 300)
+    assert add(motion, tracker, (1 << 23) - 1, 20_300) == OK
+    assert (tracker.position, tracker.moved, tracker.elapsed_us) == (-1, -1, 20_000)
+
+
 def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
     """AMM5 7.4.3: while BUSY all position data are 0. The start is 100 us before the time starts again."""
     tracker = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)

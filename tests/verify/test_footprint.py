@@ -19,6 +19,7 @@ from tools import tool
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 RECORDED: dict[str, Any] = json.loads((BENCHMARKS / "footprint.json").read_text(encoding="utf-8"))
+AROUND: dict[str, Any] = json.loads((BENCHMARKS / "around.json").read_text(encoding="utf-8"))
 
 
 @pytest.fixture
@@ -34,7 +35,7 @@ def footprint(monkeypatch: pytest.MonkeyPatch) -> Any:
         pytest.skip(words)
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     yield importlib.import_module("footprint")
-    for name in ("footprint", "boards", "candidates", "host"):
+    for name in ("footprint", "around", "boards", "candidates", "host"):
         sys.modules.pop(name, None)
 
 
@@ -64,6 +65,20 @@ def test_no_byte_and_no_instruction_more_than_recorded(name: str, footprint: Any
         if pair[0] > recorded["figures"][frame][key][0] or pair[1] > recorded["figures"][frame][key][1]
     ]
     assert not more, "\n".join(more)
+
+
+@pytest.mark.parametrize("name", AROUND)
+def test_what_is_around_takes_no_byte_more_than_recorded(name: str, footprint: Any, tmp_path: Path) -> None:
+    around = importlib.import_module("around")
+    (board,) = (item for item in footprint.BOARDS if item.name == name)
+    tool(board.compiler)
+    if board.version() != AROUND[name]["compiler"]:
+        pytest.skip(f"the figures were recorded with {AROUND[name]['compiler']}, here is {board.version()}")
+    figures = around.measure(board, footprint.write_headers(tmp_path), tmp_path)
+    assert figures.keys() == AROUND[name]["bytes"].keys()
+    assert {key: size for key, size in figures.items() if size > AROUND[name]["bytes"][key]} == {}
+    bounds = {part.title: part.most for part in around.PARTS if part.most and name.startswith("cortex")}
+    assert {key: figures[key] for key, most in bounds.items() if figures[key] > most} == {}
 
 
 def test_a_wrongly_decoded_frame_is_no_figure(footprint: Any, tmp_path: Path) -> None:

@@ -145,6 +145,29 @@ def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:
     prints(tmp_path / "b" / "amm5_biss")
 
 
+def test_the_self_test_of_the_folder(folder: Path, tmp_path: Path) -> None:
+    """As a library for a program of one's own, and by ``ctest``."""
+    cmake = tool("cmake")
+    run(cmake, "-S", folder, "-B", tmp_path / "b", "-DLIKA_ENCODERS_SELFTEST=ON", cwd=tmp_path)
+    run(cmake, "--build", tmp_path / "b", cwd=tmp_path)
+    assert "100% tests passed, 0 tests failed out of 1" in run(
+        cmake, "--build", tmp_path / "b", "--target", "test", cwd=tmp_path
+    )
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "main.c").write_text(
+        '#include "selftest.h"\nint main(void) { return lika_amm5_selftest() == 0U ? 0 : 1; }\n'
+    )
+    (own / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.14)\nproject(own C)\nset(LIKA_ENCODERS_SELFTEST ON)\n"
+        f'add_subdirectory("{folder}" encoders)\nadd_executable(own main.c)\n'
+        "target_link_libraries(own PRIVATE lika::selftest)\n"
+    )
+    run(cmake, "-S", own, "-B", own / "b", cwd=own)
+    run(cmake, "--build", own / "b", cwd=own)
+    run(own / "b" / "own", cwd=own)
+
+
 @pytest.mark.parametrize("installed", [False, True])
 def test_pkg_config(installed: bool, folder: Path, user: Path, tmp_path: Path) -> None:
     where = folder

@@ -25,6 +25,7 @@ PACKAGES = {
     "cbmc": "tests/verify/get-cbmc .cbmc (and apt-get install cryptominisat)",
     "cryptominisat5": "apt-get install cryptominisat",
     "cmake": "apt-get install cmake",
+    "doxygen": "apt-get install doxygen",
     "pkg-config": "apt-get install pkg-config",
 }
 

@@ -12,12 +12,21 @@
 
 #include "lika/am36.h"
 #include "lika/receive.h"
+#include "lika/tracker.h"
 
 /* The order code from the label, AM3616/4096-I7. */
 static const lika_am36_variant encoder = LIKA_AM36_AM3616_4096_I7;
 
 /* One frame as SPI receives it: acknowledge, start, CDS, the word and the stop bit. */
 static uint8_t rx[LIKA_AM36_AM3616_4096_I7_BISS_RX_BYTES];
+
+/* Where the axis is. After a preset, lika_tracker_restart(&axis, now_us) lets it begin anew. */
+static lika_tracker axis;
+
+/* Counts in a second that your machine can reach: no frame that says more is believed. */
+#define MAX_SPEED 100000000U
+/* So many microseconds from the start on, a position of 0 may be an encoder that starts up. */
+#define BOOT_US 100000U
 
 /* -- your SPI and DMA -------------------------------------------------------------------------- */
 
@@ -28,11 +37,6 @@ static bool spi_receive(uint8_t *buffer, size_t size)
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
-static void take_position(uint64_t position, uint32_t now_us)
-{
-    printf("%lu us: %llu\n", (unsigned long)now_us, (unsigned long long)position);
-}
-
 /* To be called when DMA has filled the buffer. Nothing in it waits. */
 static void spi_dma_done(uint32_t now_us)
 {
@@ -41,17 +45,24 @@ static void spi_dma_done(uint32_t now_us)
     if (lika_biss_receive(rx, sizeof(rx), LIKA_AM36_AM3616_4096_I7_BISS_BITS, &word) == LIKA_OK
         && lika_am36_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
         && lika_am36_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
-        take_position(frame.position, now_us);
-    } else {
-        printf("%lu us: no position\n", (unsigned long)now_us);
+        lika_tracker_add(&axis, frame.position, now_us);
     }
 }
 
 int main(void)
 {
-    uint32_t now_us;
-    for (now_us = 0U; spi_receive(rx, sizeof(rx)); now_us += 100U) {
+    uint32_t now_us = 0U;
+    lika_tracker_start(&axis, lika_am36_biss_modulus(&encoder), MAX_SPEED, BOOT_US, now_us);
+    while (spi_receive(rx, sizeof(rx))) {
         spi_dma_done(now_us);
+        printf("%lu us: ", (unsigned long)now_us);
+        if (axis.known == 0U) {
+            printf("no position yet\n");
+        } else {
+            printf("%lld counts at %lu us, %lld in a second\n", (long long)axis.position,
+                (unsigned long)axis.at_us, (long long)lika_tracker_speed(&axis));
+        }
+        now_us += 100U;
     }
     return 0;
 }

@@ -109,9 +109,12 @@ def _power(exponent: int) -> str:
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
     item = struct.layout
-    joins = list(layout.joins(item))  # Their members say it.
-    about = [one for one in layout.layout(device, interface, item) if one not in joins]
-    return [*map(S.sentence, (layout.head(interface, item, Code(item.name)), *about)), *table(struct)]
+    """What the frame is and where its bits are; errata after that, which few come for."""
+    elsewhere = list(layout.joins(item))  # Their members say it.
+    errata = list(layout.errata_of(device, interface, item))
+    about = [one for one in layout.layout(device, interface, item) if one not in (*elsewhere, *errata)]
+    head = layout.head(interface, item, Code(item.name))
+    return [*map(S.sentence, (head, *about)), *table(struct), *map(S.sentence, errata)]
 
 
 def about_member(struct: Struct, item: Field) -> str:

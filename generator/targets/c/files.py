@@ -81,12 +81,13 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         ):
             raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if library.devices:
-        package = package_files(
-            library.by_manufacturer(), views, lambda template, values: _render(library, template, values)
-        )
-        tests = selftest_files(
-            library.by_manufacturer(), views, lambda template, values: _render(library, template, values)
-        )
+        makers = library.by_manufacturer()
+
+        def rendered(template: str, values: Mapping[str, object]) -> str:
+            return _render(library, template, values)
+
+        tests = selftest_files(makers, views, rendered)
+        package = package_files(makers, views, tests, rendered)
         files |= {f"c/{path}": text for path, text in (package | tests).items()}
     return files
 

@@ -89,7 +89,7 @@ _USE_H = """
     angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees angle_q15 angle_q31 angle_radians
     counts_per_second runner runner_accessed runner_advance runner_ask runner_begin runner_done runner_fail
     runner_next runner_polled runner_sent runner_start runner_write todo tracker tracker_add tracker_believed
-    tracker_shorter tracker_speed tracker_start
+    tracker_restart tracker_shorter tracker_speed tracker_start
 """
 #: The same of biss.h, after that and ``biss_``.
 _BISS_H = """

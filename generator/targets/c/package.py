@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer
+from ...model import Biss, Device, Manufacturer
 from .. import has_biss
 from .comments import ascii_text
 from .crcs import CrcCode
@@ -49,12 +49,16 @@ class Package(TypedDict):
     with_bitwise: Annotated[list[str], "the same of those with a CRC that can do without its table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
     examples: Annotated[list[str], "the names of the programs"]
+    tests: Annotated[list[str], "the C files of the self-test, by their path in the folder"]
 
 
 def package_files(
-    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]], views: Mapping[str, DeviceView], render: Render
+    makers: Sequence[tuple[Manufacturer, tuple[Device, ...]]],
+    views: Mapping[str, DeviceView],
+    tests: Iterable[str],
+    render: Render,
 ) -> dict[str, str]:
-    """The files of the package beside the headers, by their path in the C folder."""
+    """The files of the package beside headers and ``tests``, by their path in the C folder."""
     programs = [example for _, devices in makers for device in devices for example in example_codes(views[device.name])]
     shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     names = [maker.name for maker, _ in makers]
@@ -77,6 +81,7 @@ def package_files(
             default=None,
         ),
         "examples": [item.name for item in shown],
+        "tests": sorted(path for path in tests if path.endswith(".c")),
     }
     files = {path.format(package=package): render(template, values) for path, template in FILES.items()}
     for item in shown:
@@ -107,6 +112,11 @@ class Guide:
     example: ExampleCode
     reads: ShownRegister | None
     runs: ShownRun | None
+
+    @property
+    def over_biss(self) -> bool:
+        """Whether its registers are reached by a master of the user's."""
+        return isinstance(self.example.interface, Biss)
 
     @property
     def member(self) -> str:

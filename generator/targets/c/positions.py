@@ -32,7 +32,7 @@ class AnglePositions:
     def names(self) -> Iterator[str]:
         """The functions, by their ends."""
         rolling = ("modulus", "position_difference") if self.turns is not None else ()
-        yield from ("steps_per_turn", *rolling, "turns", "degrees")
+        yield from ("counts_per_turn", *rolling, "turns", "degrees")
 
     def declared(self) -> Iterator[Declared]:
         yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
@@ -78,7 +78,7 @@ def _positions(context: Context, prefix: str, over: str, measurement: Measuremen
     steps, turns, step = measurement.steps_per_turn, measurement.turns, measurement.step_um
     if steps is not None:
         about = f"Counts of one revolution{over} {where}."
-        per_turn = wide_number_of(scope, f"{prefix}_steps_per_turn", steps, about)
+        per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
         one_turn = turns == Expression(1)
         yield AnglePositions(prefix, over, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
     elif step is not None:

@@ -1,4 +1,4 @@
-"""A program that takes positions out of the raw buffers of an SPI with DMA, over BiSS."""
+"""A program that follows an axis by the raw buffers of an SPI with DMA, over BiSS."""
 
 from __future__ import annotations
 
@@ -25,6 +25,10 @@ class ReceiverCode:
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
         self.bits, self.size = (item.name for item in view.lengths[example.interface.name].macros_of(self.longest))
+        where = example.position
+        rolls = where is not None and "modulus" in where.names
+        #: After how many counts the position starts again, as a tracker takes it.
+        self.modulus = f"{where.prefix}_modulus(&encoder)" if where is not None and rolls else "0U"
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:

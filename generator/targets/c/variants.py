@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ...model import Parameter, Variant
+from ...plan.measure import also_measured
 from .about import about_order_codes, about_parameter
 from .context import Context
 from .functions import Function, number_of
@@ -29,7 +30,9 @@ class VariantCode:
     def __init__(self, context: Context) -> None:
         self.context, self.device = context, context.device
         self.parameters = self.device.set_parameters
-        self.derived: Sequence[Function] = [self._derived(item) for item in self._in_order_of_use()]
+        #: But for those that the functions of positions tell by their own names.
+        self._named = [item for item in self._in_order_of_use() if item.name not in also_measured(self.device)]
+        self.derived: Sequence[Function] = [self._derived(item) for item in self._named]
         self.rows = [self._row(item) for item in self.device.variants]
         known = set(unknown_parts(self.device))
         left_open = [part for part in self.device.order_code.parts if part.open and part.name not in known]
@@ -43,7 +46,7 @@ class VariantCode:
     def declared(self) -> Iterator[Declared]:
         for name in ("variant", "order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
-        for item in self._in_order_of_use():
+        for item in self._named:
             yield f"{self.context.prefix}_{item.name}", ("parameters", item.name)
         yield from ((row.macro, ("order_code",)) for row in self.rows)
         yield from ((item.name, ("order_code", "parts")) for item in self.unlisted)

@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -529,12 +529,12 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  * As many bits as the position has, 28 or 31, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC. In Gray code, multiturn and singleturn
  * are coded as one word.
+ *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
+ *   from bit 0 up                singleturn  singleturn_bits bits.
  * Erratum output_letters (open, wrong data): Used: BG is binary, GG is Gray.
  * Erratum ssi_bit_numbers (settled, wrong data).
  * Erratum ssi_clock_count (open, wrong limit).
  * Erratum position_order (open, omission).
- *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
- *   from bit 0 up                singleturn  singleturn_bits bits.
  */
 typedef struct lika_am36_ssi_word {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
@@ -691,11 +691,6 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * written; CRC, warning and error keep bits 5:0, 6 and 7. In Gray code (Configuration, bit 5),
  * multiturn and singleturn are coded as one word; where the number of revolutions is no power of
  * two, the step from the last position to the first then changes several bits at a time.
- * Erratum biss_singleturn_resolution (open, wrong data): Used: Widths by registers 56h and 57h,
- * with their printed defaults, whatever the order code says.
- * Erratum position_order (open, omission).
- * Erratum scd_length_at_run_time (open, omission).
- * Erratum error_and_warning_unused (open, omission).
  *   from bit used_singleturn_bits + 8 up  multiturn   used_multiturn_bits bits.
  *   from bit 8 up                         singleturn  used_singleturn_bits bits.
  *   bit 7                                 error       Error, nE: Not used, always 1; at 0 it is the
@@ -711,6 +706,11 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  *   bits 5:0                              crc         CRC: Check of the transmission, sent
  *                                                     inverted. CRC biss_6 over everything before
  *                                                     it.
+ * Erratum biss_singleturn_resolution (open, wrong data): Used: Widths by registers 56h and 57h,
+ * with their printed defaults, whatever the order code says.
+ * Erratum position_order (open, omission).
+ * Erratum scd_length_at_run_time (open, omission).
+ * Erratum error_and_warning_unused (open, omission).
  */
 typedef struct lika_am36_single_cycle_data {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
@@ -853,7 +853,7 @@ static inline uint32_t lika_am36_single_cycle_data_reports(const lika_am36_singl
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Counts of one revolution over SSI [5.2]. */
-static inline uint64_t lika_am36_ssi_steps_per_turn(const lika_am36_variant *variant)
+static inline uint64_t lika_am36_ssi_counts_per_turn(const lika_am36_variant *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
 }
@@ -861,7 +861,7 @@ static inline uint64_t lika_am36_ssi_steps_per_turn(const lika_am36_variant *var
 /** The position over SSI starts again at 0 after so many counts: those of all revolutions. */
 static inline uint64_t lika_am36_ssi_modulus(const lika_am36_variant *variant)
 {
-    return lika_am36_ssi_steps_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
+    return lika_am36_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
 }
 
 /**
@@ -877,20 +877,20 @@ static inline int64_t lika_am36_ssi_position_difference(
 /** A position over SSI in revolutions. */
 static inline double lika_am36_ssi_turns(const lika_am36_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_am36_ssi_steps_per_turn(variant);
-    return (double)position / (double)steps;
+    const uint64_t counts = lika_am36_ssi_counts_per_turn(variant);
+    return (double)position / (double)counts;
 }
 
 /** A position over SSI in degrees within its revolution, from 0 to below 360. */
 static inline double lika_am36_ssi_degrees(const lika_am36_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_am36_ssi_steps_per_turn(variant);
-    const uint64_t angle = position % steps;
-    return ((double)angle * 360.0) / (double)steps;
+    const uint64_t counts = lika_am36_ssi_counts_per_turn(variant);
+    const uint64_t angle = position % counts;
+    return ((double)angle * 360.0) / (double)counts;
 }
 
 /** Counts of one revolution over BiSS C-mode [6.5 p.27; 6.5 p.28]. */
-static inline uint64_t lika_am36_biss_steps_per_turn(const lika_am36_variant *variant)
+static inline uint64_t lika_am36_biss_counts_per_turn(const lika_am36_variant *variant)
 {
     return (uint64_t)1U << variant->used_singleturn_bits;
 }
@@ -900,7 +900,7 @@ static inline uint64_t lika_am36_biss_steps_per_turn(const lika_am36_variant *va
  */
 static inline uint64_t lika_am36_biss_modulus(const lika_am36_variant *variant)
 {
-    return lika_am36_biss_steps_per_turn(variant) * variant->used_revolutions;
+    return lika_am36_biss_counts_per_turn(variant) * variant->used_revolutions;
 }
 
 /**
@@ -916,16 +916,16 @@ static inline int64_t lika_am36_biss_position_difference(
 /** A position over BiSS C-mode in revolutions. */
 static inline double lika_am36_biss_turns(const lika_am36_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_am36_biss_steps_per_turn(variant);
-    return (double)position / (double)steps;
+    const uint64_t counts = lika_am36_biss_counts_per_turn(variant);
+    return (double)position / (double)counts;
 }
 
 /** A position over BiSS C-mode in degrees within its revolution, from 0 to below 360. */
 static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_am36_biss_steps_per_turn(variant);
-    const uint64_t angle = position % steps;
-    return ((double)angle * 360.0) / (double)steps;
+    const uint64_t counts = lika_am36_biss_counts_per_turn(variant);
+    const uint64_t angle = position % counts;
+    return ((double)angle * 360.0) / (double)counts;
 }
 
 /* -- registers --------------------------------------------------------------------------------- */

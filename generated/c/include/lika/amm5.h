@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -149,25 +149,10 @@ static inline uint32_t lika_amm5_position_bits(const lika_amm5_variant *variant)
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
 }
 
-/** Positions per revolution [Preliminary information p.7]. Unit: counts. */
-static inline uint32_t lika_amm5_counts_per_turn(const lika_amm5_variant *variant)
-{
-    return (uint32_t)((uint64_t)1U << variant->singleturn_bits);
-}
-
 /** Revolutions that are told apart [Preliminary information p.7]. Unit: revolutions. */
 static inline uint32_t lika_amm5_revolutions(const lika_amm5_variant *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
-}
-
-/**
- * Positions that are told apart over all revolutions; the manual's "max. number of information"
- * [5.2]. Unit: counts.
- */
-static inline uint64_t lika_amm5_positions(const lika_amm5_variant *variant)
-{
-    return (uint64_t)1U << lika_amm5_position_bits(variant);
 }
 
 /** An order code as printed, without what may follow it on the label. */
@@ -611,12 +596,12 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
  * In the manual: Structure of the position information.
  * As many bits as the position has, 17 to 39, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit and no CRC.
+ *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
+ *   from bit 0 up                singleturn  singleturn_bits bits.
  * Erratum ssi_output_code (settled, wrong data).
  * Erratum ssi_clock_count (open, wrong limit).
  * Erratum ssi_table_65kkg1 (settled, wrong limit).
  * Erratum position_order (open, omission).
- *   from bit singleturn_bits up  multiturn   multiturn_bits bits.
- *   from bit 0 up                singleturn  singleturn_bits bits.
  */
 typedef struct lika_amm5_ssi_word {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
@@ -785,16 +770,16 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  * In the manual: Single Cycle Data SCD.
  * Multiturn and singleturn together are what the manual calls Position (it: Posizione): 17 to 39
  * bits, most significant bit first.
- * Erratum position_order (open, omission).
- * Erratum scd_length (settled, wrong data).
- * Erratum error_bits_leds_alarms (open, omission).
- * Erratum position_under_error (open, omission).
  *   from bit singleturn_bits + 8 up  multiturn   multiturn_bits bits.
  *   from bit 8 up                    singleturn  singleturn_bits bits.
  *   bit 7                            error
  *   bit 6                            warning
  *   bits 5:0                         crc         CRC: Check of the transmission, sent inverted. CRC
  *                                                biss_6 over everything before it.
+ * Erratum position_order (open, omission).
+ * Erratum scd_length (settled, wrong data).
+ * Erratum error_bits_leds_alarms (open, omission).
+ * Erratum position_under_error (open, omission).
  */
 typedef struct lika_amm5_single_cycle_data {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
@@ -1107,9 +1092,6 @@ static inline lika_result lika_amm5_data_request_encode(
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
  * Carries data_id 6 (eeprom_write).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
- * default. A wrong one reaches twice the address or half of it, and a write destroys other data
- * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -1118,6 +1100,9 @@ static inline lika_result lika_amm5_data_request_encode(
  *   from bit mem_busy_bit + 8 up        mem_busy  1 bit. MEM BUSY: Always 0 from the master.
  *   byte 2                              data
  *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REQUEST_LENGTH 4U
 
@@ -1196,9 +1181,6 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  * In the manual: Master -> Encoder: CF ADF CRC.
  * Carries data_id D (eeprom_read).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
- * default. A wrong one reaches twice the address or half of it, and a write destroys other data
- * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -1206,6 +1188,9 @@ static inline lika_result lika_amm5_eeprom_write_request_encode(
  *   from bit eeprom_address_bit + 8 up  address   7 bits.
  *   from bit mem_busy_bit + 8 up        mem_busy  1 bit. MEM BUSY: Always 0 from the master.
  *   byte 2                              crc       CRC. CRC rs485_8 over everything before it.
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  */
 #define LIKA_AMM5_EEPROM_READ_REQUEST_LENGTH 3U
 
@@ -1281,8 +1266,6 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  * (reset_multiturn_and_errors).
  * position = (DF2 << 16) + (DF1 << 8) + DF0; bits above the resolution are 0: bit 23, bits 23:21 or
  * bits 23:17.
- * Erratum busy_and_errors_in_one_bit (open, omission).
- * Erratum crc_example_frame (settled, wrong data).
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1296,6 +1279,8 @@ static inline lika_result lika_amm5_eeprom_read_request_encode(
  *                                         warning.
  *   bytes 2 to 4      singleturn          singleturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
+ * Erratum busy_and_errors_in_one_bit (open, omission).
+ * Erratum crc_example_frame (settled, wrong data).
  */
 #define LIKA_AMM5_SINGLETURN_REPLY_LENGTH 6U
 
@@ -1434,7 +1419,6 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(const lika_amm5_single
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 CRC.
  * Carries data_id 1 (multiturn).
  * In singleturn models no bit of the three bytes is used; unused high bits are 0.
- * Erratum busy_and_errors_in_one_bit (open, omission).
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1448,6 +1432,7 @@ static inline uint32_t lika_amm5_singleturn_reply_reports(const lika_amm5_single
  *                                         warning.
  *   bytes 2 to 4      multiturn           multiturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
+ * Erratum busy_and_errors_in_one_bit (open, omission).
  */
 #define LIKA_AMM5_MULTITURN_REPLY_LENGTH 6U
 
@@ -1572,8 +1557,6 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(const lika_amm5_multitu
  * p.43].
  * In the manual: Encoder -> Master: CF SF DF0 CRC.
  * Carries data_id 2 (encoder_id).
- * Erratum encoder_id_23h (open, wrong data): Used: 23h is what the encoder ID should be; a frame
- * with another one is decoded, and the other one reported.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1587,6 +1570,8 @@ static inline uint32_t lika_amm5_multiturn_reply_reports(const lika_amm5_multitu
  *                                         warning.
  *   byte 2            encoder_id
  *   byte 3            crc                 CRC. CRC rs485_8 over everything before it.
+ * Erratum encoder_id_23h (open, wrong data): Used: 23h is what the encoder ID should be; a frame
+ * with another one is decoded, and the other one reported.
  */
 #define LIKA_AMM5_ENCODER_ID_REPLY_LENGTH 4U
 
@@ -1691,8 +1676,6 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(const lika_amm5_encode
  * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41; 7.4 p.43].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF7 CRC.
  * Carries data_id 3 (all_data).
- * Erratum encoder_id_23h (open, wrong data): Used: 23h is what the encoder ID should be; a frame
- * with another one is decoded, and the other one reported.
  *   byte 0, bits 2:0  sync                Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id             Data ID: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity              Even parity of data_id.
@@ -1719,6 +1702,8 @@ static inline uint32_t lika_amm5_encoder_id_reply_reports(const lika_amm5_encode
  *   byte 9, bit 6     mt_error
  *   byte 9, bit 7     battery_alarm
  *   byte 10           crc                 CRC. CRC rs485_8 over everything before it.
+ * Erratum encoder_id_23h (open, wrong data): Used: 23h is what the encoder ID should be; a frame
+ * with another one is decoded, and the other one reported.
  */
 #define LIKA_AMM5_COMPLETE_REPLY_LENGTH 11U
 
@@ -1937,9 +1922,6 @@ static inline uint32_t lika_amm5_complete_reply_reports(const lika_amm5_complete
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Carries data_id 6 (eeprom_write).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
- * default. A wrong one reaches twice the address or half of it, and a write destroys other data
- * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -1948,6 +1930,9 @@ static inline uint32_t lika_amm5_complete_reply_reports(const lika_amm5_complete
  *   from bit mem_busy_bit + 8 up        mem_busy  1 bit.
  *   byte 2                              data
  *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  */
 #define LIKA_AMM5_EEPROM_WRITE_REPLY_LENGTH 4U
 
@@ -2034,9 +2019,6 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
  * In the manual: Encoder -> Master: CF ADF EDF CRC.
  * Carries data_id D (eeprom_read).
  * Where its fields stand is for you to decide, eeprom_address: as_printed or as_t_format.
- * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
- * default. A wrong one reaches twice the address or half of it, and a write destroys other data
- * there: read before you write, and compare.
  *   byte 0, bits 2:0                    sync      Start of a frame, binary 010. Always 2.
  *   byte 0, bits 6:3                    data_id   Data ID: What the request asks for; a reply
  *                                                 repeats it.
@@ -2045,6 +2027,9 @@ static inline uint32_t lika_amm5_eeprom_write_reply_reports(
  *   from bit mem_busy_bit + 8 up        mem_busy  1 bit.
  *   byte 2                              data
  *   byte 3                              crc       CRC. CRC rs485_8 over everything before it.
+ * Erratum mem_busy_position (open, wrong data): Used: Either, by a decision of the user that has no
+ * default. A wrong one reaches twice the address or half of it, and a write destroys other data
+ * there: read before you write, and compare.
  */
 #define LIKA_AMM5_EEPROM_READ_REPLY_LENGTH 4U
 
@@ -2254,7 +2239,7 @@ static inline lika_result lika_amm5_rs485_reply_frame(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Counts of one revolution [Preliminary information p.7]. */
-static inline uint64_t lika_amm5_steps_per_turn(const lika_amm5_variant *variant)
+static inline uint64_t lika_amm5_counts_per_turn(const lika_amm5_variant *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
 }
@@ -2262,7 +2247,7 @@ static inline uint64_t lika_amm5_steps_per_turn(const lika_amm5_variant *variant
 /** The position starts again at 0 after so many counts: those of all revolutions. */
 static inline uint64_t lika_amm5_modulus(const lika_amm5_variant *variant)
 {
-    return lika_amm5_steps_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
+    return lika_amm5_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
 }
 
 /**
@@ -2278,16 +2263,16 @@ static inline int64_t lika_amm5_position_difference(
 /** A position in revolutions. */
 static inline double lika_amm5_turns(const lika_amm5_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_amm5_steps_per_turn(variant);
-    return (double)position / (double)steps;
+    const uint64_t counts = lika_amm5_counts_per_turn(variant);
+    return (double)position / (double)counts;
 }
 
 /** A position in degrees within its revolution, from 0 to below 360. */
 static inline double lika_amm5_degrees(const lika_amm5_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_amm5_steps_per_turn(variant);
-    const uint64_t angle = position % steps;
-    return ((double)angle * 360.0) / (double)steps;
+    const uint64_t counts = lika_amm5_counts_per_turn(variant);
+    const uint64_t angle = position % counts;
+    return ((double)angle * 360.0) / (double)counts;
 }
 
 /* -- registers --------------------------------------------------------------------------------- */

@@ -8,7 +8,7 @@
  * itself, so that angles are added, subtracted and multiplied without a thought to the end of a
  * turn. Everything else follows from it, and float only where you ask for it.
  *
- *     const uint32_t angle = lika_angle(frame.position, steps_per_turn);
+ *     const uint32_t angle = lika_angle(frame.position, counts_per_turn);
  *     const uint32_t rotor = lika_angle_electrical(angle, pole_pairs, offset);
  *     const int32_t park = lika_angle_q31(rotor);
  */
@@ -17,7 +17,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/angle.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -55,7 +55,7 @@ static inline uint32_t lika_angle_highest_bit(uint64_t number)
 
 /**
  * The angle of a position within its turn, rounded down. Turns before it are left out. Steps: the
- * counts of one turn, the function _steps_per_turn() of the encoder's header; for a linear motor,
+ * counts of one turn, the function _counts_per_turn() of the encoder's header; for a linear motor,
  * the counts of one magnetic period. Below 2^63; 0 steps give 0.
  *
  * A power of two takes a shift; with a constant number of steps nothing else is left in the

@@ -50,7 +50,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/asc85.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -129,15 +129,6 @@ typedef struct lika_asc85_variant {
 #define LIKA_ASC85_25_GG2 { 25U, 1U }
 #define LIKA_ASC85_25_SC1 { 25U, 0U }
 #define LIKA_ASC85_25_SC2 { 25U, 0U }
-
-/**
- * Positions per revolution; the manual's "max. number of information" and "cpr" [Preliminary
- * information p.7; 5.2 p.16]. Unit: counts.
- */
-static inline uint32_t lika_asc85_counts_per_turn(const lika_asc85_variant *variant)
-{
-    return (uint32_t)((uint64_t)1U << variant->position_bits);
-}
 
 /** An order code as printed, without what may follow it on the label. */
 typedef struct lika_asc85_order_code {
@@ -484,10 +475,10 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  * As many bits as the position has, 20 to 25, the most significant first. Further clocks bring
  * zeros after the word. No error or warning bit, no CRC, and not the constant 0 bit of the BiSS
  * frame.
+ *   from bit 0 up  position  position_bits bits.
  * Erratum ssi_code_letters (open, wrong data): Used: BG is binary, GG is Gray.
  * Erratum ssi_clock_count (open, wrong limit).
  * Erratum ssi_bit_numbers (settled, wrong data).
- *   from bit 0 up  position  position_bits bits.
  */
 typedef struct lika_asc85_ssi_word {
     uint32_t position; /**< Position within one revolution. Unit: counts. */
@@ -615,18 +606,18 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
  * In the manual: Single Cycle Data SCD.
  * position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads
  * a bit less, without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
- * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
- * and error bit.
- * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
- * of position_bits + 9 bits.
- * Erratum warning_sources (open, omission).
- * Erratum position_under_error (open, omission).
  *   from bit 9 up  position  position_bits bits.
  *   bit 8          zero      0: Always 0, between position and error bit.
  *   bit 7          error
  *   bit 6          warning
  *   bits 5:0       crc       CRC: Check of the transmission, sent inverted. CRC biss_6 over
  *                            everything before it.
+ * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
+ * and error bit.
+ * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
+ * of position_bits + 9 bits.
+ * Erratum warning_sources (open, omission).
+ * Erratum position_under_error (open, omission).
  */
 typedef struct lika_asc85_single_cycle_data {
     /** Position: Position within one revolution, most significant bit first. Unit: counts. */
@@ -740,7 +731,7 @@ static inline uint32_t lika_asc85_single_cycle_data_reports(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Counts of one revolution [Preliminary information p.7]. */
-static inline uint64_t lika_asc85_steps_per_turn(const lika_asc85_variant *variant)
+static inline uint64_t lika_asc85_counts_per_turn(const lika_asc85_variant *variant)
 {
     return (uint64_t)1U << variant->position_bits;
 }
@@ -748,7 +739,7 @@ static inline uint64_t lika_asc85_steps_per_turn(const lika_asc85_variant *varia
 /** The position starts again at 0 after so many counts: those of one revolution. */
 static inline uint64_t lika_asc85_modulus(const lika_asc85_variant *variant)
 {
-    return lika_asc85_steps_per_turn(variant);
+    return lika_asc85_counts_per_turn(variant);
 }
 
 /**
@@ -764,16 +755,16 @@ static inline int64_t lika_asc85_position_difference(
 /** A position in revolutions. */
 static inline double lika_asc85_turns(const lika_asc85_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_asc85_steps_per_turn(variant);
-    return (double)position / (double)steps;
+    const uint64_t counts = lika_asc85_counts_per_turn(variant);
+    return (double)position / (double)counts;
 }
 
 /** A position in degrees within its revolution, from 0 to below 360. */
 static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint64_t position)
 {
-    const uint64_t steps = lika_asc85_steps_per_turn(variant);
-    const uint64_t angle = position % steps;
-    return ((double)angle * 360.0) / (double)steps;
+    const uint64_t counts = lika_asc85_counts_per_turn(variant);
+    const uint64_t angle = position % counts;
+    return ((double)angle * 360.0) / (double)counts;
 }
 
 /* -- registers --------------------------------------------------------------------------------- */

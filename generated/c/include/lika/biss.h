@@ -48,7 +48,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/biss.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -396,7 +396,10 @@ static inline lika_result lika_biss_master_write(
     return result;
 }
 
-/** Gives an access up: zeros follow. */
+/**
+ * Gives an access up: zeros follow. To be called where a frame had no CDS, as the slave may have
+ * gone on by a bit that the master has not seen; begin the access again then.
+ */
 static inline void lika_biss_master_abort(lika_biss_master *master)
 {
     if (master->outcome == LIKA_BISS_RUNNING) {

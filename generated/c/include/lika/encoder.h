@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0x7EA4B158U
+#define LIKA_GENERATION 0xF8ED5D18U
 
 #ifdef __cplusplus
 extern "C" {
@@ -217,6 +217,7 @@ typedef struct lika_failure {
 } lika_failure;
 
 /** Tells what failed, and gives the result back. */
+LIKA_NODISCARD
 static inline lika_result lika_failed(
     lika_result result, lika_step_kind call, uint16_t address, int32_t error,
     lika_failure *failure)
@@ -233,6 +234,7 @@ static inline lika_result lika_failed(
 }
 
 /** Tells in which of several steps it failed, and gives the result back. */
+LIKA_NODISCARD
 static inline lika_result lika_failed_at(
     lika_result result, size_t step, lika_failure *failure)
 {

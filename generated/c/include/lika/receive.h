@@ -27,7 +27,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -211,7 +211,7 @@ static inline lika_result lika_ssi_receive(
 /**
  * Whether two positions, decoded from words that were read one right after the other, agree: they
  * differ by at_most counts, in either direction, at most. It is the only check that a word without
- * a CRC can have; it does not see what is wrong both times. Modulus is the family's _positions(),
+ * a CRC can have; it does not see what is wrong both times. Modulus is the family's _modulus(),
  * or 0 where the position does not start again.
  *   RANGE   a position is not below the modulus
  *   REPEAT  they do not agree: read again

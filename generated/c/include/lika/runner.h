@@ -31,7 +31,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/runner.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -164,12 +164,12 @@ static inline lika_todo lika_runner_begin(lika_runner *runner)
     case LIKA_STEP_POLL:
         return lika_runner_ask(runner, LIKA_TODO_READ, step->address, runner->held, 1U);
     case LIKA_STEP_SEND:
-        if (step->address > LIKA_REPLY_BYTES) {
-            lika_runner_fail(runner, LIKA_FAULT_RANGE, LIKA_STEP_SEND, 0);
-            return LIKA_TODO_END;
-        }
         if (step->times == 0U) {
             lika_runner_advance(runner, 1U);
+            return LIKA_TODO_END;
+        }
+        if (step->address > LIKA_REPLY_BYTES) {
+            lika_runner_fail(runner, LIKA_FAULT_RANGE, LIKA_STEP_SEND, 0);
             return LIKA_TODO_END;
         }
         runner->byte = step->value;

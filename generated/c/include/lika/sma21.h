@@ -52,7 +52,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -698,11 +698,11 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
  * 21, 23, 24, 25 or 26 bits, position and error bit, the most significant first. Further clocks
  * bring zeros after the word. No warning bit and no CRC. Bit 0 is the error bit; the LSB of the
  * position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
+ *   from bit 1 up  position  position_bits bits.
+ *   bit 0          error
  * Erratum ssi_clock_count (open, wrong limit).
  * Erratum gray_scope (open, omission).
  * Erratum position_under_error (open, omission).
- *   from bit 1 up  position  position_bits bits.
- *   bit 0          error
  */
 typedef struct lika_sma21_ssi_word {
     uint32_t position; /* Position in counts; times the resolution it is a length. Unit: counts. */
@@ -855,14 +855,6 @@ static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *fr
  * register Configuration) it takes the whole field. Output code Gray: zeros above a number stay
  * zeros in Gray code, so that it does not matter whether they are taken in; that error and warning
  * bit are not taken in is assumed.
- * Erratum gray_scope (open, omission).
- * Erratum scd_length (settled, wrong data).
- * Erratum offset_in_the_padding (open, wrong data): Used: 6.4 while an offset is selected in the
- * register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros
- * above the position, and a frame with another bit there is refused.
- * Erratum position_below_zero (open, omission).
- * Erratum warning_level (open, omission).
- * Erratum position_under_error (open, omission).
  *   from bit scd_value_bits + 8 up  padding   position_bits + scd_padding_bits - scd_value_bits
  *                                             bits. Zeros above the position, part of the manual's
  *                                             Posizione; none while an offset is selected. Always
@@ -872,6 +864,14 @@ static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *fr
  *   bit 6                           warning
  *   bits 5:0                        crc       CRC: Check of the transmission, sent inverted. CRC
  *                                             biss_6 over everything before it.
+ * Erratum gray_scope (open, omission).
+ * Erratum scd_length (settled, wrong data).
+ * Erratum offset_in_the_padding (open, wrong data): Used: 6.4 while an offset is selected in the
+ * register Configuration: the position takes the whole field of 24 or 25 bits. Otherwise 6.2: zeros
+ * above the position, and a frame with another bit there is refused.
+ * Erratum position_below_zero (open, omission).
+ * Erratum warning_level (open, omission).
+ * Erratum position_under_error (open, omission).
  */
 typedef struct lika_sma21_single_cycle_data {
     /** Posizione: Position in counts; times the resolution it is a length. Unit: counts. */
@@ -1119,10 +1119,6 @@ static inline lika_result lika_sma21_data_request_encode(
  * Carries data_id 4 (position), B (reset_errors) or F (reset_position).
  * position = (DF2 << 16) + (DF1 << 8) + DF0, always binary; bits above the resolution are 0: bit
  * 23, bits 23:22 or bits 23:20.
- * Erratum position_below_zero (open, omission).
- * Erratum abs_range_24 (settled, wrong limit).
- * Erratum rs485_position_width (open, omission).
- * Erratum position_sending_order (settled, wrong data).
  *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity                      cc4. Even parity of data_id.
@@ -1145,6 +1141,10 @@ static inline lika_result lika_sma21_data_request_encode(
  *   byte 5, bit 6     signal_strength_alarm
  *   byte 5, bit 7     temperature_alarm
  *   byte 6            crc                         CRC. CRC rs485_8 over everything before it.
+ * Erratum position_below_zero (open, omission).
+ * Erratum abs_range_24 (settled, wrong limit).
+ * Erratum rs485_position_width (open, omission).
+ * Erratum position_sending_order (settled, wrong data).
  */
 #define LIKA_SMA21_POSITION_REPLY_LENGTH 7U
 
@@ -1335,12 +1335,6 @@ static inline uint32_t lika_sma21_position_reply_reports(const lika_sma21_positi
  * Carries data_id 5 (wide_position).
  * Always binary, negative values as two's complement. No error code; the status field alone tells
  * of errors.
- * Erratum position_below_zero (open, omission).
- * Erratum abs_range_48 (settled, wrong limit).
- * Erratum wide_position_sign (open, omission).
- * Erratum data_id_5_example_status (open, wrong data): Used: dd0 to dd3 are unused and 0, as 7.3.2
- * has it; a reply that has them otherwise is decoded, and reports them.
- * Erratum position_sending_order (settled, wrong data).
  *   byte 0, bits 2:0  sync          SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id       cc0 ... cc3: What the request asks for; a reply repeats it.
  *   byte 0, bit 7     parity        cc4. Even parity of data_id.
@@ -1354,6 +1348,12 @@ static inline uint32_t lika_sma21_position_reply_reports(const lika_sma21_positi
  *                                   warning.
  *   bytes 2 to 7      position
  *   byte 8            crc           CRC. CRC rs485_8 over everything before it.
+ * Erratum position_below_zero (open, omission).
+ * Erratum abs_range_48 (settled, wrong limit).
+ * Erratum wide_position_sign (open, omission).
+ * Erratum data_id_5_example_status (open, wrong data): Used: dd0 to dd3 are unused and 0, as 7.3.2
+ * has it; a reply that has them otherwise is decoded, and reports them.
+ * Erratum position_sending_order (settled, wrong data).
  */
 #define LIKA_SMA21_WIDE_POSITION_REPLY_LENGTH 9U
 
@@ -1483,9 +1483,6 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
  * p.39].
  * In the manual: Encoder -> Master: CF SF DF0 ... DF5 CRC.
  * Carries data_id A (identification).
- * Erratum abs_range_24 (settled, wrong limit).
- * Erratum rs485_position_width (open, omission).
- * Erratum position_sending_order (settled, wrong data).
  *   byte 0, bits 2:0  sync                        SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id                     cc0 ... cc3: What the request asks for; a reply
  *                                                 repeats it.
@@ -1512,6 +1509,9 @@ static inline uint32_t lika_sma21_wide_position_reply_reports(
  *   byte 7, bit 6     signal_strength_alarm
  *   byte 7, bit 7     temperature_alarm
  *   byte 8            crc                         CRC. CRC rs485_8 over everything before it.
+ * Erratum abs_range_24 (settled, wrong limit).
+ * Erratum rs485_position_width (open, omission).
+ * Erratum position_sending_order (settled, wrong data).
  */
 #define LIKA_SMA21_IDENTIFICATION_REPLY_LENGTH 9U
 

@@ -8,6 +8,7 @@
  *
  *     lika_tracker_start(&axis, modulus, max_speed, boot_us, now_us);   before the first frame
  *     lika_tracker_add(&axis, frame.position, now_us);                  each sound and usable frame
+ *     lika_tracker_restart(&axis, now_us);                              after each preset
  *
  * After that axis.position is the position of the last frame that was believed, in counts; it goes
  * on past the place where the encoder starts again at 0. It is valid where axis.known is 1.
@@ -21,7 +22,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7EA4B158U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
 #error "lika/tracker.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -47,7 +48,7 @@ typedef struct lika_tracker {
 #define LIKA_TRACKER_SILENCE_US 524288U
 
 /**
- * Before the first frame, and after each preset or change of the resolution.
+ * Before the first frame, and after a change of the resolution or of what the axis can reach.
  *   modulus    the encoder starts again at 0 after so many counts: the function _modulus() of its
  *              header; it need not be a power of two. 0 where the position never starts again
  *   max_speed  counts in a second that the axis can reach: from the machine, not from the encoder.
@@ -72,6 +73,23 @@ static inline void lika_tracker_start(
     tracker->position = 0;
     tracker->moved = 0;
     tracker->modulus = modulus;
+}
+
+/**
+ * After a preset, or whatever else moves the encoder's zero: the next position is the first again,
+ * and counting starts from it. What was set at the start stays, but no 0 is waited out. Untold, a
+ * tracker refuses a far jump for SILENCE_US and takes a near one for a movement. Call it once the
+ * encoder has taken the preset over, also where it may have half-way; drop the frame that was under
+ * way meanwhile, and let no interrupt add one during the call.
+ */
+static inline void lika_tracker_restart(lika_tracker *tracker, uint32_t now_us)
+{
+    tracker->known = 0U;
+    tracker->at_us = now_us;
+    tracker->boot_us = 0U;
+    tracker->refused = 0U;
+    tracker->elapsed_us = 0U;
+    tracker->moved = 0;
 }
 
 /**

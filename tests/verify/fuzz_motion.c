@@ -1,0 +1,116 @@
+/*
+ * What libFuzzer calls for the headers of motion: positions and times of any kind, and an axis that
+ * moves within its limit, of which no count may be lost; all functions on angles with any number.
+ */
+#include "@maker@/angle.h"
+#include "@maker@/tracker.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint8_t *input;
+static size_t left;
+
+static uint64_t take(size_t count)
+{
+    uint64_t value = 0U;
+    while (count > 0U && left > 0U) {
+        value = (value << 8U) | *input++;
+        left--;
+        count--;
+    }
+    return value;
+}
+
+static void require(bool holds, const char *what)
+{
+    if (!holds) {
+        fprintf(stderr, "%s\n", what);
+        abort();
+    }
+}
+
+/* Whatever is sent: a frame that is refused changes nothing but its count. */
+static void anything(void)
+{
+    @maker@_tracker axis;
+    uint32_t now = (uint32_t)take(4U);
+    const uint64_t modulus = take((take(1U) & 1U) * 7U);
+    @maker@_tracker_start(&axis, modulus, (uint32_t)take(4U), (uint32_t)take(2U), now);
+    while (left > 0U) {
+        @maker@_tracker before = axis;
+        const uint64_t position = take(7U);
+        now += (uint32_t)take(3U);
+        if ((take(1U) & 31U) == 0U) {
+            @maker@_tracker_restart(&axis, now);
+            require(axis.known == 0U && axis.modulus == modulus && axis.limit == before.limit, "a restart that forgets too much");
+            require(@maker@_tracker_add(&axis, position, now) == @MAKER@_OK && axis.position == (int64_t)position, "the first");
+        } else if (@maker@_tracker_add(&axis, position, now) == @MAKER@_OK) {
+            require(axis.known == 1U && axis.refused == 0U && axis.raw == position && axis.at_us == now, "not taken in");
+        } else {
+            before.refused++;
+            require(memcmp(&before, &axis, sizeof(axis)) == 0, "a refusal that changes something");
+        }
+        (void)@maker@_tracker_speed(&axis);
+    }
+}
+
+/* An axis within its limit, now and then a frame that is far from it. */
+static void followed(void)
+{
+    @maker@_tracker axis;
+    const int64_t modulus = 1000000 + (int64_t)take(4U);
+    const int64_t start = (int64_t)(take(4U) % (uint64_t)modulus);
+    int64_t shaft = start;
+    uint32_t now = (uint32_t)take(4U);
+    @maker@_tracker_start(&axis, (uint64_t)modulus, 1000000U, 0U, now);
+    require(@maker@_tracker_add(&axis, (uint64_t)start, now) == @MAKER@_OK, "the first");
+    while (left > 0U) {
+        const uint32_t passed = (uint32_t)take(2U);
+        const int64_t moved = ((int64_t)(take(3U) % (2U * (uint64_t)passed + 1U))) - (int64_t)passed;
+        const uint32_t what = (uint32_t)take(1U);
+        now += passed;
+        shaft += moved;
+        if (what < 32U) {
+            /* Lost, and the next one comes soon: what is in reach grows with the time. */
+            const int64_t sent = (shaft + (modulus / 2)) % modulus;
+            require(@maker@_tracker_add(&axis, (uint64_t)((sent < 0) ? sent + modulus : sent), now) == @MAKER@_FAULT_RANGE, "half a turn");
+        }
+        require(@maker@_tracker_add(&axis, (uint64_t)(((shaft % modulus) + modulus) % modulus), now) == @MAKER@_OK, "one in reach");
+        require(axis.position == shaft, "a count that is lost");
+    }
+}
+
+static void angles(void)
+{
+    const uint64_t position = take(8U);
+    const uint64_t steps = take(8U) >> 1U;
+    const uint32_t angle = @maker@_angle(position, steps);
+    const float degrees = @maker@_angle_degrees(angle);
+    const float radians = @maker@_angle_radians(angle);
+    require(degrees >= 0.0F && degrees < 360.0F && radians >= -3.1415929F && radians < 3.1415929F, "past a turn");
+    require(@maker@_angle_electrical(angle, 1U, angle) == 0U, "an offset that is not taken off");
+    require(@maker@_angle_millidegrees(angle) < 360000U, "past a turn");
+    require((uint32_t)@maker@_angle_q31(angle) == angle && (uint16_t)@maker@_angle_q15(angle) == (uint16_t)(angle >> 16U), "other bits");
+    (void)@maker@_counts_per_second((int64_t)take(5U) - INT64_C(0x8000000000), (uint32_t)take(4U));
+    (void)@maker@_counts_per_second((int64_t)position, (uint32_t)steps);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    input = data;
+    left = size;
+    switch (take(1U) % 3U) {
+    case 0U:
+        anything();
+        break;
+    case 1U:
+        followed();
+        break;
+    default:
+        angles();
+        break;
+    }
+    return 0;
+}

@@ -1,0 +1,202 @@
+/*
+ * What libFuzzer calls for the header of procedures without waiting: any steps, carried out by the
+ * function that waits and by the runner, against an encoder that answers both with the same bytes
+ * and errors. Both have to do the same, in the same order, and to say the same.
+ */
+#include "@maker@/runner.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint8_t *input;
+static size_t left;
+
+static uint64_t take(size_t count)
+{
+    uint64_t value = 0U;
+    while (count > 0U && left > 0U) {
+        value = (value << 8U) | *input++;
+        left--;
+        count--;
+    }
+    return value;
+}
+
+static void require(bool holds, const char *what)
+{
+    if (!holds) {
+        fprintf(stderr, "%s\n", what);
+        abort();
+    }
+}
+
+#define STEPS 6U
+#define LOG 4096U
+
+/* What was asked for, as numbers; a wait is the sum of those that follow each other. */
+typedef struct record {
+    uint64_t told[LOG];
+    size_t count;
+    const uint8_t *script;
+    size_t left;
+} record;
+
+static void tell(record *to, uint64_t what)
+{
+    require(to->count < LOG, "a procedure that does not end");
+    to->told[to->count] = what;
+    to->count++;
+}
+
+static uint8_t scripted(record *from)
+{
+    if (from->left == 0U) {
+        return 0U;
+    }
+    from->left--;
+    return *from->script++;
+}
+
+static int32_t ends(record *from)
+{
+    const uint8_t byte = scripted(from);
+    return (byte < 0xF0U) ? 0 : (int32_t)byte;
+}
+
+static int32_t on_read(void *context, uint16_t address, uint8_t *bytes, size_t length)
+{
+    size_t at;
+    tell(context, ((uint64_t)1U << 60U) | ((uint64_t)address << 16U) | length);
+    for (at = 0U; at < length; at++) {
+        bytes[at] = scripted(context);
+    }
+    return ends(context);
+}
+
+static int32_t on_write(void *context, uint16_t address, const uint8_t *bytes, size_t length)
+{
+    require(length == 1U, "procedures write byte by byte");
+    tell(context, ((uint64_t)2U << 60U) | ((uint64_t)address << 16U) | bytes[0]);
+    return ends(context);
+}
+
+static int32_t on_wait(void *context, uint32_t microseconds)
+{
+    record *const to = context;
+    if (microseconds == 0U) {
+        return 0;
+    }
+    if (to->count != 0U && (to->told[to->count - 1U] >> 60U) == 3U) {
+        to->told[to->count - 1U] += microseconds;
+        return 0;
+    }
+    tell(to, ((uint64_t)3U << 60U) | microseconds);
+    return 0;
+}
+
+static int32_t on_send(void *context, uint8_t request, uint8_t *reply, size_t length)
+{
+    size_t at;
+    tell(context, ((uint64_t)4U << 60U) | ((uint64_t)request << 16U) | length);
+    for (at = 0U; at < length; at++) {
+        /* Often a sound reply: the request, and its exclusive-or. */
+        const uint8_t byte = scripted(context);
+        reply[at] = (byte < 0xC0U) ? ((at == 0U || at + 1U == length) ? request : 0U) : byte;
+    }
+    return ends(context);
+}
+
+static @maker@_result waiting_for_nothing(
+    record *to, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
+    uint32_t at_most, uint32_t pause, @maker@_failure *failure)
+{
+    @maker@_runner runner;
+    uint32_t now = 0xFFFFF000U;
+    @maker@_todo todo;
+    if (@maker@_runner_start(&runner, steps, count, bytes, length, now) != @MAKER@_OK) {
+        require(@maker@_runner_next(&runner, now) == @MAKER@_TODO_END, "a start that failed goes on");
+        return runner.result;
+    }
+    runner.poll_at_most = at_most;
+    runner.poll_pause_us = pause;
+    while ((todo = @maker@_runner_next(&runner, now)) != @MAKER@_TODO_END) {
+        int32_t error = 0;
+        if (todo == @MAKER@_TODO_WAIT) {
+            (void)on_wait(to, runner.wait_us);
+            now += runner.wait_us;
+            continue;
+        }
+        require(@maker@_runner_next(&runner, now) == @MAKER@_TODO_BUSY, "two things at a time");
+        if (todo == @MAKER@_TODO_READ) {
+            error = on_read(to, runner.address, runner.data, runner.length);
+        } else if (todo == @MAKER@_TODO_WRITE) {
+            error = on_write(to, runner.address, &runner.byte, 1U);
+        } else {
+            error = on_send(to, runner.byte, runner.data, runner.length);
+        }
+        @maker@_runner_done(&runner, error, now);
+    }
+    *failure = runner.failure;
+    return runner.result;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static record waited;
+    static record stepped;
+    @maker@_step steps[STEPS];
+    @maker@_failure first = { 0U, @MAKER@_STEP_WAIT, @MAKER@_STEP_WAIT, 0U, 0, false };
+    @maker@_failure second = first;
+    @maker@_result results[2];
+    uint8_t *bytes[2];
+    size_t count;
+    size_t length;
+    size_t at;
+    input = data;
+    left = size;
+    count = (size_t)(take(1U) % (STEPS + 1U));
+    for (at = 0U; at < count; at++) {
+        const uint8_t kind = (uint8_t)take(1U);
+        steps[at].kind = (@maker@_step_kind)(1U + (kind % 6U));
+        steps[at].address = (uint16_t)(take(1U) % 24U);
+        steps[at].mask = (uint8_t)take(1U);
+        steps[at].value = (uint8_t)(take(1U) & ((steps[at].kind == @MAKER@_STEP_POLL) ? steps[at].mask : 0xFFU));
+        steps[at].times = (uint16_t)(take(1U) % 4U);
+        steps[at].microseconds = (uint32_t)take(2U);
+    }
+    length = @maker@_run_reads(steps, count) + (((take(1U) & 15U) == 0U) ? 1U : 0U);
+    waited.script = input;
+    waited.left = left;
+    waited.count = 0U;
+    stepped = waited;
+    for (at = 0U; at < 2U; at++) {
+        bytes[at] = calloc(length + (length == 0U), 1U);
+    }
+    {
+        const uint32_t pause = (uint32_t)size * 3U;
+        const @maker@_transport bus = { &waited, on_read, on_write, on_wait, on_send, 3U, pause };
+        results[0] = @maker@_run(&bus, steps, count, bytes[0], length, &first);
+        results[1] = waiting_for_nothing(&stepped, steps, count, bytes[1], length, 3U, pause, &second);
+    }
+    require(results[0] == results[1], "another result");
+    /* The one that waits also does so after the last access. */
+    while (waited.count != 0U && (waited.told[waited.count - 1U] >> 60U) == 3U) {
+        waited.count--;
+    }
+    while (stepped.count != 0U && (stepped.told[stepped.count - 1U] >> 60U) == 3U) {
+        stepped.count--;
+    }
+    require(waited.count == stepped.count, "more of one than of the other");
+    require(memcmp(waited.told, stepped.told, waited.count * sizeof(waited.told[0])) == 0, "another access");
+    if (results[0] == @MAKER@_OK) {
+        require(memcmp(bytes[0], bytes[1], length) == 0, "other bytes are read");
+    } else if (results[0] != @MAKER@_FAULT_LENGTH) {
+        require(first.step == second.step && first.kind == second.kind && first.call == second.call
+            && first.address == second.address && first.error == second.error && first.left_open == second.left_open,
+            "another failure");
+    }
+    free(bytes[0]);
+    free(bytes[1]);
+    return 0;
+}

@@ -1,0 +1,143 @@
+/*
+ * What is claimed of runner.h, for any two steps, of no kind too, and whatever becomes of what it
+ * asks for. That it does what lika_run() does is shown by the fuzzer and by the tests of procedures,
+ * which all go through both.
+ */
+#include "@maker@/runner.h"
+
+uint32_t nondet_number(void);
+uint8_t nondet_byte(void);
+int32_t nondet_error(void);
+size_t nondet_size(void);
+
+#define STEPS 2U
+#define ACCESSES 2U
+
+static @maker@_step steps[STEPS];
+static uint8_t room[STEPS];
+
+/* The list, and the places for what it reads at the very end of their memory. */
+static size_t any_steps(uint8_t **bytes, size_t *length)
+{
+    const size_t count = nondet_size();
+    size_t at;
+    __CPROVER_assume(count <= STEPS);
+    *length = 0U;
+    for (at = 0U; at < STEPS; at++) {
+        @maker@_step step;
+        __CPROVER_assume(step.times <= ACCESSES);
+        __CPROVER_assume(step.address <= ACCESSES || step.address > @MAKER@_REPLY_BYTES || step.kind != @MAKER@_STEP_SEND);
+        steps[at] = step;
+        if (at < count && step.kind == @MAKER@_STEP_READ) {
+            (*length)++;
+        }
+    }
+    *bytes = &room[STEPS - *length];
+    return count;
+}
+
+/* Of a step: a byte of which some bits are changed is read and written; the others as often as they say. */
+static uint32_t most_of(const @maker@_step *step)
+{
+    const bool changes = step->kind == @MAKER@_STEP_WRITE || step->kind == @MAKER@_STEP_CLOSE;
+    return (changes || step->kind == @MAKER@_STEP_POLL) ? ACCESSES : (step->kind == @MAKER@_STEP_SEND && step->times != 0U)
+        ? step->times : 1U;
+}
+
+/* How many bytes the steps from one on read. */
+static size_t reads_from(size_t first, size_t count)
+{
+    size_t at, reads = 0U;
+    for (at = 0U; at < STEPS; at++) {
+        reads += (at >= first && at < count && steps[at].kind == @MAKER@_STEP_READ) ? 1U : 0U;
+    }
+    return reads;
+}
+
+/* What holds between two calls: a step of the list or its end; after a fault one that closes; and
+   room for just the bytes that are still to be read. */
+static bool is_sound(const @maker@_runner *runner, size_t count)
+{
+    const bool well = runner->result == @MAKER@_OK;
+    return runner->steps == steps && runner->count == count && runner->at <= count && runner->begun <= count
+        && (!well || runner->bytes == &room[STEPS - reads_from(runner->at, count)])
+        && (well || runner->at == count || steps[runner->at].kind == @MAKER@_STEP_CLOSE)
+        && (well || runner->failure.step < runner->begun)
+        && (runner->at == count || runner->round < most_of(&steps[runner->at]));
+}
+
+/* One thing after the other, from any state that is sound, with an end that may be any: it is sound again, and nearer
+   to the end. So all of it is, whatever its length. */
+void a_round(void)
+{
+    @maker@_runner runner;
+    uint8_t *bytes;
+    size_t length;
+    const size_t count = any_steps(&bytes, &length);
+    const uint32_t now = nondet_number();
+    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, now) == @MAKER@_OK, "its places fit");
+    __CPROVER_assert(is_sound(&runner, count), "it begins soundly");
+    runner.poll_at_most = ACCESSES;
+    runner.result = (@maker@_result)(nondet_byte() % 10U);
+    runner.at = nondet_size();
+    runner.begun = nondet_size();
+    runner.failure.step = nondet_size();
+    runner.round = nondet_number();
+    runner.pause_us = nondet_number();
+    runner.held[0] = nondet_byte();
+    __CPROVER_assume(runner.at <= count);
+    runner.bytes = &room[STEPS - reads_from(runner.at, count)];
+    __CPROVER_assume(is_sound(&runner, count));
+    const @maker@_runner before = runner;
+    const @maker@_todo todo = @maker@_runner_next(&runner, now);
+    __CPROVER_assert(before.result == @MAKER@_OK || runner.result == before.result, "the first fault is kept");
+    __CPROVER_assert(is_sound(&runner, count), "it is sound while something is under way");
+    if (todo == @MAKER@_TODO_END) {
+        __CPROVER_assert(runner.at == count, "all is done");
+        __CPROVER_assert(runner.result != @MAKER@_OK || runner.bytes == &room[STEPS], "and all is read");
+        return;
+    }
+    if (todo == @MAKER@_TODO_WAIT) {
+        __CPROVER_assert(runner.wait_us != 0U && runner.wait_us <= runner.pause_us, "there is something to wait for");
+        return;
+    }
+    __CPROVER_assert(todo != @MAKER@_TODO_BUSY && runner.at < count, "a step of the list");
+    __CPROVER_assert(@maker@_runner_next(&runner, now) == @MAKER@_TODO_BUSY, "one thing at a time");
+    if (todo != @MAKER@_TODO_WRITE && runner.length != 0U) {
+        __CPROVER_assert(__CPROVER_w_ok(runner.data, runner.length), "there is room for it");
+        __CPROVER_havoc_slice(runner.data, runner.length);
+    }
+    const size_t at = runner.at;
+    const uint32_t round = runner.round;
+    const int32_t error = nondet_error();
+    @maker@_runner_done(&runner, error, now);
+    __CPROVER_assert(error == 0 || runner.result != @MAKER@_OK, "no fault is lost");
+    __CPROVER_assert(runner.at > at || runner.round > round, "it is nearer to the end");
+    __CPROVER_assert(is_sound(&runner, count), "it is sound again");
+}
+
+/* Places that are none too few or too many: nothing is done at all. */
+void places_that_do_not_fit(void)
+{
+    @maker@_runner runner;
+    uint8_t *bytes;
+    size_t length;
+    const size_t count = any_steps(&bytes, &length);
+    const size_t other = nondet_size();
+    __CPROVER_assume(other != length);
+    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, other, 0U) == @MAKER@_FAULT_LENGTH, "is told");
+    __CPROVER_assert(@maker@_runner_next(&runner, nondet_number()) == @MAKER@_TODO_END, "and it is over");
+}
+
+/* Told of an end that nobody waits for, it does nothing. */
+void done_too_often(void)
+{
+    @maker@_runner runner;
+    uint8_t *bytes;
+    size_t length;
+    const size_t count = any_steps(&bytes, &length);
+    const uint32_t now = nondet_number();
+    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, now) == @MAKER@_OK, "its places fit");
+    @maker@_runner_done(&runner, nondet_error(), nondet_number());
+    __CPROVER_assert(runner.at == 0U && runner.from_us == now && runner.result == @MAKER@_OK, "nothing");
+}

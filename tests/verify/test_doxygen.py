@@ -1,0 +1,54 @@
+"""Doxygen makes pages of the headers without a warning: whoever reads them in an editor gets the same comments."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+from claims import planted
+from tools import tool
+from tree import generated_tree
+
+#: Names that say all have no comment, by the house's style, so that everything is taken in (EXTRACT_ALL); what is then
+#: left are comments that Doxygen takes otherwise than they are meant.
+SETTINGS = """\
+INPUT = "{include}"
+OUTPUT_DIRECTORY = "{output}"
+RECURSIVE = YES
+EXTRACT_ALL = YES
+EXTRACT_STATIC = YES
+OPTIMIZE_OUTPUT_FOR_C = YES
+ENABLE_PREPROCESSING = YES
+MACRO_EXPANSION = YES
+EXPAND_ONLY_PREDEF = YES
+PREDEFINED = LIKA_NODISCARD=
+JAVADOC_AUTOBRIEF = YES
+WARN_NO_PARAMDOC = NO
+GENERATE_LATEX = NO
+HAVE_DOT = NO
+QUIET = YES
+"""
+
+
+def warnings(include: Path, folder: Path) -> list[str]:
+    """What Doxygen says against these headers."""
+    program = tool("doxygen")
+    folder.mkdir()
+    (folder / "Doxyfile").write_text(SETTINGS.format(include=include, output=folder / "out"), encoding="utf-8")
+    done = subprocess.run([program, "Doxyfile"], cwd=folder, capture_output=True, text=True, timeout=500)
+    assert done.returncode == 0, done.stderr
+    assert (folder / "out" / "html" / "receive_8h.html").is_file()
+    return done.stderr.splitlines()
+
+
+def test_doxygen_has_no_warning(tmp_path: Path) -> None:
+    include = generated_tree(tmp_path) / "c" / "include"
+    assert warnings(include, tmp_path / "doxygen") == []
+
+
+def test_a_warning_would_be_seen(tmp_path: Path) -> None:
+    include = generated_tree(tmp_path) / "c" / "include"
+    made = tmp_path / "broken"
+    made.mkdir()
+    broken = planted(include, "receive.h", "0 or 1; place 0 was received first.", "\\nothing_of_the_kind", made)
+    assert any("nothing_of_the_kind" in line for line in warnings(broken, tmp_path / "doxygen"))

@@ -1,0 +1,41 @@
+"""``runner.h``: claims proved for any steps and whatever becomes of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from c_harness import devices_of, write
+from claims import claims_of, planted, verdict
+
+HARNESS = Path(__file__).with_name("proof_runner.c")
+#: Steps, and one more; twice that for those that a call goes on by.
+ROUNDS = 4
+
+
+@pytest.fixture(scope="module")
+def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("runner"), devices_of())
+
+
+@pytest.mark.parametrize("claim", claims_of(HARNESS))
+def test_whatever_becomes_of_it(claim: str, include: Path, tmp_path: Path) -> None:
+    proved, words = verdict(HARNESS, claim, include, tmp_path, ROUNDS)
+    assert proved, words
+
+
+@pytest.mark.parametrize(
+    ("claim", "sound", "instead"),
+    [
+        ("a_round", "lika_runner_advance(runner, runner->length);", "lika_runner_advance(runner, 1U);"),
+        ("a_round", "!lika_step_closes(", "lika_step_closes("),
+        ("a_round", "runner->doing = todo;", ""),
+        ("a_round", "runner->bytes = &runner->bytes[runner->length];", "runner->bytes = &runner->bytes[2];"),
+        ("places_that_do_not_fit", "fits ? count : 0U,", "count,"),
+        ("done_too_often", "if (did == LIKA_TODO_END) {", "if (did == LIKA_TODO_BUSY) {"),
+    ],
+)
+def test_what_is_planted_is_found(claim: str, sound: str, instead: str, include: Path, tmp_path: Path) -> None:
+    proved, words = verdict(HARNESS, claim, planted(include, "runner.h", sound, instead, tmp_path), tmp_path, ROUNDS)
+    assert not proved
+    assert "REFUTED" in words, words
