@@ -53,7 +53,7 @@ _THINGS = (
     ("answer", "an answer to what the manual leaves open", "BBBD", "+++D", "BBBD", "the same bits"),
     ("control-field", "a field of the control frame", "BBBD", "+++D", "BBBD", "the same bits"),
     ("connector", "a connector or cable", "DBBD", "D++D", "DBBD", "the same contacts"),
-    ("measurement", "what the position counts", "BBBD", "+++D", "BBBD", ""),
+    ("measurement", "what the position counts", "BBBD", "B++D", "BBBD", ""),
     ("input", "a hardware input", "DBBD", "D++D", "DBBD", "the same effect"),
 )
 
@@ -152,6 +152,8 @@ def _all() -> Iterator[Rule]:
         why = "Callers have to say what they take it to be." if thing == "decision" else _NEW
         if thing in ("field", "joined"):
             why = "Who makes such a frame or register has one more value to give; who reads it has one more to see."
+        if thing == "measurement":
+            why = "In C, a quantity that it counts goes by what it is there, such as the counts of a turn."
         yield Rule(f"{thing}-new", _impacts(new), f"{what} is new", why)
         if same:
             yield Rule(f"{thing}-renamed", _impacts(renamed), f"{what} has another name, known by {same}", _RENAMED)

@@ -26,7 +26,7 @@ FRAMES = 6_000
 def parts_of(family: Family) -> tuple[Any, Any]:
     """The modules of a package that make the helper and use it."""
     package = family.module.__name__.rpartition(".")[0]
-    return tuple(importlib.import_module(f"{package}.{name}") for name in ("build_helper", "_helper"))  # type: ignore[return-value]
+    return importlib.import_module(f"{package}.build_helper"), importlib.import_module(f"{package}._helper")
 
 
 def needs_a_compiler() -> None:
