@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import math
 import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..spec.problems import suggestion
+from .terminal import Stop
 
 _WIDTH = 79
 #: What one can type, by command, on the spec that ``new`` writes.
@@ -72,6 +74,35 @@ def a_path(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("the path is empty; write . for this folder")
     return Path(text)
+
+
+def metres(text: str) -> int:
+    """A length of cable: a whole number of metres, or what is rounded up to one."""
+    try:
+        length = math.ceil(float(text))
+    except (ValueError, OverflowError):
+        length = 0
+    if not 0 < length <= 100_000:
+        raise argparse.ArgumentTypeError(f"'{text}' is no length in metres, such as 30")
+    return length
+
+
+def held_bytes(pairs: Sequence[str]) -> dict[int, int]:
+    """``0x56=0x10`` and the like as bytes by address.
+
+    Raises:
+        Stop: A pair is none; exit code 2.
+    """
+    held = {}
+    for pair in pairs:
+        address, equals, value = pair.partition("=")
+        try:
+            held[int(address, 0)] = int(value, 0)
+        except ValueError:
+            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2) from None
+        if not equals or not 0 <= int(value, 0) <= 255:
+            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2)
+    return held
 
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -20,7 +19,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from . import look_up
-from .arguments import Parser, ShowVersion, a_path, add_examples, parse
+from .arguments import Parser, ShowVersion, a_path, add_examples, held_bytes, metres, parse
 from .diff import add_diff, add_explain
 from .diff import run as run_diff
 from .terminal import Stop, prepare, release
@@ -219,11 +218,7 @@ def _add_decode(commands: _Commands) -> None:
         help="answer a question that the manual leaves open, as show lists them; may be repeated (else: frames that "
         "depend on it are not decoded)",
     )
-    parser.add_argument(
-        "--edition",
-        metavar="EDITION",
-        help="by another edition of the manual: a revision, a date, or what tells it, 'label' or 'registers'",
-    )
+    _add_edition_option(parser)
     parser.add_argument(
         "--layout",
         metavar="NAME",
@@ -255,7 +250,8 @@ def _add_master(commands: _Commands) -> None:
         help="descriptions of masters of your own, files or folders",
     )
     _add_register_option(parser)
-    parser.add_argument("--cable", type=_metres, metavar="METRES", help="choose the clocks for a cable of this length")
+    _add_edition_option(parser)
+    parser.add_argument("--cable", type=metres, metavar="METRES", help="choose the clocks for a cable of this length")
     _add_spec_option(parser)
     parser.set_defaults(run=_master)
 
@@ -278,17 +274,6 @@ def _add_new(commands: _Commands) -> None:
     parser.set_defaults(run=_new)
 
 
-def _metres(text: str) -> int:
-    """A length of cable: a whole number of metres, or what is rounded up to one."""
-    try:
-        metres = math.ceil(float(text))
-    except (ValueError, OverflowError):
-        metres = 0
-    if not 0 < metres <= 100_000:
-        raise argparse.ArgumentTypeError(f"'{text}' is no length in metres, such as 30")
-    return metres
-
-
 def _add_specs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS)
     parser.add_argument(
@@ -303,6 +288,14 @@ def _add_register_option(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="ADDRESS=BYTE",
         help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)",
+    )
+
+
+def _add_edition_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--edition",
+        metavar="EDITION",
+        help="by another edition of the manual: a revision, a date, or what tells it, 'label' or 'registers'",
     )
 
 
@@ -414,58 +407,15 @@ def _new(chosen: argparse.Namespace) -> int:
     return 0
 
 
-def _held(pairs: Sequence[str]) -> dict[int, int]:
-    """``0x56=0x10`` and the like as bytes by address.
-
-    Raises:
-        Stop: A pair is none; exit code 2.
-    """
-    held = {}
-    for pair in pairs:
-        address, equals, value = pair.partition("=")
-        try:
-            held[int(address, 0)] = int(value, 0)
-        except ValueError:
-            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2) from None
-        if not equals or not 0 <= int(value, 0) <= 255:
-            raise Stop(f"'{pair}' is no register and byte; write them as in 0x56=0x10", 2)
-    return held
-
-
 def _master(chosen: argparse.Namespace) -> int:
-    from ..masters import sheet, text
-    from ..masters.record import NoRecord, record
-    from ..reference.run_time import RegisterError, with_registers
-    from ..spec.problems import suggestion
+    from .master import run
 
-    look_up.refuse_missing(chosen.masters)
-    known, report = sheet.load_masters(chosen.masters)
-    if report:
-        raise look_up.problems(report)
-    if chosen.order_code is None:
-        if chosen.json:
-            _print_json(text.masters_data(known))
-        else:
-            print(text.masters_text(known))
-        return 0
-    names = [item.name for item in known]
-    if chosen.master is not None and chosen.master not in names:
-        hint = suggestion(chosen.master, names) or "; codewheel master lists them"
-        raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
-    device, match = look_up.order_code(chosen.specs, chosen.order_code)
-    try:
-        variant = with_registers(device, match.variant, _held(chosen.register))
-        found = record(device, variant, not chosen.register, chosen.cable)
-    except RegisterError as error:
-        raise Stop(str(error), 2) from None
-    except NoRecord as error:
-        raise Stop(str(error), 1) from None
-    sheets = [sheet.sheet(item, found) for item in known if chosen.master in (None, item.name)]
-    if chosen.json:
-        _print_json(text.sheet_data(match, found, sheets))
+    code, data = run(chosen)
+    if isinstance(data, str):
+        print(data)
     else:
-        print(text.sheet_text(match, device.title, found, sheets))
-    return 1 if chosen.master is not None and sheets[0].refusals else 0
+        _print_json(data)
+    return code
 
 
 def _decode(chosen: argparse.Namespace) -> int:
@@ -475,7 +425,7 @@ def _decode(chosen: argparse.Namespace) -> int:
     from .decode_run import Decoding, Request, frames
 
     device, found = look_up.order_code(chosen.specs, chosen.order_code)
-    match, held = found, _held(chosen.register)
+    match, held = found, held_bytes(chosen.register)
     if chosen.edition is not None:
         from .editions import asked_for
 

@@ -6,9 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ..model import INTERFACES, Biss
+from ..model import INTERFACES, Biss, Device
 from ..reference.order_codes import Match
 from ..say.lines import WIDTH, pairs, wrapped
+from ..say.origin import origin
+from ..say.text import BY_NAME
 from ..say.words import counted, hertz, microseconds, volts
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
@@ -127,13 +129,14 @@ def _shown(setting: Setting) -> str:
     return f"{bound(setting)}{setting.text}{mark(setting)}"
 
 
-def sheet_text(match: Match, title: str, record: Record, sheets: Sequence[Sheet]) -> str:
+def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
     """The record, and for each master its settings or why there are none, at most 80 columns wide."""
-    lines = [wrapped(f"{match.variant.code}: {title}", WIDTH, "  ", "")]
+    lines = [wrapped(f"{match.variant.code}: {device.title}", WIDTH, "  ", "")]
     if match.written_as_in:
         lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
     if match.unlisted:
         lines.append(wrapped(f"not listed in the manual, taken as any other: {', '.join(match.unlisted)}", WIDTH, "  "))
+    lines += [wrapped(BY_NAME.sentence(item), WIDTH, "  ") for item in origin(device)]
     if match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
     lines += pairs(facts(record), 2)

@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from shutil import copytree, ignore_patterns
+from shutil import copytree
 
 import pytest
 
@@ -44,9 +44,7 @@ def environment(folder: Path) -> dict[str, str]:
 def prepared(folder: Path) -> tuple[Path, dict[str, str]]:
     """The repository in which the page begins."""
     variables, work = environment(folder), folder / "work"
-    # How a second reading follows is told in how-to-transcribe.md.
-    ours = ignore_patterns("*.second.yaml", "*.coverage.json")
-    copytree(ROOT / "docs" / "example" / "tolvarn", work / "specs" / "tolvarn", ignore=ours)
+    copytree(ROOT / "docs" / "example" / "tolvarn", work / "specs" / "tolvarn")
     begin = "git init -q && codewheel generate specs/tolvarn && git add . && git commit -q -m first && git tag v0.1.0"
     subprocess.run(begin, shell=True, check=True, capture_output=True, cwd=work, env=variables)
     return work, variables

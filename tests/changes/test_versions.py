@@ -170,6 +170,14 @@ def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     )
 
 
+def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
+    devices, _ = load_library([specs(tmp_path / "specs")])
+    page = generate_docs(Library(devices))["docs/demo-changes.md"]
+    told = "No release is recorded yet: up to version 1.4.2, none is known to have changed anything of this family.\n"
+    assert page.endswith(f"left out here.\n\n{told}")
+    assert "\n## " not in page
+
+
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"releases": [{"version": 2}]}', '{"releases": [1]}'])
 def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
     folder = specs(tmp_path / "specs")

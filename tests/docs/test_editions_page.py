@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import subprocess
@@ -224,6 +225,39 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
     assert f"As edition {revision}" in said or not revision
 
 
+def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> None:
+    """Pages 21 to 24, 29 and 30 of AM36's 1.1, which are public, say nothing of the supply: 1.0 does (10 V to 30 V)."""
+    asked = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
+    assert main(asked) == 0
+    newest = capsys.readouterr().out
+    assert "As edition" not in newest
+    assert re.search(r"Supply +10 V to 30 V", newest)
+    for edition in ("1.1", "label"):
+        assert main([*asked, "--edition", edition]) == 0
+        said = capsys.readouterr().out
+        assert "As edition 1.1 of the manual had it" in said, edition
+        assert re.search(r"Supply +the manual does not say", said), edition
+        assert main([*asked, "--edition", edition, "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["family"] == "am36_1_1"
+    # The serial number as an AMM5 of before 1.7 may hold it: these registers tell the edition, and nothing else.
+    told = ["master", "AMM5A21/65KSC1", "--edition", "registers"]
+    assert main([*told, *held("EE 69 E8 0A")]) == 0
+    assert "As edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("edition", ["2.0", "2018-01-01", "label", "registers", "1.0", "nonsense"])
+def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """RS-485, SSI and AMM5B came after 1.0 (Document release), so that it has no such order code."""
+    asked = ["AMM5B21/65KBG1", "--edition", edition]
+    refused = []
+    for command in ("show", "master"):
+        assert main([command, *asked]) == 2
+        out, error = capsys.readouterr()
+        assert out == ""
+        refused.append(error)
+    assert refused[0] == refused[1]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -257,6 +291,7 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
                 "--register 0x46=0x.. --register 0x47=0x.."
             ),
         ),
+        (["master", "--edition", "1.0"], "--edition needs an order code: an edition is one of a family's manual"),
         (
             ["generate", "--edition", "amm6=1.0"],
             "'amm6=1.0' is no family and edition; write it as in am36=1.0 (am36, amm5, asc85, sma21)",

@@ -1,0 +1,51 @@
+"""``codewheel master``: what a BiSS or SSI master is told about an order code."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any
+
+from ..masters import sheet, text
+from ..masters.record import NoRecord, record
+from ..reference.run_time import RegisterError, with_registers
+from ..spec.problems import suggestion
+from . import look_up
+from .arguments import held_bytes
+from .editions import asked_for
+from .terminal import Stop
+
+
+def run(chosen: argparse.Namespace) -> tuple[int, str | Mapping[str, Any]]:
+    """The exit code, and what is printed: text, or data if JSON was asked for.
+
+    Raises:
+        Stop: There is no such master, order code or edition, or nothing that a master could be told of it.
+    """
+    look_up.refuse_missing(chosen.masters)
+    known, report = sheet.load_masters(chosen.masters)
+    if report:
+        raise look_up.problems(report)
+    if chosen.order_code is None:
+        if chosen.edition is not None:
+            raise Stop("--edition needs an order code: an edition is one of a family's manual", 2)
+        return 0, text.masters_data(known) if chosen.json else text.masters_text(known)
+    names = [item.name for item in known]
+    if chosen.master is not None and chosen.master not in names:
+        hint = suggestion(chosen.master, names) or "; codewheel master lists them"
+        raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
+    device, found = look_up.order_code(chosen.specs, chosen.order_code)
+    match, held = found, held_bytes(chosen.register)
+    if chosen.edition is not None:
+        device, again, held = asked_for(chosen.specs, device, found, chosen.edition, chosen.order_code, held)
+        match = again or found
+    try:
+        variant = with_registers(device, match.variant, held)
+        told = record(device, variant, not held, chosen.cable)
+    except RegisterError as error:
+        raise Stop(str(error), 2) from None
+    except NoRecord as error:
+        raise Stop(str(error), 1) from None
+    sheets = [sheet.sheet(item, told) for item in known if chosen.master in (None, item.name)]
+    code = 1 if chosen.master is not None and sheets[0].refusals else 0
+    return code, text.sheet_data(match, told, sheets) if chosen.json else text.sheet_text(device, match, told, sheets)
