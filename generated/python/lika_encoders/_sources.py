@@ -15,7 +15,7 @@ from os import fspath
 from pathlib import PurePath
 from typing import Any, BinaryIO, Final, Literal, NamedTuple, cast
 
-from ._many import Shape
+from ._shape import Shape
 
 np: Any = import_module("numpy")
 

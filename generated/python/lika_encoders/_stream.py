@@ -14,8 +14,9 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeVar, cast, get_type_hints
 
 from ._encoder import Encoder
-from ._many import Shape, decode_many
+from ._many import decode_many
 from ._reports import Verdict
+from ._shape import Shape
 from ._sinks import SINKS, Sink, TargetKind, arrow_columns, pandas_columns, target_kind
 from ._sources import (
     DigitKind,
