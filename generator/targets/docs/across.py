@@ -97,7 +97,7 @@ def _compared(device: Device) -> Iterator[Row]:
 def _frames(device: Device) -> Iterator[Row]:
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
-            lengths = sorted({layout.place(item.parameters).bits for item in _variants(device, interface)})
+            lengths = sorted({layout.place(item.parameters).bits for item in _variants(device, interface)}) or [0]
             crc = device.crc_of(layout)
             yield (
                 interface.title,
