@@ -24,9 +24,15 @@ SCREEN = 40
 # The first screen
 
 
+#: Modules that belong to no family.
+SHARED = {"biss", "build_helper"}
+
+
 def modules(files: Mapping[str, str]) -> dict[str, str]:
     found = re.compile(r"python/lika_encoders/([a-z]\w+)\.py")
-    return {match[1]: text for path, text in files.items() if (match := found.fullmatch(path)) and match[1] != "biss"}
+    return {
+        match[1]: text for path, text in files.items() if (match := found.fullmatch(path)) and match[1] not in SHARED
+    }
 
 
 def names_in(text: str) -> set[str]:

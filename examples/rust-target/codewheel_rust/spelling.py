@@ -74,7 +74,7 @@ def byte_of(piece: Piece) -> str:
 def taken(pieces: Iterable[Piece]) -> str:
     """What the bits of these pieces of ``bytes`` are together."""
     parts = ((f"u64::from({byte_of(piece)})", piece.left) for piece in pieces)
-    return " | ".join(f"({part} << {left})" if left else part for part, left in parts)
+    return " | ".join(f"({part} << {left})" if left else part for part, left in parts) or "0_u64"
 
 
 def put_byte(piece: Piece, raw: str) -> str:

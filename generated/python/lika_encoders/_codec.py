@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, T
 from ._reports import Family
 
 #: What this package was made of: its version and the modules that all families share. A family's module compares it.
-GENERATION: Final[str] = "CB95E19D"
+GENERATION: Final[str] = "C196E720"
 
 #: A frame or register made of bytes. Any buffer of single bytes will do, such as one row of an array.
 Data = Union[bytes, bytearray, memoryview]

@@ -61,6 +61,8 @@ def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
 
 def _given(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
     """The columns that are needed as arrays of one length; a single value stands for all rows."""
+    if not hasattr(columns, "keys"):
+        raise TypeError(f"columns are names with numbers, not {type(columns).__name__}")
     needed = {name: item for item in shape.columns for name in names_of(item)}
     joined = {join.name: [name for name, _ in join.fields] for join in shape.joins}
     by_join = {name for join, names in joined.items() if join in columns for name in names}

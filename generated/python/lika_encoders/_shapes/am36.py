@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from .._codec import GENERATION as _GENERATION
 
-if _GENERATION != "CB95E19D":
+if _GENERATION != "C196E720":
     raise ImportError(
         "lika_encoders/_shapes/am36.py 0.1.0 and "
         "lika_encoders/_codec.py are of two generations; take all from one folder"
