@@ -64,21 +64,9 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             if field.width != Expression(1):
                 site.report("width-mismatch", f"'{field.name}' is a parity bit; it takes {bits} bits")
         case Choice():
-            # Where the width is a plain number, the rules on the text have looked already.
-            for item in kind.values if not field.width.is_constant else ():
-                if item.value >> bits:
-                    wrong = f"the value '{item.name}' = {item.value:#x} does not fit into {bits} bits"
-                    site.report("value-too-wide", wrong)
-            if all(item.value for item in kind.values):
-                _check_absent(field, "none of its values is 0; give it one", site)
+            _check_choice(field, kind, site)
         case Constant() | Unused():
-            narrowest = min((field.width.value(parameters) for parameters in site.sets), default=0)
-            if not field.width.is_constant and kind.value >> narrowest and narrowest:
-                word = "unused" if isinstance(kind, Unused) else "constant"
-                wrong = f"'{word}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
-                site.report("value-too-wide", wrong)
-            if isinstance(kind, Constant) and kind.value:
-                _check_absent(field, f"'constant' is {kind.value:#x}; make it 0, or its width a plain number", site)
+            _check_fixed(field, kind, site)
         case Decimal():
             if kind.limit > 1 << bits:
                 site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {bits} bits")
@@ -89,6 +77,26 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             _check_crc(layout, field, kind, site)
         case _:
             assert_never(kind)
+
+
+def _check_choice(field: Field, kind: Choice, site: Site) -> None:
+    # Where the width is a plain number, the rules on the text have looked already.
+    for item in kind.values if not field.width.is_constant else ():
+        if item.value >> field.widest:
+            wrong = f"the value '{item.name}' = {item.value:#x} does not fit into {field.widest} bits"
+            site.report("value-too-wide", wrong)
+    if all(item.value for item in kind.values):
+        _check_absent(field, "none of its values is 0; give it one", site)
+
+
+def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
+    narrowest = min((field.width.value(parameters) for parameters in site.sets), default=0)
+    if not field.width.is_constant and kind.value >> narrowest and narrowest:
+        word = "unused" if isinstance(kind, Unused) else "constant"
+        wrong = f"'{word}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
+        site.report("value-too-wide", wrong)
+    if isinstance(kind, Constant) and kind.value:
+        _check_absent(field, f"'constant' is {kind.value:#x}; make it 0, or its width a plain number", site)
 
 
 def _check_absent(field: Field, why: str, site: Site) -> None:
