@@ -1,11 +1,9 @@
-"""Versions: what follows from changes, what is recorded; headers and modules of two generations, which do not mix."""
+"""Versions: what follows from changes, what is recorded, and headers of two generations, which do not compile."""
 
 from __future__ import annotations
 
 import json
-import re
 import subprocess
-import sys
 from pathlib import Path
 from shutil import copytree
 
@@ -18,7 +16,6 @@ from codewheel.targets import Library
 from codewheel.targets.c.files import TARGET
 from codewheel.targets.c.generation import generation
 from codewheel.targets.docs.files import generate as generate_docs
-from codewheel.targets.python.files import generate as generate_python
 from pair import BASE
 
 NONE, WORDS, NEW, OTHER, BROKEN = Impact
@@ -179,57 +176,6 @@ def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
     told = "No release is recorded yet: up to version 1.4.2, none is known to have changed anything of this family.\n"
     assert page.endswith(f"left out here.\n\n{told}")
     assert "\n## " not in page
-
-
-def modules(folder: Path, *edits: tuple[str, str]) -> dict[str, str]:
-    devices, report = load_library([specs(folder, *edits)])
-    assert not report.problems
-    return {name.removeprefix("python/"): text for name, text in generate_python(Library(devices)).items()}
-
-
-def imported(folder: Path, texts: dict[str, str], name: str) -> str:
-    """The last line that Python says when the module is imported; empty if it is."""
-    for file, text in texts.items():
-        (folder / file).parent.mkdir(parents=True, exist_ok=True)
-        (folder / file).write_text(text, encoding="utf-8")
-    command = [sys.executable, "-B", "-c", f"import {name}"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    return (done.stderr.splitlines() or [""])[-1]
-
-
-def stated(texts: dict[str, str]) -> str:
-    found = re.search(r'^GENERATION: Final\[str\] = "([0-9A-F]{8})"$', texts["maker_encoders/_codec.py"], re.MULTILINE)
-    assert found
-    return found[1]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mixed", ["demo.py", "facts/demo.py", "_shapes/demo.py"])
-def test_modules_of_two_generations(tmp_path: Path, mixed: str) -> None:
-    """One module of a family from another generation is refused when it is imported, by the names of the two files."""
-    old, new = modules(tmp_path / "old"), modules(tmp_path / "new", NEXT)
-    shared = "maker_encoders/_codec.py"
-    file, name = f"maker_encoders/{mixed}", f"maker_encoders.{mixed.removesuffix('.py').replace('/', '.')}"
-    for number, (one, other, version) in enumerate(((old, new, "2.0.0"), (new, old, "1.4.2"))):
-        assert imported(tmp_path / f"whole{number}", one, name) == ""
-        assert imported(tmp_path / f"mixed{number}", {**one, file: other[file]}, name) == (
-            f"ImportError: {file} {version} and {shared} are of two generations; take all from one folder"
-        )
-
-
-def test_what_makes_a_generation_of_modules(tmp_path: Path) -> None:
-    """The version and the modules that all families share; neither the words of a family nor its order codes."""
-    one = modules(tmp_path / "one")
-    assert stated(one) == stated(modules(tmp_path / "two", ("meaning: Saves", "meaning: Keeps")))
-    assert stated(one) != stated(modules(tmp_path / "three", NEXT))
-    devices, _ = load_library([])
-    lika = {stated_of(Library(chosen)) for chosen in (devices, devices[:1], devices[1:])}
-    assert len(lika) == 1
-
-
-def stated_of(library: Library) -> str:
-    codec = next(text for name, text in generate_python(library).items() if name.endswith("/_codec.py"))
-    return stated({"maker_encoders/_codec.py": codec})
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"releases": [{"version": 2}]}', '{"releases": [1]}'])

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -371,6 +372,8 @@ def start(generated_python: tuple[Path, ModuleType]) -> Callable[..., subprocess
         environment = {**os.environ, "PYTHONPATH": str(generated_python[0]), "PYTHONDONTWRITEBYTECODE": "1"}
         command = [sys.executable, "-m", "lika_encoders", "decode", *arguments]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **how}
+        # Whoever runs the tests in the background has interrupts ignored, and hands that down.
+        pipes.setdefault("preexec_fn", partial(signal.signal, signal.SIGINT, signal.default_int_handler))
         return subprocess.Popen(command, cwd=cwd, env=environment, text=True, **pipes)
 
     return run

@@ -112,7 +112,7 @@ def test_imports_are_all_used(files: Mapping[str, str]) -> None:
     for path, source in {**files, **generate(Library(shapes))}.items():
         tree = ast.parse(source) if path.endswith(".py") and not path.endswith("__init__.py") else ast.Module([], [])
         imported = {
-            alias.asname or alias.name
+            alias.name
             for node in tree.body
             if isinstance(node, ast.ImportFrom) and node.module != "__future__"
             for alias in node.names

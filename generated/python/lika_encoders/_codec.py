@@ -13,9 +13,6 @@ from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, T
 
 from ._reports import Family
 
-#: What this package was made of: its version and the modules that all families share. A family's module compares it.
-GENERATION: Final[str] = "C196E720"
-
 #: A frame or register made of bytes. Any buffer of single bytes will do, such as one row of an array.
 Data = Union[bytes, bytearray, memoryview]
 

@@ -36,14 +36,6 @@ not affiliated with either company and claims no certification.
 
 from __future__ import annotations
 
-from ._codec import GENERATION as _GENERATION
-
-if _GENERATION != "C196E720":
-    raise ImportError(
-        "lika_encoders/asc85.py 0.1.0 and "
-        "lika_encoders/_codec.py are of two generations; take all from one folder"
-    )
-
 from collections.abc import Callable, Mapping
 from enum import IntEnum
 from math import tau

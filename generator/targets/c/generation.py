@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from hashlib import sha256
 
 from ...model import Manufacturer
 from .. import Options
-from ..generation import digits
 
 #: What stands for the generation while it is not known.
 UNKNOWN = "0x00000000U"
@@ -19,4 +19,5 @@ def generation(maker: Manufacturer, options: Options, shared: Iterable[str]) -> 
     the headers that all families share, rendered with ``UNKNOWN``. Words of one family do not change it.
     """
     settings = [f"{name}={value}" for name, value in sorted(options.items())]
-    return f"0x{digits([maker.name, maker.version, *settings, *shared])}U"
+    text = "\0".join([maker.name, maker.version, *settings, *shared])
+    return f"0x{sha256(text.encode()).hexdigest()[:8].upper()}U"

@@ -15,7 +15,6 @@ from ...model import Device, Manufacturer
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss
-from ..generation import digits
 from .filters import FILTERS, FUNCTIONS, TESTS
 from .imports import fact_imports, imports
 from .module import Module
@@ -25,14 +24,9 @@ from .readme import Shown, start
 #: The files that a package has once: beside its folder, and in it.
 _BESIDE = ("LICENSE", "README.md", "pyproject.toml")
 _INSIDE = ("__init__", *SHARED)
-#: Those that one family does not change: the generation follows from them.
-_ALIKE = tuple(name for name in SHARED if name != "_codes")
-#: What stands for the generation while it is not known.
-_UNKNOWN = "00000000"
 
 
 class Package(TypedDict):
-    generation: Annotated[str, "the number of the generation, which modules that belong together share"]
     header: Annotated[str, "the comment at the top of each file: who made it, and its licence"]
     package: Annotated[str, "the name to import"]
     distribution: Annotated[str, "the name to install"]
@@ -80,7 +74,6 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         "title": plain(maker.title),
         "maker": maker,
         "notices": [plain(item) for item in maker.trademarks],
-        "generation": _UNKNOWN,
         "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
         "modules": modules,
         "start": start([module.readme for module in modules]),
@@ -93,8 +86,6 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library)
         "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
     own = library.own_templates
-    alike = [TEMPLATES.render(f"{name}.py.jinja", values, own) for name in _ALIKE]
-    values["generation"] = digits([package, maker.version, *alike])
     files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
     files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in (*_INSIDE, *biss)}
     files[f"{package}/_helper.c"] = TEMPLATES.render("_helper.c.jinja", values, own)

@@ -6,14 +6,6 @@ shaft.
 
 from __future__ import annotations
 
-from .._codec import GENERATION as _GENERATION
-
-if _GENERATION != "C196E720":
-    raise ImportError(
-        "lika_encoders/_shapes/asc85.py 0.1.0 and "
-        "lika_encoders/_codec.py are of two generations; take all from one folder"
-    )
-
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final

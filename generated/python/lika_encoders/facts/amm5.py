@@ -8,14 +8,6 @@ them.
 
 from __future__ import annotations
 
-from .._codec import GENERATION as _GENERATION
-
-if _GENERATION != "C196E720":
-    raise ImportError(
-        "lika_encoders/facts/amm5.py 0.1.0 and "
-        "lika_encoders/_codec.py are of two generations; take all from one folder"
-    )
-
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
