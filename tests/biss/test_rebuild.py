@@ -247,6 +247,7 @@ def rebuilt(devices: Mapping[str, Device]) -> dict[str, tuple[Device, Device]]:
     }
 
 
+@pytest.mark.slow
 def test_the_model_comes_back(rebuilt: dict[str, tuple[Device, Device]]) -> None:
     for device, again in rebuilt.values():
         assert differences(comparable(device), comparable(again)) == []

@@ -13,6 +13,8 @@ from typing import NamedTuple
 import pytest
 from c_harness import GCC, SANITIZED, MadeOnce, compile_c, devices_of, write
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 #: AMM5A23/65KSC1: 39 bits of position, nE, nW and six of CRC (6.2.1 p.32), received into twelve bytes.
 POSITION_BITS, SIZE = 39, 12

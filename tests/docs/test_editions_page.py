@@ -18,6 +18,8 @@ from codewheel.dump.xml import from_xml
 from codewheel.model import Device
 from codewheel.spec.problems import Report
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 SPECS = ROOT / "specs" / "lika"
 PAGE = (ROOT / "docs" / "editions.md").read_text(encoding="utf-8")

@@ -19,6 +19,7 @@ from codewheel.targets.templates_page import faults, templates_page
 PAGE = Path(__file__).parents[2] / "docs" / "templates.md"
 
 
+@pytest.mark.slow
 def test_the_page_is_up_to_date() -> None:
     made = templates_page(map(load_target, BUILT_IN))
     assert PAGE.read_text(encoding="utf-8") == made, "templates or their values have changed; run: make templates-page"

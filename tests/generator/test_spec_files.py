@@ -84,6 +84,7 @@ def test_hidden_folders_environments_and_generated_files_are_left_out(tmp_path: 
     assert read(tmp_path) == ({"out/x/mine.yaml", "specs/d.yaml"}, set())
 
 
+@pytest.mark.slow
 def test_a_folder_can_be_checked_and_generated_again_and_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -170,6 +170,7 @@ def test_the_command_line_lists_them(
         assert any(kind == plant.kind and plant.words in text for kind, text in kinds), (plant, kinds)
 
 
+@pytest.mark.slow
 def test_the_words_fit_a_terminal(devices: Mapping[str, Device]) -> None:
     source = random.Random(7)
     for encoder in ENCODERS:

@@ -170,6 +170,7 @@ def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
     assert "Not described for SSI" in page
 
 
+@pytest.mark.slow
 def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     """A master's text that holds marks of Markdown and HTML opens nothing on the page."""
     from dataclasses import replace
@@ -196,6 +197,7 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
             assert len(re.findall(r"(?<!\\)\|", line)) <= 6
 
 
+@pytest.mark.slow
 def test_a_device_without_masters(library: Library) -> None:
     """A family with RS-485 alone has no page."""
     device: Device = next(item for item in library.devices if item.name == "amm5")

@@ -16,6 +16,8 @@ from mutation.report import Outcome, Row
 from mutation.slips import Mutant, mutants, mutated
 from mutation.trial import Trial
 
+pytestmark = pytest.mark.slow
+
 #: Of each class in which nothing may pass, in each of the four specs.
 OF_EACH = 3
 SPECS = ("am36", "amm5", "asc85", "sma21")

@@ -185,6 +185,7 @@ def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
     assert (tmp_path / "it.csv").stat().st_mode & 0o777 == 0o666 & ~umask
 
 
+@pytest.mark.slow
 def test_parts_make_the_whole(
     generated_python: tuple[Path, ModuleType], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
