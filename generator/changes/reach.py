@@ -14,7 +14,7 @@ _MOST_LISTED = 3
 
 
 def reach(device: Device, codes: Collection[str]) -> str:
-    """The order codes of a family among its own: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
+    """Order codes of a family among its own: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
     every = device.variants
     if not codes:
         return ""

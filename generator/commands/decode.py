@@ -15,6 +15,7 @@ from ..reference.order_codes import Match
 from ..reference.parameters import parameters_of
 from ..reference.run_time import decode_register
 from ..say.lines import WIDTH, wrapped
+from ..say.name import words
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence
@@ -240,7 +241,7 @@ def label_differences(device: Device, match: Match) -> Iterator[str]:
 
 def _layout_line(placed: PlacedLayout) -> str:
     layout = placed.layout
-    title = layout.printed_name or placed.name.replace("_", " ")
+    title = layout.printed_name or words(placed.name)
     channel = f", data channel {layout.channel}" if layout.channel else ""
     return f"{title}, {_size(placed)}{channel}"
 

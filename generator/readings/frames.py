@@ -192,7 +192,8 @@ def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[
                 what = f"time {item.symbol}{through}, '{name}'"
                 yield Fact(Sort.TIME, key, f"{value} µs", what, (*owner, item.name, name), name=item.name)
         else:
-            text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value} µs" for name, value in told.items())
+            words = {name.removesuffix("_us").replace("_", " "): value for name, value in told.items()}
+            text = ", ".join(f"{bound} {value} µs" for bound, value in words.items())
             yield Fact(
                 Sort.TIME, ("time", interface, text), text, f"a time{through}", (*owner, item.name), name=item.name
             )

@@ -48,9 +48,8 @@ def paragraph(value: str) -> str:
 
 def cited(sources: Sources) -> str:
     """The sources as ``§6.4 p.35; it: §6.4 p.36``."""
-    return "; ".join(
-        text(str(replace(item, section=f"§{item.section}") if item.section[:1].isdigit() else item)) for item in sources
-    )
+    numbered = (replace(it, section=f"§{it.section}") if it.section[:1].isdigit() else it for it in sources)
+    return "; ".join(text(str(item)) for item in numbered)
 
 
 def link(label: str, target: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest
 from .erratum import erratum
+from .name import words
 from .text import Code, Ref, Said, said
 from .words import sentence
 
@@ -58,7 +59,7 @@ def taken_away(device: Device) -> Iterator[Said]:
 
 def edition_test(revision: str, test: EditionTest) -> Said:
     """What tells an encoder of before an edition."""
-    register = Ref("register", test.register, test.register.replace("_", " "))
+    register = Ref("register", test.register, words(test.register))
     return said(
         register,
         f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Another value tells an encoder of before "

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ...model import Constant, CrcValue, Field, Text
 from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, is_plain_flag
+from ...say.name import words
 from .expr import Expr, Name, Number, Operation, joined, masked
 from .reserved import c_name
 from .structs import Struct
@@ -165,7 +166,7 @@ class Decoder:
 def _constant_bytes(checks: Iterable[Check]) -> Iterator[ByteIs]:
     found: dict[int, ByteIs] = {}
     for op in checks:
-        said = op.field.name.replace("_", " ")
+        said = words(op.field.name)
         match op:
             case ZerosAbove(beyond=beyond):
                 found |= {piece.byte: ByteIs(piece.byte, 0xFF, 0, (f"above {said}",)) for piece in beyond}

@@ -11,6 +11,7 @@ from ...model.expressions import Expression
 from ...plan.codec import AtMost, IsOneOf, Part, Whole, ZerosAbove, codec_of
 from ...plan.crcs import Carrier
 from ...plan.limits import Limits, limits_of
+from ...say.name import words
 from ...say.words import sentence
 from . import text
 from .bits import Reader
@@ -270,7 +271,7 @@ class Coder:
         for meaning in self.register.meanings if self.register is not None else ():
             if self.register is not None and (meaning.min is not None or meaning.max is not None):
                 limits = limits_of(self.context.device, self.register, meaning)
-                when = meaning.name.replace("_", " ")
+                when = words(meaning.name)
                 low, high = between(self.context.scope, limits)
                 yield LimitsFunction(meaning_limits(meaning), when, low, high, differ(limits))
 

@@ -10,6 +10,7 @@ from ...model import Device, Field, Interface, Register, Value
 from ...plan.frames import Dispatch, dispatches
 from ...plan.identity import identities
 from ...say.lines import plain
+from ...say.name import words
 from . import facts, text
 from .bits import from_pieces
 from .codec import Coder
@@ -76,7 +77,7 @@ class Dispatcher:
     @property
     def told_by(self) -> str:
         """What the selector is called."""
-        return plain(self.plan.selector.printed_name or self.plan.selector.name.replace("_", " "))
+        return plain(self.plan.selector.printed_name or words(self.plan.selector.name))
 
 
 @dataclass(frozen=True)

@@ -1590,10 +1590,10 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if (bytes[5] != 0x51U) { /* encoder id 1 */
+    if (bytes[5] != 0x51U) { /* encoder ID 1 */
         return LIKA_FAULT_CONSTANT;
     }
-    if (bytes[6] != 0x00U) { /* encoder id 2 */
+    if (bytes[6] != 0x00U) { /* encoder ID 2 */
         return LIKA_FAULT_CONSTANT;
     }
     if (bytes[0] != 0x52U) { /* data ID of another frame, unless its even parity is wrong */
