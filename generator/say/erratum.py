@@ -68,5 +68,6 @@ def _change(item: Erratum) -> Said:
     else:
         changed = f"The spec has {what}; {'there' if item.edition else 'here'} it is {value}"
     # Beside code it is enough that another edition differs: what the code does is right for this one.
-    brief = "differs; the end of this file says how." if item.edition else None
+    differs = "may differ" if item.used == NOT_KNOWN else "differs"
+    brief = f"{differs}; the end of this file says how." if item.edition else None
     return replace(said(f"{sentence(changed)} Why: {sentence(item.why)}", label=label, source=item.source), brief=brief)

@@ -22,7 +22,7 @@
  *
  * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
  * generate --edition amm5=1.0 makes files for such encoders.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -689,7 +689,7 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
  * main fields and refers to the BiSS C protocol description for the whole structure.
  * Erratum profile_id_missing (open, omission).
  * Erratum biss_min_clock (open, wrong limit).
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /**< Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U
@@ -2497,7 +2497,7 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * Year and week of production and a running number, as decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
  * Erratum serial_number_order (open, wrong data): Used: High byte first, as printed.
- * Editions before 1.7: differs; the end of this file says how.
+ * Editions before 1.7: may differ; the end of this file says how.
  *   bits 31:0  serial
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
@@ -2606,7 +2606,7 @@ static inline lika_result lika_amm5_read_serial_number(
  * Wait at least 30 ms after a write, before the next command.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_REG_COMMAND_ADDRESS 0x77U
 #define LIKA_AMM5_REG_COMMAND_LENGTH 1U /**< byte */
@@ -2646,7 +2646,7 @@ static inline lika_result lika_amm5_write_command(
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
  * Erratum device_id_shared (open, omission).
- * Editions before 1.7: differs; the end of this file says how.
+ * Editions before 1.7: may differ; the end of this file says how.
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -2881,7 +2881,7 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the activation arrived has the preset value; all other positions
  * follow from it.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
@@ -2945,7 +2945,7 @@ static inline lika_result lika_amm5_set_preset(
  * Set and save a preset without activating it [6.4 p.35].
  * position: Value to keep for a later activation; written to Preset.
  * Result: The preset is saved; the position is the same as before.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
 
@@ -3006,7 +3006,7 @@ static inline lika_result lika_amm5_store_preset(
 /**
  * Save the parameters [6.4 p.39].
  * Result: Newly set register values are saved.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT 2U
 
@@ -3036,7 +3036,7 @@ static inline lika_result lika_amm5_save_parameters(
  * Activate the saved preset [6.4 p.39].
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the command arrived has the preset value.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT 2U
 
