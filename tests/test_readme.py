@@ -7,10 +7,13 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from codewheel.commands.cli import main
+from codewheel.model import Device
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -49,6 +52,34 @@ def test_its_commands(command: str, shown: list[str]) -> None:
     # Three dots stand for lines left out, and nothing else is.
     pieces = "".join(f"{line}\n" for line in shown).split("...\n")
     assert not shown or re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout)
+
+
+def _first_commands() -> list[str]:
+    """What the first block of the README types once codewheel is there."""
+    block = re.search(r"^```\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+    assert block is not None
+    return [line for line in block[1].splitlines() if line.startswith(".venv/bin/codewheel")]
+
+
+@pytest.mark.parametrize("command", _first_commands())
+def test_what_it_types_first(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(shlex.split(command, comments=True)[1:]) == 0
+    assert "AMM5A21/65KSC1" in capsys.readouterr().out
+
+
+def test_it_says_on_the_first_screen_that_nothing_was_tried() -> None:
+    assert "Nothing has been tried on an encoder" in "".join(README.splitlines(keepends=True)[:24])
+
+
+def test_its_table_is_what_there_is(devices: Mapping[str, Device]) -> None:
+    """Interfaces and number of order codes, and no family is missing."""
+    rows = re.findall(
+        r"^\| [^|]+ \| ([^|]+) \| ([0-9]+) \| \[[^]]+\]\(generated/docs/(\w+)\.md\) \|$", README, re.MULTILINE
+    )
+    told = {name: (set(interfaces.split(", ")), int(codes)) for interfaces, codes, name in rows}
+    assert told == {
+        name: ({item.title for item in device.interfaces}, len(device.variants)) for name, device in devices.items()
+    }
 
 
 def test_it_has_commands() -> None:
