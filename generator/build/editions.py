@@ -14,7 +14,7 @@ from typing import Any
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition
 from ..reference.parts import for_codes
 from ..spec.document import Path
-from ..spec.overlay import Layer, LayerKind, Laying
+from ..spec.overlay import KINDS, Layer, LayerKind, Laying
 from ..spec.places import NothingThere, as_affected, resolve
 from ..spec.problems import DocumentReport, Report, listed, quoted
 from .overlays import Build, Family, errata_of, few, without_examples
@@ -126,11 +126,12 @@ def notes(raw: Raw) -> Iterator[Erratum]:
     for item in raw.get("editions", ()):
         for key, name in (("before", f"before {item['revision']}"), ("then", item["revision"])):
             for number, change in enumerate(item.get(key, ()), 1):
-                yield _note(raw, change, name, number)
+                # A change that does nothing, or two things, is told where it is laid.
+                if len(kinds := [word for word in KINDS if word in change]) == 1:
+                    yield _note(raw, change, name, number, kinds[0])
 
 
-def _note(raw: Raw, change: Raw, name: str, number: int) -> Erratum:
-    kind = next(word for word in ("set", "add", "remove", "unknown", "also") if word in change)
+def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
     texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
     affects = [] if kind == "also" else [_affected(raw, text) for text in texts]
     value = change.get("to", change.get("value"))

@@ -31,7 +31,8 @@ from .rules.values import bad_source
 
 #: The end of the name of an overlay that is found beside its spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
 SUFFIX = ".overlay"
-_KINDS = ("set", "add", "remove", "unknown", "also")
+#: What a change may do, one of them at a time.
+KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
 #: What says which family a spec is, and what is no part of what a manual says of the encoder.
 _FIXED = frozenset("codewheel device manufacturer editions".split())
@@ -106,7 +107,7 @@ class Laying:
                 self._others[layer.document.file] = layer.document.lines
             self._documents(layer)
             for number, change in enumerate(layer.changes):
-                kinds = [kind for kind in _KINDS if kind in change]
+                kinds = [kind for kind in KINDS if kind in change]
                 if len(kinds) == 1 and self._has_value(layer, number, kinds[0]):
                     self._change(layer, number, kinds[0], change)
                 elif len(kinds) != 1:
