@@ -114,7 +114,7 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
 def _quantities(device: Device, variant: Variant) -> set[int]:
     """What is counted for an order code: its parameters, two to their power, and what its measurement says."""
     measurement = device.measurement_of(variant.interface)
-    parts = (measurement.steps_per_turn, measurement.turns, measurement.steps) if measurement is not None else ()
+    parts = (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
     found = {part.value(variant.parameters) for part in parts if part is not None}
     found.update(variant.parameters.values())
     return found | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}

@@ -1,4 +1,4 @@
-"""Whether the position that a measurement speaks of can hold its steps and turns, for every order code."""
+"""Whether the position that a measurement speaks of can hold its counts and turns, for every order code."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..model import Device, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression
 from ..spec.problems import DocumentReport, Path
 
-#: From so many on, one less than a power of two is a highest count and no number of steps.
+#: From so many on, one less than a power of two is a highest count and no number of counts.
 _SEVERAL = 15
 _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
@@ -56,10 +56,10 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
 
 def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
     """The key that is wrong, and why."""
-    key = "steps_per_turn" if measurement.steps_per_turn is not None else "steps"
+    key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     numbers = {
         name: part
-        for name in ("steps_per_turn", "turns", "step_um", "steps")
+        for name in ("counts_per_turn", "turns", "step_um", "modulus")
         if (part := getattr(measurement, name)) is not None
     }
     values = {name: part.value(case.variant.parameters) for name, part in numbers.items()}
@@ -91,12 +91,12 @@ def _does_not_fit(
     """The position has too few bits; or, where its width is all that decides, more than it can ever use."""
     turns = values.get("turns", 1)
     counts = values[key] * turns
-    said = f"{values[key]} steps" + (f" × {turns} turns" if turns > 1 else "")
+    said = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
     held = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
         return key, f"{said} do not fit: {held}"
     widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
-    counted = _sources(device, *filter(None, (measurement.steps_per_turn, measurement.turns, measurement.steps)))
+    counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
     if 2 * counts <= 1 << case.width and widths and counted <= widths:
         return (
             key,
@@ -109,7 +109,7 @@ def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str]
     """Above a number of revolutions the fields below it count one revolution, in all their bits."""
     for index, (name, _) in enumerate(case.fields[:-1]):
         below = sum(width for _, width in case.fields[index + 1 :])
-        if case.layout.field(name).unit in _REVOLUTIONS and key == "steps_per_turn" and values[key] != 1 << below:
+        if case.layout.field(name).unit in _REVOLUTIONS and key == "counts_per_turn" and values[key] != 1 << below:
             return (
                 key,
                 (

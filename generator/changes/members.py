@@ -91,10 +91,10 @@ _SURROUNDINGS: dict[str, dict[str, Treatment]] = {
     "OrderCode": _with_words("special", pattern=Plain("label", "pattern"), parts=_SKIP, also_written=_SKIP),
     "Measurement": _with_words(
         of=Plain("measurement", "counted", refers_to="any-field"),
-        steps_per_turn=ByValue("measurement", "steps per turn"),
+        counts_per_turn=ByValue("measurement", "counts per turn"),
         turns=ByValue("measurement", "turns"),
         step_um=ByValue("measurement", "step in µm"),
-        steps=ByValue("measurement", "steps"),
+        modulus=ByValue("measurement", "modulus"),
         highest=ByValue("measurement", "highest number"),
     ),
     "Supply": _with_words(

@@ -294,7 +294,7 @@ def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
     value = decoded.values.get(name)
     if not isinstance(value, int):
         return ""
-    terms = (measurement.step_um, measurement.steps_per_turn, measurement.turns)
+    terms = (measurement.step_um, measurement.counts_per_turn, measurement.turns)
     step, per_turn, turns = (item.value(variant.parameters) if item is not None else 0 for item in terms)
     if step:
         return f"{name}: {value * step:,} µm"

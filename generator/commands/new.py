@@ -172,8 +172,8 @@ order_code:
       values:
         SC: {meaning: BiSS C-mode, interface: biss}
 
-# What a position counts. For a length: step_um and steps.
-measurement: {of: position, steps_per_turn: 2^singleturn_bits, turns: 1, source: "1"}
+# What a position counts. For a length: step_um and modulus.
+measurement: {of: position, counts_per_turn: 2^singleturn_bits, turns: 1, source: "1"}
 
 # ----------------------------------------------------------------------------------------------------------------- CRCs
 

@@ -153,8 +153,8 @@ def _position(
         if item is None:
             continue
         counts = style.phrase(measurement(item))
-        if item.step_um is not None and item.steps is not None and parameters is not None:
-            micrometres = item.step_um.value(parameters) * item.steps.value(parameters)
+        if item.step_um is not None and item.modulus is not None and parameters is not None:
+            micrometres = item.step_um.value(parameters) * item.modulus.value(parameters)
             counts += f"; {micrometres // 1000:,}.{micrometres % 1000:03} mm in all"
         rows.append((over or item.of, f"{counts}  [{cite(item.source)}]"))
     return ["", "Position", *pairs(rows, 2)] if rows else []

@@ -278,7 +278,7 @@ def _supply(device: Device, variant: Variant) -> dict[str, int | None]:
 
 
 def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
-    found = {"counts_per_turn": measurement.steps_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
+    found = {"counts_per_turn": measurement.counts_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
     known = {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
     if known["turns"] is not None:
         # Registers may say fewer bits than the revolutions that other registers, left as delivered, would need.

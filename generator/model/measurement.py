@@ -10,15 +10,15 @@ from .facts import Sources
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What ``of`` counts: ``steps_per_turn`` and ``turns`` for an angle, ``step_um`` and ``steps`` for a length.
+    """What ``of`` counts: ``counts_per_turn`` and ``turns`` for an angle, ``step_um`` and ``modulus`` for a length.
 
-    ``highest`` is the highest number sent, where an offset can move the positions above the steps in all.
+    ``highest`` is the highest number sent, where an offset can move the positions above the counts in all.
     """
 
     of: str
-    steps_per_turn: Expression | None
+    counts_per_turn: Expression | None
     turns: Expression | None
     step_um: Expression | None
-    steps: Expression | None
+    modulus: Expression | None
     highest: Expression | None
     source: Sources

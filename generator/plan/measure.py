@@ -29,7 +29,7 @@ def measured(device: Device) -> Iterator[Measured]:
     for interface in device.interfaces:
         item = device.measurement_of(interface.name)
         if item is not None:
-            formula = (item.steps_per_turn, item.turns, item.step_um, item.steps)
+            formula = (item.counts_per_turn, item.turns, item.step_um, item.modulus)
             groups.setdefault(formula, []).append((interface, item))
     for group in groups.values():
         yield Measured(group[0][1], tuple(interface for interface, _ in group), len(groups) == 1)
@@ -67,22 +67,24 @@ def also_measured(device: Device) -> frozenset[str]:
 def _is_measured(device: Device, parameter: Parameter) -> bool:
     found: list[set[str]] = []
     for variant in device.variants:
+        if parameter.interface not in ("", variant.interface):
+            continue
         value, item = variant.parameters.get(parameter.name), device.measurement_of(variant.interface)
         if value is None or item is None or not counts(item):
             continue
         if any(name not in variant.parameters for part in counts(item) for name in part.parameters):
             return False
         whole = prod(part.value(variant.parameters) for part in counts(item))
-        turn = item.steps_per_turn.value(variant.parameters) if item.steps_per_turn is not None else whole
+        turn = item.counts_per_turn.value(variant.parameters) if item.counts_per_turn is not None else whole
         found.append({place for place, told in (("turn", turn), ("whole", whole)) if told == value})
     return bool(found) and bool(set.intersection(*found))
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:
     """The factors of how many counts there are before they start again; empty where that is not known."""
-    if measurement.steps is not None:
-        return (measurement.steps,)
-    if measurement.steps_per_turn is None or measurement.turns is None:
+    if measurement.modulus is not None:
+        return (measurement.modulus,)
+    if measurement.counts_per_turn is None or measurement.turns is None:
         return ()
-    factors = (measurement.steps_per_turn, measurement.turns)
+    factors = (measurement.counts_per_turn, measurement.turns)
     return tuple(item for item in factors if item != Expression(1)) or factors[:1]

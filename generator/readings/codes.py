@@ -119,7 +119,7 @@ def _measured(reading: Reading, interface: Interface, measurement: Measurement) 
     key: Key = ("measurement", interface.name)
     yield Fact(Sort.MEASUREMENT, key, "told", f"measurement over {interface.short}", place)
     parts: dict[str, Expression | None] = {
-        name: getattr(measurement, name) for name in ("steps_per_turn", "turns", "step_um", "steps", "highest")
+        name: getattr(measurement, name) for name in ("counts_per_turn", "turns", "step_um", "modulus", "highest")
     }
     cases = reading.cases(interface.name)
     for name, part in parts.items():

@@ -101,5 +101,11 @@ def _of_layout(layout: Layout) -> Iterator[Expression]:
 
 
 def _of_measurement(measurement: Measurement) -> Iterator[Expression]:
-    found = (measurement.steps_per_turn, measurement.turns, measurement.step_um, measurement.steps, measurement.highest)
+    found = (
+        measurement.counts_per_turn,
+        measurement.turns,
+        measurement.step_um,
+        measurement.modulus,
+        measurement.highest,
+    )
     yield from (item for item in found if item is not None)

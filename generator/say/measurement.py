@@ -10,10 +10,10 @@ from .text import Said, parted, said
 def measurement(item: Measurement) -> Said:
     revolutions = " revolution" if item.turns == Expression(1) else " revolutions"
     members = (
-        (item.steps_per_turn, " counts in a revolution"),
+        (item.counts_per_turn, " counts in a revolution"),
         (item.turns, revolutions),
         (item.step_um, " µm to a count"),
-        (item.steps, " counts in all"),
+        (item.modulus, " counts in all"),
     )
     known = [(value, words) for value, words in members if value is not None]
     highest = [("the highest ", item.highest)] if item.highest is not None else []

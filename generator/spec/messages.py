@@ -20,7 +20,7 @@ _TYPES = {
 _SUM = "a whole number, or a sum such as singleturn_bits + 8"
 #: What keys take that are a number or a text of some kind.
 _NUMBER_OR_TEXT = {
-    **dict.fromkeys(("bits", "min", "max", "steps_per_turn", "turns", "step_um", "steps"), _SUM),
+    **dict.fromkeys(("bits", "min", "max", "counts_per_turn", "turns", "step_um", "modulus"), _SUM),
     "at": "a bit number, or a range such as 7:6",
     "addresses": "an address, or the first and the last as in 0x4B-0x4D",
     "equals": "a whole number, a sum such as singleturn_bits + 8, or text",
@@ -90,6 +90,9 @@ _ALL_THERE_IS: dict[str | int, str] = {
 }
 
 
+#: Keys by the names that they had in earlier versions of the language.
+_RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
+
 #: After a key that a device file has and a second reading has not.
 _NO_PROSE = "; a second reading holds facts and no words for people, so leave it out"
 
@@ -149,6 +152,8 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
     known = error.schema["properties"]
+    if _RENAMED.get(key) in known:
+        return f"; it is called '{_RENAMED[key]}' by now"
     near = meant(key, list(known))
     if near:
         return f"; did you mean '{near}'?"

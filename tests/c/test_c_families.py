@@ -360,7 +360,7 @@ def measuring(device: Device, variant: Variant) -> str:
 
 
 def formula(item: Measurement) -> tuple[Expression | None, ...]:
-    return item.steps_per_turn, item.turns, item.step_um, item.steps
+    return item.counts_per_turn, item.turns, item.step_um, item.modulus
 
 
 def test_positions_mean_what_the_model_says(family: Family) -> None:
@@ -434,8 +434,8 @@ def test_small_functions_agree_with_their_expressions(family: Family) -> None:
             }
         wanted |= {name: bound for name, bound in bounds.items() if bound is not None and not bound.is_constant}
     view = DeviceView(device)
-    # AMM5's number of positions is that after which they start again; it has one function, by that name.
-    also = {"positions": "modulus"} if device.name == "amm5" else {}
+    # Where interfaces count differently, the counts of a turn and of all turns have a function for each.
+    also = {"modulus": "ssi_modulus"} if device.name in ("am36", "sma21") else {}
     wanted = {also.get(name, name): item for name, item in wanted.items()}
     assert set(wanted) <= {item.name.removeprefix(view.prefix + "_") for item in functions(view)}
     variants = (*device.variants, *run_time_variants(device))

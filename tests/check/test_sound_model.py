@@ -124,16 +124,16 @@ IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: positio
 @pytest.mark.parametrize(
     ("changes", "measurement"),
     [
-        ((), "steps_per_turn: 2^position_bits"),
-        (((POSITION, "{name: position, bits: 12}"),), "steps_per_turn: 3600"),
-        (((POSITION, "{name: position, bits: 24}"),), "steps_per_turn: 4096"),
-        (((POSITION, "{name: position, bits: 48, signed: true}"),), "steps_per_turn: 2^position_bits, turns: 16"),
-        (((POSITION, PADDED),), "steps_per_turn: 2^position_bits, turns: 1"),
-        ((FRAME_BITS, TWO_SETS, (POSITION, "{name: position, bits: frame_bits}")), "steps_per_turn: 2^position_bits"),
-        (((POSITION, "{name: position, bits: position_bits + 4}"),), "steps_per_turn: 2^position_bits, turns: 10"),
+        ((), "counts_per_turn: 2^position_bits"),
+        (((POSITION, "{name: position, bits: 12}"),), "counts_per_turn: 3600"),
+        (((POSITION, "{name: position, bits: 24}"),), "counts_per_turn: 4096"),
+        (((POSITION, "{name: position, bits: 48, signed: true}"),), "counts_per_turn: 2^position_bits, turns: 16"),
+        (((POSITION, PADDED),), "counts_per_turn: 2^position_bits, turns: 1"),
+        ((FRAME_BITS, TWO_SETS, (POSITION, "{name: position, bits: frame_bits}")), "counts_per_turn: 2^position_bits"),
+        (((POSITION, "{name: position, bits: position_bits + 4}"),), "counts_per_turn: 2^position_bits, turns: 10"),
         (
             ((POSITION, IN_TWO_FIELDS), ("crc: biss_6}\n", "crc: biss_6}\n        join: {position: [turns, angle]}\n")),
-            "steps_per_turn: 2^position_bits, turns: 10",
+            "counts_per_turn: 2^position_bits, turns: 10",
         ),
     ],
 )  # fmt: skip
@@ -151,7 +151,7 @@ def test_turns_that_a_register_holds(tmp_path: Path) -> None:
         tmp_path,
         held,
         (POSITION, "{name: position, bits: position_bits + 8}"),
-        more=more + 'measurement: {of: position, steps_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n',
+        more=more + 'measurement: {of: position, counts_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n',
     )
 
 

@@ -132,7 +132,7 @@ WORDS = {
     "equals",
     "min",
     "max",
-    "steps_per_turn",
+    "counts_per_turn",
     "turns",
     "step_um",
     "steps",

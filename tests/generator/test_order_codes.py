@@ -49,7 +49,7 @@ def test_what_a_code_decides(amm5: Device) -> None:
         "position_bits": 39,
         "counts_per_turn": 8388608,
         "revolutions": 65536,
-        "positions": 549755813888,
+        "modulus": 549755813888,
     }
 
 

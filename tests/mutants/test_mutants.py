@@ -60,7 +60,7 @@ def found(trial: Trial, name: str, path: tuple[str | int, ...], key: str, slip: 
 def test_a_wrong_value_that_passes_is_told_by_what_it_does(trial: Trial) -> None:
     title = found(trial, "am36", ("title",), "title", "digit mistaken")
     assert trial.verdict(title).word == "code"  # The name of the family for people is data of the Python package.
-    meaning = found(trial, "am36", ("parameters", "positions"), "source", "digit mistaken")
+    meaning = found(trial, "am36", ("parameters", "modulus"), "source", "digit mistaken")
     assert trial.verdict(meaning).word == "texts"
     order = found(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key lost")
     assert trial.verdict(order).word == "refused"

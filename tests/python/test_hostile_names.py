@@ -53,7 +53,7 @@ def hostile(words: list[str]) -> Item:
         },
         "crcs": [crc("own", width=6, poly=7, xorout=1), crc("own_8", width=8, poly=7, xorout=1)],
         "interfaces": {"biss": {"source": "1", "clock": BISS_CLOCK, "layouts": layouts}},
-        "measurement": {"of": words[0], "steps_per_turn": "2^own_bits", "turns": 1, "source": "1"},
+        "measurement": {"of": words[0], "counts_per_turn": "2^own_bits", "turns": 1, "source": "1"},
         "registers": _registers(words),
         "procedures": [_procedure(index, word) for index, word in enumerate(words)],
     }

@@ -220,7 +220,7 @@ class Variant(Encoder):
         used_revolutions: Revolutions after which the BiSS position starts again, as set [6.5 p.28]. Unit: revolutions.
             Held at run time in registers 4Eh to 4Fh (``number_of_revolutions.revolutions``), 1 to 65,536. Over BiSS
             C-mode only. As delivered, unless with_registers() gives another.
-        used_information: Positions per revolution over BiSS, as set [6.5 p.27]. Unit: counts. Held at run time in
+        used_information: Counts in a revolution over BiSS, as set [6.5 p.27]. Unit: counts. Held at run time in
             registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Over BiSS C-mode only. As
             delivered, unless with_registers() gives another.
         output_code: Code of the position over BiSS, as set: 0 Gray, 1 binary [6.5 p.26]. Held at run time in register
@@ -263,13 +263,6 @@ class Variant(Encoder):
         return self.singleturn_bits + self.multiturn_bits
 
     @property
-    def positions(self) -> int:
-        """Positions that are told apart over all revolutions by the order code; the manual's "max. number of
-        information" [5.2]. Unit: counts. Equals ``2^position_bits``.
-        """
-        return 1 << self.position_bits
-
-    @property
     def used_position_bits(self) -> int:
         """Bits of the whole BiSS position, as set; 36 at most [6.3.1 p.21]. Unit: bits. Equals
         ``used_singleturn_bits + used_multiturn_bits``.
@@ -293,6 +286,13 @@ class Variant(Encoder):
             ValueError: A register changes nothing for this encoder.
         """
         return self._replaced(**held_parameters(_HELD, held, self))
+
+    @property
+    def counts_per_turn(self) -> int:
+        """Counts in a revolution."""
+        if self.interface is _SSI:
+            return 1 << self.singleturn_bits
+        return 1 << self.used_singleturn_bits
 
     def turns(self, position: int) -> float:
         """``position``, in counts, as revolutions."""
@@ -1337,7 +1337,7 @@ class InformationPerRevolution(NamedTuple):
     """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27; 7 p.33].
 
     Attributes:
-        steps: Positions per revolution. Unit: counts. Takes powers of two only.
+        steps: Counts in a revolution. Unit: counts. Takes powers of two only.
 
     Singleturn resolution.
 

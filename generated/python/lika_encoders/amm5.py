@@ -241,11 +241,6 @@ class Variant(Encoder):
         return self.singleturn_bits + self.multiturn_bits
 
     @property
-    def counts_per_turn(self) -> int:
-        """Positions per revolution [Preliminary information p.7]. Unit: counts. Equals ``2^singleturn_bits``."""
-        return 1 << self.singleturn_bits
-
-    @property
     def revolutions(self) -> int:
         """Revolutions that are told apart [Preliminary information p.7]. Unit: revolutions. Equals
         ``2^multiturn_bits``.
@@ -253,11 +248,9 @@ class Variant(Encoder):
         return 1 << self.multiturn_bits
 
     @property
-    def positions(self) -> int:
-        """Positions that are told apart over all revolutions; the manual's "max. number of information" [5.2]. Unit:
-        counts. Equals ``2^position_bits``.
-        """
-        return 1 << self.position_bits
+    def counts_per_turn(self) -> int:
+        """Counts in a revolution."""
+        return 1 << self.singleturn_bits
 
     def turns(self, position: int) -> float:
         """``position``, in counts, as revolutions."""

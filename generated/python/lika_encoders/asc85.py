@@ -215,9 +215,7 @@ class Variant(Encoder):
 
     @property
     def counts_per_turn(self) -> int:
-        """Positions per revolution; the manual's "max. number of information" and "cpr" [Preliminary information
-        p.7; 5.2 p.16]. Unit: counts. Equals ``2^position_bits``.
-        """
+        """Counts in a revolution."""
         return 1 << self.position_bits
 
     def turns(self, position: int) -> float:

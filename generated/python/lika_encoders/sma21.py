@@ -270,13 +270,6 @@ class Variant(Encoder):
     rs485_position_bits: int
 
     @property
-    def positions(self) -> int:
-        """Positions that are told apart over SSI and BiSS; the manual's "max. informazioni" [5.2 p.20]. Unit:
-        counts. Equals ``2^position_bits``.
-        """
-        return 1 << self.position_bits
-
-    @property
     def scd_position_bits(self) -> int:
         """Bits of the position field of the BiSS single cycle data, 24 or 25 [6.2 p.25]. Unit: bits. Equals
         ``position_bits + scd_padding_bits``.

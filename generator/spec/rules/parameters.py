@@ -32,10 +32,10 @@ _KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
 #: What each number of a measurement counts.
 _WIDTHS = ("bits", "low_bit")
 _MEASURED = {
-    "steps_per_turn": "counts",
+    "counts_per_turn": "counts",
     "turns": "revolutions",
     "step_um": "micrometres",
-    "steps": "counts",
+    "modulus": "counts",
     "highest": "counts",
 }
 

@@ -32,8 +32,8 @@ _STEPS: dict[str, _Keys] = {
     "send": (("data_id",), ("times", "every_at_least_us", "in_succession")),
 }
 #: What a measurement has, by whether the encoder measures an angle or a length.
-ANGLE = ("steps_per_turn", "turns")
-LENGTH = ("step_um", "steps")
+ANGLE = ("counts_per_turn", "turns")
+LENGTH = ("step_um", "modulus")
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
 _EXAMPLES: dict[str, _Keys] = {
     "frame": ((), ("order_code", "alternatives", "layout", "from", "bytes", "bits", "values", "refused")),

@@ -148,9 +148,9 @@ class Chosen:
             if isinstance(item, MeasureExample):
                 return item.counts, f"made up, with the position of a worked example [{cite(item.source)}]"
         about = "made up, since the manual shows none"
-        if measurement.steps_per_turn is None:
+        if measurement.counts_per_turn is None:
             return 1000, f"{about}: 1000 counts"
-        return measurement.steps_per_turn.value(self.variant.parameters) // 4, f"{about}: a quarter of a turn"
+        return measurement.counts_per_turn.value(self.variant.parameters) // 4, f"{about}: a quarter of a turn"
 
 
 def _plain_value(layout: Layout, field: Field) -> int | str:

@@ -75,7 +75,7 @@ def positions(context: Context) -> Iterator[Positions]:
 
 def _positions(context: Context, prefix: str, over: str, measurement: Measurement) -> Iterator[Positions]:
     scope, where = context.scope, f"[{cite(measurement.source)}]"
-    steps, turns, step = measurement.steps_per_turn, measurement.turns, measurement.step_um
+    steps, turns, step = measurement.counts_per_turn, measurement.turns, measurement.step_um
     if steps is not None:
         about = f"Counts of one revolution{over} {where}."
         per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
@@ -84,9 +84,9 @@ def _positions(context: Context, prefix: str, over: str, measurement: Measuremen
     elif step is not None:
         wide = Number(step.constant, signed=True) if step.is_constant else Cast("int64_t", scope.of(step))
         modulus = None
-        if measurement.steps is not None:
+        if measurement.modulus is not None:
             about = f"The position{over} starts again at 0 after so many counts {where}."
             if measurement.highest is not None:
                 about += f" An offset moves all positions up, to {measurement.highest.render()} at most."
-            modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.steps, about)
+            modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.modulus, about)
         yield LengthPositions(prefix, over, where, modulus, wide, not step.is_constant)

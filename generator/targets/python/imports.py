@@ -107,8 +107,8 @@ def _of_variants(codes: Variants) -> Iterator[str]:
     fast = [item for kind in codes.frame_kinds for item in kind.fast]
     yield _if(any(item.tables for item in fast), "crc_tables")
     yield _if(any(item.plan.in_bytes for item in fast), "cast")
-    yield _if(codes.steps_per_turn.cases or codes.step_um.cases, "index")
-    yield _if(codes.steps_per_turn.cases, "tau")
+    yield _if(codes.counts_per_turn.cases or codes.step_um.cases, "index")
+    yield _if(codes.counts_per_turn.cases, "tau")
     yield _if(codes.modulus.cases, "unwrap")
     yield _if(codes.held, "TypeVar held_parameters held_text")
     yield _if(any(kind.asked and not kind.dispatch for kind in codes.frame_kinds), "cast")

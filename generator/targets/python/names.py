@@ -79,8 +79,8 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
     VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses for itself.
-VARIANT_NAMES = """bytes cls code decode decode_many degrees encode_many family frame_bits from_degrees from_millimetres
-    from_radians from_turns highest interface metres micrometres millimetres modulus parts
+VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees encode_many family frame_bits from_degrees
+    from_millimetres from_radians from_turns highest interface metres micrometres millimetres modulus parts
     radians self special special_code tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes, and in them the methods, use for themselves.

@@ -200,8 +200,8 @@ class Readme:
         if measurement is None or size < 8:
             return []
         shown = [Shown(variant.code, f"encoder.unwrap({size - 2}, 3)", "", str(size + 3))]
-        if measurement.steps_per_turn is not None:
-            quarter = measurement.steps_per_turn.value(variant.parameters) // 4
+        if measurement.counts_per_turn is not None:
+            quarter = measurement.counts_per_turn.value(variant.parameters) // 4
             shown.insert(0, Shown(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
         elif measurement.step_um is not None:
             size_of_1000 = repr(measurement.step_um.value(variant.parameters) * 1000 / 1000)

@@ -9,7 +9,7 @@ from functools import cached_property
 from ...model import Interface, Measurement, Register, Variant
 from ...model.expressions import Expression
 from ...plan.held import Held, held_parameters
-from ...plan.measure import Cases, by_interface, counts
+from ...plan.measure import Cases, also_measured, by_interface, counts
 from ...reference.order_codes import beginnings
 from . import text
 from .codec import Coder
@@ -108,11 +108,11 @@ class Variants:
 
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
-        """Parameters that follow from others: name, meaning, value."""
+        """Parameters that follow from others, but for those that a measurement tells: name, meaning, value."""
         return [
             (self.context.parameters[item.name], text.of_parameter(self.device, item), self._scope.of(item.equals))
             for item in self.device.parameters
-            if item.equals is not None
+            if item.equals is not None and item.name not in also_measured(self.device)
         ]
 
     # -- what positions measure
@@ -137,8 +137,8 @@ class Variants:
         return by_interface(self.device, of)
 
     @cached_property
-    def steps_per_turn(self) -> Cases[Expr]:
-        return self._cases(lambda item: self._of(item.steps_per_turn))
+    def counts_per_turn(self) -> Cases[Expr]:
+        return self._cases(lambda item: self._of(item.counts_per_turn))
 
     @cached_property
     def step_um(self) -> Cases[Expr]:

@@ -193,9 +193,9 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Erratum ssi_pause (open, wrong limit): Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12
 # µs (Tp > 12 µs). Used: At least 12 µs; take more. [5.1; 5.3; amm5: 5.3]
 #
-# Edition 1.1: Not known there: value BG of part output of the order code, value GG of part output of the order code and
-# SSI. Why: No page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more.
-# [am36_1_1_biss: p.21]
+# Edition 1.1: Not known there: value BG of part output of the order code, value GG of part output of the order code,
+# SSI and parameter modulus. Why: No page on SSI is public. That there are SSI models with BG, the name of the series
+# tells, and no more. [am36_1_1_biss: p.21]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
@@ -498,7 +498,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             volatile=True,
             above_max=AboveMax.DEFAULT,
             write_clears=("preset",),
-            fields=(FieldFacts(name="steps", meaning="Positions per revolution", unit="counts", power_of_two=True),),
+            fields=(FieldFacts(name="steps", meaning="Counts in a revolution", unit="counts", power_of_two=True),),
             meaning="Singleturn resolution",
             note=(
                 "A new value takes effect at once, also on the length of the frame, and sets the preset to zero; Save "
@@ -1028,7 +1028,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why="2^28 is 268,435,456; 2^31 in the next row is right.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
-        affects=("parameters.positions",),
+        affects=("parameters.modulus",),
         source="5.2",
     ),
     Erratum(
@@ -1414,12 +1414,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_2",
-        printed="order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi",
+        printed=(
+            "order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi, parameters.modulus"
+        ),
         used="not known",
         why="No page on SSI is public. That there are SSI models with BG, the name of the series tells, and no more.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
-        affects=("order_code.output", "interfaces.ssi"),
+        affects=("order_code.output", "interfaces.ssi", "parameters.modulus"),
         source="am36_1_1_biss: p.21",
     ),
     Erratum(

@@ -1814,7 +1814,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
-        affects=("parameters.positions",),
+        affects=("parameters.modulus",),
         source="5.2",
     ),
     Erratum(
