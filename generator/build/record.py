@@ -59,7 +59,8 @@ def records(kind: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
 
 @cache
 def _members(kind: Callable[..., object]) -> tuple[tuple[str, Any, bool], ...]:
-    hints = get_type_hints(kind)
+    # Names are those of the module: a member called 'bytes' is not the type.
+    hints = get_type_hints(kind, localns={})
     return tuple(
         (item.name, hints[item.name], item.default is not Parameter.empty)
         for item in signature(kind).parameters.values()

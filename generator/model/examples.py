@@ -35,7 +35,7 @@ class FrameExample(_Example):
     ``alternatives`` are the answers that it takes, each by the name of its alternative.
     """
 
-    kind: ClassVar = "frame"
+    kind: ClassVar[str] = "frame"
     order_code: str
     layout: str
     sender: str
@@ -50,7 +50,7 @@ class FrameExample(_Example):
 class RegisterExample(_Example):
     """The bytes of a register and what they hold."""
 
-    kind: ClassVar = "register"
+    kind: ClassVar[str] = "register"
     order_code: str
     register: str
     bytes: bytes
@@ -61,7 +61,7 @@ class RegisterExample(_Example):
 class CrcExample(_Example):
     """Bytes and the CRC over them."""
 
-    kind: ClassVar = "crc"
+    kind: ClassVar[str] = "crc"
     crc: str
     bytes: bytes
     check: int
@@ -71,7 +71,7 @@ class CrcExample(_Example):
 class ProcedureExample(_Example):
     """The writes that a procedure makes for these arguments."""
 
-    kind: ClassVar = "procedure"
+    kind: ClassVar[str] = "procedure"
     order_code: str
     procedure: str
     arguments: Mapping[str, int]
@@ -82,7 +82,7 @@ class ProcedureExample(_Example):
 class MeasureExample(_Example):
     """A position in counts and the length that it stands for."""
 
-    kind: ClassVar = "measure"
+    kind: ClassVar[str] = "measure"
     order_code: str
     counts: int
     micrometres: int

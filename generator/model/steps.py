@@ -18,7 +18,7 @@ class _Step:
 class WriteStep(_Step):
     """Write ``value`` into the whole register; None stands for the argument ``value_name``."""
 
-    do: ClassVar = "write"
+    do: ClassVar[str] = "write"
     register: str
     value_name: str
     value: int | None
@@ -28,7 +28,7 @@ class WriteStep(_Step):
 class ModifyStep(_Step):
     """Write ``value`` into one field and leave the others as read; None stands for the argument ``value_name``."""
 
-    do: ClassVar = "write"
+    do: ClassVar[str] = "write"
     register: str
     field: str
     value_name: str
@@ -39,7 +39,7 @@ class ModifyStep(_Step):
 class ReadStep(_Step):
     """Read the register, for the sake of one field if ``field`` names it."""
 
-    do: ClassVar = "read"
+    do: ClassVar[str] = "read"
     register: str
     field: str = ""
 
@@ -48,7 +48,7 @@ class ReadStep(_Step):
 class PollStep(_Step):
     """Read the register until ``field`` is ``value``."""
 
-    do: ClassVar = "poll"
+    do: ClassVar[str] = "poll"
     register: str
     field: str
     value: int
@@ -58,7 +58,7 @@ class PollStep(_Step):
 class WaitStep(_Step):
     """Let ``microseconds`` go by."""
 
-    do: ClassVar = "wait"
+    do: ClassVar[str] = "wait"
     microseconds: int
 
 
@@ -69,7 +69,7 @@ class SendStep(_Step):
     ``in_succession`` says that nothing else may be sent between them.
     """
 
-    do: ClassVar = "send"
+    do: ClassVar[str] = "send"
     data_id: str
     request: bytes
     times: int = 1

@@ -79,14 +79,14 @@ class ControlField:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Biss(Common):
-    name: ClassVar = "biss"
-    title: ClassVar = "BiSS C-mode"
-    short: ClassVar = "BiSS"
-    has_channels: ClassVar = True
+    name: ClassVar[str] = "biss"
+    title: ClassVar[str] = "BiSS C-mode"
+    short: ClassVar[str] = "BiSS"
+    has_channels: ClassVar[bool] = True
     #: The banks share the first half (protocol description, p. 14).
-    highest_address: ClassVar = 0x7F
-    highest_in_bank: ClassVar = 0x3F
-    flags: ClassVar = MappingProxyType({"error": "not_usable", "warning": "usable_with_warning"})
+    highest_address: ClassVar[int] = 0x7F
+    highest_in_bank: ClassVar[int] = 0x3F
+    flags: ClassVar[Mapping[str, str]] = MappingProxyType({"error": "not_usable", "warning": "usable_with_warning"})
 
     clock: Clock
     signals: str

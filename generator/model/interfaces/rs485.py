@@ -48,10 +48,10 @@ class MemoryAccess:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rs485(Common):
-    name: ClassVar = "rs485"
-    title: ClassVar = "RS-485"
-    short: ClassVar = "RS-485"
-    carried_as: ClassVar = "bytes"
+    name: ClassVar[str] = "rs485"
+    title: ClassVar[str] = "RS-485"
+    short: ClassVar[str] = "RS-485"
+    carried_as: ClassVar[str] = "bytes"
 
     port: Port
     data_ids: tuple[DataId, ...]

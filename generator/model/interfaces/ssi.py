@@ -37,9 +37,9 @@ class CableLength:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ssi(Common):
-    name: ClassVar = "ssi"
-    title: ClassVar = "SSI"
-    short: ClassVar = "SSI"
+    name: ClassVar[str] = "ssi"
+    title: ClassVar[str] = "SSI"
+    short: ClassVar[str] = "SSI"
 
     clock: Clock
     alignment: Alignment
