@@ -110,7 +110,7 @@ def build_class(kind: Any, item: Item) -> Any:
     name = kind.__name__
     item = ADAPT.get(name, lambda given: given)(item)
     names = vars(model) | vars(model.facts) | vars(model.kinds) | vars(model.layout) | vars(model.examples)
-    hints = typing.get_type_hints(kind, names)
+    hints = typing.get_type_hints(kind, names, {})
     made = {}
     for field in dataclasses.fields(kind):
         outside = RENAMED.get(name, {}).get(field.name, field.name)

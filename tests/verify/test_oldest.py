@@ -1,0 +1,51 @@
+"""The oldest that pyproject.toml allows: each Python from 3.10 on, with the lowest versions of what codewheel needs."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PYTHONS = ("3.10", "3.11", "3.12", "3.13", "3.14")
+NEEDED = re.findall(r"^dependencies = (.*)$", (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)[0]
+LOWEST = re.findall(r'"([\w-]+)>=([\d.]+)"', NEEDED)
+
+
+def found(version: str) -> str:
+    """The Python of a version, on the path or beside the one that runs, as version managers put them; empty if none."""
+    beside = Path(sys.base_prefix).parent
+    there = [shutil.which(f"python{version}"), *map(str, sorted(beside.glob(f"{version}.*/bin/python")))]
+    return next((path for path in there if path and _runs(path)), "")
+
+
+def _runs(python: str) -> bool:
+    """A version manager's name for a Python may lead to none."""
+    return subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
+
+
+def run(*command: str | Path) -> str:
+    done = subprocess.run([str(item) for item in command], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
+    return done.stdout
+
+
+@pytest.mark.parametrize("version", PYTHONS)
+def test_the_same_bytes(version: str, tmp_path: Path) -> None:
+    """With the lowest versions on the oldest two, for which all are to be had ready made; else with the newest."""
+    python = found(version)
+    if not python:
+        pytest.skip(f"no Python {version} here, so it is not shown to work there")
+    run(python, "-m", "venv", tmp_path / "there")
+    there = tmp_path / "there" / "bin"
+    lowest = [f"{name}=={least}" for name, least in LOWEST] if version in PYTHONS[:2] else []
+    # A copy, since setuptools leaves its work where it finds the sources.
+    sources = tmp_path / "sources"
+    shutil.copytree(ROOT, sources, ignore=shutil.ignore_patterns(".*", "*.egg-info", "__pycache__"))
+    run(there / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *lowest, sources)
+    assert "no problems in 4 families" in run(there / "codewheel", "check", "specs")
+    assert run(there / "codewheel", "generate", "--check").endswith("files up to date\n")
