@@ -64,3 +64,11 @@ def no_power_of_two(name: str, value: str) -> str:
 
 def outside(value: str, low: str, high: str) -> str:
     return f"{value} is outside {low} to {high}"
+
+
+def of_older_edition(run: str, found: str, bounds: str, revision: str, register: str, before: str) -> str:
+    """Digits of a register that cannot be what the edition of the manual says."""
+    return (
+        f"{run} is {found}, and can only be {bounds}. An encoder of before manual {revision} may hold "
+        f"this: what its {register.replace('_', ' ')} is, --edition {before} says"
+    )
