@@ -134,11 +134,13 @@ class Asker:
     def __call__(self, function: str, items: Iterable[dict[str, Any]], timeout: int = 580) -> list[Any]:
         """What a function of the harness answers for each item."""
         names = ["decode.js", "harness.js"]
+        items = list(items)
         for place, item in enumerate(items):
             call = f"(globalThis.answers ??= []).push(codewheelTests.{function}({json.dumps(item)}));\n"
             (self._folder / f"case-{place}.js").write_text(call, encoding="utf-8")
             names.append(f"case-{place}.js")
         answers: list[Any] = json.loads(self._node(names, timeout) if self._in_node else self._page(names, timeout))
+        assert len(answers) == len(items)
         return answers
 
     def _node(self, names: Sequence[str], timeout: int) -> str:

@@ -63,15 +63,42 @@
     return wrong;
   }
 
+  /** What a text of an order code says: faults, the values of the fields, and the CRC as it should be. */
+  function values(item) {
+    const label = wheel.findCode(item.code);
+    const register = (label.interface.registers ?? []).find((one) => one.name === item.register);
+    const found = register ? wheel.decodeRegister(label, register, item.text)
+      : wheel.decodeFrame(label, item.sender, item.text, {}, item.answers);
+    return {
+      layout: found.at ? found.at.name : "",
+      faults: found.problems.map((one) => one.fault),
+      fields: Object.fromEntries(found.fields.map((one) => [one.name, `${one.value}`])),
+      reports: found.reports.map((one) => one.field),
+      verdict: found.verdict,
+    };
+  }
+
+  /** How a text is read as bytes or as a number; or that it is refused. */
+  function readings(item) {
+    const read = (function_) => {
+      try {
+        return JSON.stringify(function_(wheel.checked(item.text)), (_, one) => (typeof one === "bigint" ? `${one}` : one));
+      } catch (error) {
+        return error instanceof wheel.FrameText ? "refused" : `${error}`;
+      }
+    };
+    return [read(wheel.bytesIn), read(wheel.numberIn)];
+  }
+
   /** What encoding a register answers: its bytes, or that it refuses. */
   function encoded(item) {
     const found = foundFor(item);
     const register = found.interface.registers.find((one) => one.name === item.register);
     const at = wheel.placedFor(found, register);
-    const limits = (register.limits ?? []).find((one) => (one.name ?? "") === item.meant);
+    const limits = (register.limits ?? [])[0];
     return item.rows.map((row) => {
       const values = Object.fromEntries(Object.entries(row).map(([name, value]) =>
-        [name, typeof value === "string" && /^-?\d+n$/.test(value) ? BigInt(value.slice(0, -1)) : value]));
+        [name, typeof value === "number" || /^-?\d+n$/.test(value) ? BigInt(`${value}`.replace("n", "")) : value]));
       try {
         return wheel.bytesFor(at, values, limits);
       } catch (error) {
@@ -88,5 +115,11 @@
     });
   }
 
-  globalThis.codewheelTests = { compared, encoded, reasons, text: (item) => item.frames.map((one) => decodingText(item, one)) };
+  /** The order codes for which a text is a sound frame. */
+  const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.at.name, group.codes]);
+
+  /** Frames compared, or the values of a text: for one start of a browser. */
+  const answered = (item) => (item.frames ? compared(item) : values(item));
+
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred };
 })();
