@@ -6,13 +6,16 @@ import html
 import json
 import random
 import re
+import shutil
 import subprocess
+import warnings
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pytest
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant
 from codewheel.reference import codec
 from codewheel.reference.editions import strange_values
@@ -120,6 +123,16 @@ def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
     said = (case.said(case.decoded(*item)) for item in wanted)
     expected = [f"{zlib.crc32(text.encode()):08x}" for text in said]
     return {**case.data, "frames": [case.text(*item) for item in wanted], "expected": expected}
+
+
+def program(name: str) -> str:
+    """The path of a program; without it the test is skipped, and the end of the run says so."""
+    found = shutil.which(name)
+    if found is None:
+        words = f"no {name} here, so what the page does in it is not shown; apt-get install {name}"
+        warnings.warn(words, stacklevel=2)
+        pytest.skip(words)
+    return found
 
 
 class Asker:

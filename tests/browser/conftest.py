@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from browser_harness import Asker
+from browser_harness import Asker, program
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate
 
 Ask = Callable[[Library, str], Asker]
-
-
-def program(name: str) -> str:
-    """The path of a program; without it the test is skipped, and the end of the run says so."""
-    found = shutil.which(name)
-    if found is None:
-        words = f"no {name} here, so what the page does in it is not shown; apt-get install {name}"
-        warnings.warn(words, stacklevel=2)
-        pytest.skip(words)
-    return found
 
 
 @pytest.fixture(scope="session")

@@ -13,6 +13,7 @@ from ...render import Templates, our_templates
 from ...say import fault
 from ...say.layout import as_one_number
 from ...say.lines import plain
+from ...say.markdown import text
 from ...say.words import WORTH
 from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
@@ -73,7 +74,7 @@ def table(library: Library) -> Data:
 TEMPLATES = Templates(
     our_templates("browser"),
     values=dict.fromkeys(("README.md.jinja", "decode.html.jinja", "decode.js.jinja"), Page),
-    filters={"script_json": script_json},
+    filters={"script_json": script_json, "markdown": text},
 )
 TARGET = Target(
     name="browser",
