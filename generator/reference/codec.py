@@ -27,6 +27,8 @@ from ..model import (
     Variant,
     assert_never,
 )
+from ..say import fault
+from ..say.layout import as_one_number
 from ..say.words import counted
 from .crc import compute_bits, compute_bytes
 
@@ -123,9 +125,10 @@ def select(
     layout = candidates[0]
     found = _selected(layout.place(variant.parameters), data)
     if found is None:
-        return None, (Problem(Fault.LENGTH, "", f"{counted(len(data), 'byte')}: too few to tell the frame by"),)
+        return None, (Problem(Fault.LENGTH, "", fault.too_few_bytes(counted(len(data), "byte"))),)
     choices = ", ".join(f"{value:X}" for value in sorted(allowed))
-    return None, (Problem(Fault.RANGE, layout.selector, f"{layout.selector} is {found:X}; it can be {choices}"),)
+    wrong = fault.no_frame(layout.selector, f"{found:X}", choices)
+    return None, (Problem(Fault.RANGE, layout.selector, wrong),)
 
 
 def _selected(placed: PlacedLayout, data: bytes) -> int | None:
@@ -166,7 +169,7 @@ def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) ->
 
 
 def _other_length(placed: PlacedLayout, number: int, needed: str, found: int) -> Decoded:
-    wrong = f"'{placed.name}' has {needed}; this has {found}"
+    wrong = fault.length(placed.name, needed, f"{found}")
     return Decoded(placed, number, (), None, (Problem(Fault.LENGTH, "", wrong),))
 
 
@@ -183,10 +186,10 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         if isinstance(item.field.kind, Parity):
             expected = parity_bit(placed, item.field.kind, number)
             if raw != expected:
-                wrong = f"{item.name} is {raw}; for this {item.field.kind.of} it has to be {expected}"
+                wrong = fault.parity(item.name, f"{raw}", item.field.kind.of, f"{expected}")
                 problems.append(Problem(Fault.CONSTANT, item.name, wrong))
         elif item.name == placed.layout.selector and raw not in placed.layout.selects:
-            problems.append(Problem(Fault.RANGE, item.name, f"{item.name} {raw:X} does not belong to this frame"))
+            problems.append(Problem(Fault.RANGE, item.name, fault.of_other_frame(item.name, f"{raw:X}")))
     crc = _decode_crc(device, placed, number, problems)
     fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
     if any(isinstance(item.kind, Unused) for item in placed.layout.fields):
@@ -202,7 +205,7 @@ def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: lis
             crc = device.crc(item.field.kind.crc)
             result = CrcResult(crc.name, number >> item.low & item.mask, compute(crc, placed, number))
             if not result.ok:
-                wrong = f"the CRC is {result.received:#04x}; over these bits it has to be {result.computed:#04x}"
+                wrong = fault.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
                 problems.append(Problem(Fault.CRC, item.name, wrong))
             return result
     return None
@@ -210,7 +213,7 @@ def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: lis
 
 def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> DecodedField:
     parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
-    meaning = f"{parts} as one number" if len(join.fields) > 1 else ""
+    meaning = as_one_number(parts) if len(join.fields) > 1 else ""
     return DecodedField(
         join.name, join_value(placed, join, number), join_value(placed, join, plain), "", meaning, -1, -1
     )
@@ -293,15 +296,16 @@ def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem
             if named is not None:
                 value, meaning = named.name, named.meaning or meaning
             else:
-                problems.append(Problem(Fault.RANGE, name, f"{name} has no value {raw:#x}"))
+                problems.append(Problem(Fault.RANGE, name, fault.no_value(name, f"{raw:#x}")))
         case Constant(constant):
             if raw != constant:
-                problems.append(Problem(Fault.CONSTANT, name, f"{name} is {raw:#x}; it is always {constant:#x}"))
+                wrong = fault.constant(name, f"{raw:#x}", f"{constant:#x}")
+                problems.append(Problem(Fault.CONSTANT, name, wrong))
         case Text():
             value = raw.to_bytes(item.width // 8, "big").decode("ascii", "replace")
         case Decimal() as decimal:
             if raw >= decimal.limit:
-                wrong = f"{name} is {raw}, which has more than {decimal.digits} digits"
+                wrong = fault.digits(name, f"{raw}", f"{decimal.digits}")
                 problems.append(Problem(Fault.RANGE, name, wrong))
         case Unused():
             pass  # whatever it is, the frame is sound
@@ -431,16 +435,16 @@ def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
         case _:
             assert_never(kind)
     if raw < 0 or raw > item.mask:
-        raise EncodeError(f"{name} {raw} does not fit into {item.width} bits")
+        raise EncodeError(fault.too_wide(name, f"{raw}", f"{item.width}"))
     return raw
 
 
 def _bits_of(number: Number, item: PlacedField, value: int) -> int:
     raw = 0 if value == number.zero_means else value & item.mask
     if _number_of(number, raw, item.width) != value:
-        raise EncodeError(f"{item.name} {value} does not fit into {item.width} bits")
+        raise EncodeError(fault.too_wide(item.name, f"{value}", f"{item.width}"))
     if number.power_of_two and value.bit_count() != 1:
-        raise EncodeError(f"{item.name} {value} is no power of two")
+        raise EncodeError(fault.no_power_of_two(item.name, f"{value}"))
     return raw
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ..model import Device, EditionTest
+from ..say.fault import of_older_edition
 from .codec import Decoded, number_from_bytes
 from .codec import decode as decode_word
 from .findings import Difference
@@ -42,10 +43,7 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
         if found is not None and not test.min <= found <= test.max:
             bounds = f"{test.min} to {test.max}"
             before = edition_before(device, revision)
-            message = (
-                f"{test.run} is {found}, and can only be {bounds}. An encoder of before manual {revision} may hold "
-                f"this: what its {register.replace('_', ' ')} is, --edition {before} says"
-            )
+            message = of_older_edition(test.run, f"{found}", bounds, revision, register, before)
             yield Difference(test.run, found, bounds, message, True)
 
 

@@ -22,6 +22,7 @@ from ..model import (
     Verdict,
     cite,
 )
+from ..say import fault
 from ..say.report import alarm_of, meaning, remedy, source
 from .codec import Decoded, DecodedField, number_from_bytes, number_of_text
 
@@ -139,8 +140,8 @@ def _differences(
 def _message(name: str, variant: Variant, found: int | str, documented: int | str, of_register: bool) -> str:
     has, wanted = _shown(found), _shown(documented)
     if of_register:
-        return f"{name}: the register holds {has}, {variant.code} has {wanted}"
-    return f"{name} is {has}, the manual has {wanted}"
+        return fault.other_content(name, has, variant.code, wanted)
+    return fault.other_value(name, has, wanted)
 
 
 def _shown(value: int | str) -> str:
@@ -183,7 +184,7 @@ def _compare_register(variant: Variant, register: Register, held: Mapping[int, i
             given_digits, wanted_digits = _digits(found, known, item), _digits(wanted, known, item)
             wrong = f"{where}: what is given of it is {given_digits}, {variant.code} has {wanted_digits}"
             if known == item.mask:
-                wrong = f"{where}: the register holds {found:#04x}, {variant.code} has {wanted:#04x}"
+                wrong = fault.other_content(where, f"{found:#04x}", variant.code, f"{wanted:#04x}")
             yield Difference(where, found, wanted, wrong, True)
 
 

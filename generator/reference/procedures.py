@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from ..model import Device, ModifyStep, Number, Procedure, Register, Variant, Write, WriteStep
 from ..model.expressions import Expression
+from ..say import fault
 from . import codec
 from .limits import bounded, bounds
 from .run_time import after_write
@@ -63,7 +64,7 @@ def _number(
         # Those of a meaning are of whatever the argument is written to.
         has_meaning = limits != (register.min, register.max)
         if (has_meaning or name == bounded(register)) and not low <= value <= high:
-            raise codec.EncodeError(f"{value} is outside {low} to {high}")
+            raise codec.EncodeError(fault.outside(f"{value}", f"{low}", f"{high}"))
     if isinstance(step, ModifyStep):
         item = placed.field(step.field)
         if item is None or value & ~item.mask:

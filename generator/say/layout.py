@@ -70,3 +70,8 @@ def join(item: Join) -> Said:
     """Which fields make a number."""
     parts = listed([Code(name) for name in item.fields])
     return said(Code(item.name), " is made of ", *parts, ", most significant first")
+
+
+def as_one_number(parts: str) -> str:
+    """What the number is that these fields make."""
+    return f"{parts} as one number"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 #: Ours, in the order in which they are listed and run. They run by default; a registered one runs when asked for.
-BUILT_IN = ("python", "c", "biss", "docs")
+BUILT_IN = ("python", "c", "biss", "docs", "browser")
 GROUP = "codewheel.targets"
 _Given = TypeVar("_Given")
 

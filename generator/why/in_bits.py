@@ -25,6 +25,8 @@ _STATES = 4096
 
 #: A layout of a certain length, and the order codes that send it; none where registers make it so.
 Shape = tuple[PlacedLayout, tuple[str, ...]]
+#: A kind of mistake, what is said of it, and the CRC that a frame has then.
+OtherCrc = tuple[str, str, Crc]
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,12 +173,12 @@ def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: in
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
     """The frame is as it was sent; the CRC is another one."""
     same = as_sent(placed, crc, number)
-    turned = "is not inverted" if crc.xorout else "is inverted"
-    yield replace(same, kind=NOT_INVERTED, text=f"the CRC {turned}", crc=replace(crc, xorout=crc.xorout ^ crc.mask))
+    yield from (replace(same, kind=kind, text=words, crc=other) for kind, words, other in other_crcs(crc))
     yield from _status_otherwise(same, placed, number)
     yield from _position_otherwise(same, placed, number)
     yield from _start_bits_in_crc(same)
-    yield from _other_parameters(same)
+    words = "the bits of the CRC are in reversed order"
+    yield replace(same, kind="crc_reversed", text=words, received=reflect(same.received, crc.width))
 
 
 def _status_otherwise(same: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
@@ -216,16 +218,15 @@ def _start_bits_in_crc(same: Try) -> Iterator[Try]:
         yield replace(same, kind="start_bits_in_crc", text=f"the CRC is over {words} too", data=data, bits=bits)
 
 
-def _other_parameters(same: Try) -> Iterator[Try]:
-    """The CRC has another start value, or its polynomial or its own bits are reversed."""
-    crc = same.crc
+def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
+    """The CRC inverted or not, with another start value, or with its polynomial reversed."""
+    turned = "is not inverted" if crc.xorout else "is inverted"
+    yield NOT_INVERTED, f"the CRC {turned}", replace(crc, xorout=crc.xorout ^ crc.mask)
     for start in sorted({0, crc.mask} - {crc.init}):
-        yield replace(same, kind="start_value", text=f"the CRC starts with {start:#x}", crc=replace(crc, init=start))
+        yield "start_value", f"the CRC starts with {start:#x}", replace(crc, init=start)
     backwards = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
     words = f"the polynomial is {backwards | 1 << crc.width:#x}, read from the other end"
-    yield replace(same, kind="polynomial_reversed", text=words, crc=replace(crc, poly=backwards))
-    words = "the bits of the CRC are in reversed order"
-    yield replace(same, kind="crc_reversed", text=words, received=reflect(same.received, crc.width))
+    yield "polynomial_reversed", words, replace(crc, poly=backwards)
 
 
 def _whole(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..model import Constant, Crc, Device, Parity, PlacedLayout, Variant
 from ..reference.codec import number_from_bytes, number_to_bytes, parity_bit
-from .in_bits import POLYNOMIALS, as_sent, read_as
+from .in_bits import POLYNOMIALS, OtherCrc, as_sent, read_as
 from .tries import NOT_INVERTED, Try
 
 #: More bytes before or after a frame are another matter than a request that is heard back.
@@ -32,12 +32,7 @@ def tries(device: Device, variant: Variant, sender: str, given: PlacedLayout | N
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
     """The frame is as it was sent; the CRC is another one."""
     same = _over_bytes(as_sent(placed, crc, number_from_bytes(placed.layout, data)), data)
-    turned = "the CRC is inverted" if not crc.xorout else "the CRC is not inverted"
-    # With x^8 + 1 a start value only adds itself to the result.
-    also = f", or starts with {crc.mask ^ crc.init:#x}, which is the same here" if crc.is_xor else ""
-    yield replace(same, kind=NOT_INVERTED, text=turned + also, crc=replace(crc, xorout=crc.xorout ^ crc.mask))
-    for start in () if crc.is_xor else sorted({0, crc.mask} - {crc.init}):
-        yield replace(same, kind="start_value", text=f"the CRC starts with {start:#x}", crc=replace(crc, init=start))
+    yield from (replace(same, kind=kind, text=words, crc=other) for kind, words, other in other_crcs(crc))
     without = int.from_bytes(data[1:-1], "big")
     yield replace(
         same,
@@ -46,12 +41,21 @@ def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator
         data=without,
         bits=same.bits - 8,
     )
+
+
+def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
+    """The CRC inverted or not, with another start value, or with another polynomial of its length."""
+    turned = "the CRC is inverted" if not crc.xorout else "the CRC is not inverted"
+    # With x^8 + 1 a start value only adds itself to the result.
+    also = f", or starts with {crc.mask ^ crc.init:#x}, which is the same here" if crc.is_xor else ""
+    yield NOT_INVERTED, turned + also, replace(crc, xorout=crc.xorout ^ crc.mask)
+    for start in () if crc.is_xor else sorted({0, crc.mask} - {crc.init}):
+        yield "start_value", f"the CRC starts with {start:#x}", replace(crc, init=start)
     for polynomial in POLYNOMIALS:
         if polynomial.bit_length() == 9:
             for reflected in (False, True):
                 words = f"the polynomial is {polynomial:#x}, {'least' if reflected else 'most'} significant bit first"
-                other = replace(crc, poly=polynomial & 0xFF, refin=reflected, refout=reflected)
-                yield replace(same, kind="other_polynomial", text=words, crc=other)
+                yield "other_polynomial", words, replace(crc, poly=polynomial & 0xFF, refin=reflected, refout=reflected)
 
 
 def _moved(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:

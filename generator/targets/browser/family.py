@@ -1,0 +1,109 @@
+"""A family as the script knows it: its order codes, CRCs, frames and registers."""
+
+from __future__ import annotations
+
+from ...model import Alternative, Crc, Device, Interface
+from ...plan.crcs import Carrier, carriers
+from ...plan.frames import Dispatch, dispatches
+from ...plan.held import Held, held_parameters
+from ...plan.reports import reportings
+from ...say.origin import origin
+from ...say.place import field_at
+from ...say.text import BY_NAME
+from ...why import in_bits, in_bytes
+from .layouts import frame, register
+from .plain import Data, Pool, bound, expression, kept, number
+
+
+def family(device: Device) -> Data:
+    """All that the script knows of a family."""
+    given = [item.name for item in device.parameters if item.equals is None]
+    names, shared = [item.name for item in device.interfaces], Pool()
+    return kept(
+        name=device.name,
+        title=device.title,
+        base=device.base,
+        special=next((item.special for item in device.overlays if item.special), ""),
+        special_codes=device.order_code.special,
+        about=[BY_NAME.sentence(item) for item in origin(device)],
+        given=given,
+        derived=[[item.name, expression(item.equals)] for item in device.parameters if item.equals is not None],
+        held=[_held(device, item) for held in held_parameters(device) for item in held.parameters],
+        alternatives=[_alternative(item) for item in device.alternatives],
+        crcs={item.name: _crc(device, item) for item in device.crcs},
+        interfaces=[_interface(device, item, shared) for item in device.interfaces],
+        shared=shared.items,
+        codes=[
+            [item.code, names.index(item.interface), *(number(item.parameters[name]) for name in given)]
+            for item in device.variants
+        ],
+    )
+
+
+def _held(device: Device, item: Held) -> Data:
+    """A parameter that a register holds, and between which values."""
+    parameter = item.parameter
+    at = field_at(device, parameter.read_from)
+    return kept(name=parameter.name, meaning=parameter.meaning, at=at, min=parameter.min, max=parameter.max)
+
+
+def _alternative(item: Alternative) -> Data:
+    answers = [
+        [one.name, one.meaning, {name: number(value) for name, value in one.sets.items()}] for one in item.answers
+    ]
+    return kept(name=item.name, meaning=item.meaning, answers=answers)
+
+
+def _crc(device: Device, item: Crc) -> Data:
+    """Its parameters, and those that it may have had by mistake."""
+    others = in_bytes.other_crcs(item) if Carrier.BYTES in carriers(device, item) else in_bits.other_crcs(item)
+    return _parameters(item) | {
+        "text": item.polynomial,
+        "others": [[words, _parameters(other)] for _, words, other in others if other != item],
+    }
+
+
+def _parameters(item: Crc) -> Data:
+    return kept(
+        width=item.width,
+        poly=number(item.poly),
+        init=number(item.init),
+        refin=int(item.refin),
+        refout=int(item.refout),
+        xorout=number(item.xorout),
+    )
+
+
+def _interface(device: Device, item: Interface, shared: Pool) -> Data:
+    by_frame = {one.codec.layout.name: one for one in reportings(device)}
+    return kept(
+        name=item.name,
+        title=item.title,
+        measure=_measure(device, item),
+        frames=[shared.parts(frame(device, layout, by_frame.get(layout.name))) for layout in item.layouts],
+        told=[_dispatch(item, one) for one in dispatches(item.layouts)],
+        registers=[shared.parts(register(device, one)) for one in device.registers if one.interface == item.name],
+    )
+
+
+def _measure(device: Device, interface: Interface) -> Data:
+    """What the position counts; ``part`` is the field that has the angle where the position as a whole is not sent."""
+    found = device.measurement_of(interface.name)
+    if found is None:
+        return {}
+    joins = (join for layout in interface.layouts for join in layout.joins if join.name == found.of)
+    part = next((join.fields[-1] for join in joins), "")
+    step, turn, turns = map(bound, (found.step_um, found.steps_per_turn, found.turns))
+    return kept(of=found.of, part=part, step_um=step, steps_per_turn=turn, turns=turns)
+
+
+def _dispatch(interface: Interface, item: Dispatch) -> Data:
+    """How the frames of a sender are told apart: pieces of bytes that make the selector, and frames by its values."""
+    places = {layout.name: place for place, layout in enumerate(interface.layouts)}
+    return kept(
+        sender=item.sender,
+        selector=item.selector.name,
+        pieces=[[piece.byte, piece.right, piece.mask, piece.left] for piece in item.bits.pieces],
+        needs=item.needs,
+        frames=[[places[branch.layout.name], *map(number, branch.values)] for branch in item.branches],
+    ) | {"fallback": places[item.fallback.name] if item.fallback is not None else -1}

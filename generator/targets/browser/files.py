@@ -1,0 +1,84 @@
+"""The browser target: one page and one script that decode frames and registers without a server.
+
+The script has the plan of every frame as a table, which a small runtime in the templates reads. Other pages can have
+the box of the page in them.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, TypedDict
+
+from ...model import Fault
+from ...render import Templates, our_templates
+from ...say import fault
+from ...say.layout import as_one_number
+from ...say.lines import plain
+from ...say.markdown import text
+from ...say.words import WORTH
+from ...why.in_bits import SLIPS
+from .. import NO_OPTIONS, Library, Options, Target
+from .family import family
+from .plain import Data, script_json
+
+#: What is said of faults, with a place for each number and name: ``{0} is {1}``.
+_SAID = {
+    "length": fault.length("{0}", "{1}", "{2}"),
+    "crc": fault.crc("{0}", "{1}"),
+    "constant": fault.constant("{0}", "{1}", "{2}"),
+    "parity": fault.parity("{0}", "{1}", "{2}", "{3}"),
+    "no_value": fault.no_value("{0}", "{1}"),
+    "digits": fault.digits("{0}", "{1}", "{2}"),
+    "of_other_frame": fault.of_other_frame("{0}", "{1}"),
+    "too_few_bytes": fault.too_few_bytes("{0}"),
+    "no_frame": fault.no_frame("{0}", "{1}", "{2}"),
+    "other_value": fault.other_value("{0}", "{1}", "{2}"),
+    "other_content": fault.other_content("{0}", "{1}", "{2}", "{3}"),
+    "too_wide": fault.too_wide("{0}", "{1}", "{2}"),
+    "no_power_of_two": fault.no_power_of_two("{0}", "{1}"),
+    "outside": fault.outside("{0}", "{1}", "{2}"),
+    "as_one_number": as_one_number("{0}"),
+}
+
+
+class Page(TypedDict):
+    title: Annotated[str, "the manufacturers on one line"]
+    codes: Annotated[int, "how many order codes there are"]
+    example: Annotated[str, "an order code"]
+    table: Annotated[Data, "what the script knows: words, mistakes with a frame, and the families"]
+
+
+def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
+    """The page, the script and what is said of them."""
+    codes = [item.code for device in library.devices for item in device.variants]
+    page: Page = {
+        "title": ", ".join(plain(maker.title) for maker, _ in library.by_manufacturer()),
+        "codes": len(set(codes)),
+        "example": codes[0] if codes else "",
+        "table": table(library),
+    }
+    names = ("README.md", "decode.html", "decode.js")
+    return {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
+
+
+def table(library: Library) -> Data:
+    """What the script knows."""
+    return {
+        "faults": [item.value for item in Fault],
+        "worth": {verdict.value: words for verdict, words in WORTH.items()},
+        "said": _SAID,
+        "slips": [[item.text, item.front, item.missing, item.lost, item.behind] for item in SLIPS],
+        "families": [family(device) for device in library.devices],
+    }
+
+
+TEMPLATES = Templates(
+    our_templates("browser"),
+    values=dict.fromkeys(("README.md.jinja", "decode.html.jinja", "decode.js.jinja"), Page),
+    filters={"script_json": script_json, "markdown": text},
+)
+TARGET = Target(
+    name="browser",
+    summary="a page that decodes frames and registers without a server, for all families",
+    files=generate,
+    templates=TEMPLATES,
+)

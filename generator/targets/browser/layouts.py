@@ -1,0 +1,215 @@
+"""A frame or register as the script reads it: the operations of its plan by bits of one number, and what is said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ...model import Alarm, Device, Field, Flag, Layout, Register, RegisterMeaning, cite
+from ...model.expressions import Expression
+from ...plan.codec import (
+    AlwaysIs,
+    AtMost,
+    Codec,
+    Fixed,
+    IsOneOf,
+    ParityIs,
+    ParityOf,
+    Part,
+    Turned,
+    ZerosAbove,
+    codec_of,
+)
+from ...plan.columns import Condition, Place, conditions, kind_of
+from ...plan.limits import Limits, limits_of
+from ...plan.reports import Judgement, Reporting, Speaks
+from ...reference.editions import edition_before, tests_of
+from ...reference.parameters import needed_parameters
+from ...say.fault import of_older_edition
+from ...say.name import title
+from ...say.place import register_at
+from ...say.register import facts
+from ...say.report import alarm_of, meaning, remedy, source
+from ...say.text import BY_NAME, told
+from .plain import Data, bound, expression, kept, number
+
+
+def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
+    """A frame, with what it tells of the encoder."""
+    judgement = reporting.judgement if reporting is not None else None
+    by_name = {item.by.field.name: item.by.field for item in (reporting.told if reporting is not None else ())}
+    # As the frame has them, not the flags first.
+    fields = [by_name[item.name] for item in layout.fields if item.name in by_name]
+    return _layout(device, layout) | kept(
+        title=title(layout),
+        sender=layout.sender,
+        channel=layout.channel,
+        selector=layout.selector,
+        selects=[number(value) for value in layout.selects],
+        speaks=[*_speaks(judgement)] if judgement is not None else (),
+        otherwise=judgement.otherwise.value if judgement is not None else "",
+        tells=[_told(item, alarm_of(device, item)) for item in fields],
+    )
+
+
+def register(device: Device, item: Register) -> Data:
+    """A register, with its alarms and what holds for writing it."""
+    meanings: tuple[RegisterMeaning | None, ...] = item.meanings or (None,)
+    alarms = [(field, alarm_of(device, field, item.name)) for field in item.layout.fields]
+    default = item.default_bytes()
+    about = (*told(item.meaning), *facts(device, item), *told(item.note))
+    return _layout(device, item.layout) | kept(
+        title=title(item),
+        place=register_at(item),
+        length=item.length,
+        about=[BY_NAME.sentence(one) for one in about],
+        writable=item.writable,
+        default=default.hex(" ").upper() if default is not None else "",
+        limits=[_limits(one, limits_of(device, item, one)) for one in meanings],
+        tells=[_told(field, alarm) for field, alarm in alarms if alarm is not None],
+        strange=[*_strange(device, item)],
+    )
+
+
+def _layout(device: Device, layout: Layout) -> Data:
+    codec = codec_of(device, layout)
+    gray = codec.gray
+    return kept(
+        name=layout.name,
+        bits=expression(layout.bits),
+        bytes={"low_byte_first": 1, "high_byte_first": 2}[layout.byte_order] if layout.in_bytes else 0,
+        fields=[*_fields(codec)],
+        joins=[[item.join.name, [[one.name, expression(low)] for one, low in item.from_low]] for item in codec.wholes],
+        checks=[_check(layout, item) for item in conditions(codec)],
+        crc=codec.crc.crc.name if codec.crc is not None else "",
+        gray=[expression(gray.low), expression(gray.width), gray.when] if gray is not None else (),
+        asks=[item.name for item in codec.alternatives],
+        held=_held(device, layout, codec),
+    )
+
+
+def _held(device: Device, layout: Layout, codec: Codec) -> list[str]:
+    """The parameters that registers hold, of those on which the layout depends."""
+    places = (place for item in layout.fields for place in (item.low, item.width))
+    names = {name for item in (layout.bits, *places) for name in item.parameters}
+    names |= {codec.gray.when} if codec.gray is not None else set()
+    needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
+    return [item.name for item in device.run_time_parameters if item.name in needed]
+
+
+def _fields(codec: Codec) -> Iterator[Data]:
+    sent = {item.field.name: item.value for item in codec.terms}
+    for item in codec.layout.fields:
+        kind = kind_of(Part(item, codec.bits_of(item.name), shared=False))
+        flag = item.kind if isinstance(item.kind, Flag) else Flag()
+        yield kept(
+            name=item.name,
+            printed=item.printed_name,
+            low=expression(item.low),
+            width=expression(item.width),
+            kind="" if kind == "number" else kind,
+            meaning=item.meaning,
+            on=flag.when_active,
+            off=flag.when_inactive,
+            values=[_cut(number(one.value), one.name, one.meaning) for one in item.values],
+            zero=number(item.number.zero_means),
+            power=item.number.power_of_two,
+            runs=[_cut(run.name, number(run.divisor), number(run.modulus), run.meaning) for run in item.runs],
+            unit=item.unit,
+            equals=_stated(item),
+        ) | _sent(sent.get(item.name))
+
+
+def _cut(*row: Any) -> list[Any]:
+    """A row without what is empty at its end."""
+    return list(row if row[-1] else row[:-1])
+
+
+def _stated(item: Field) -> Any:
+    """What the manual says that the field is: a number or an expression in a list, or a text."""
+    value = item.equals
+    if value is None or isinstance(value, str):
+        return value
+    return [expression(value if isinstance(value, Expression) else Expression(value))]
+
+
+def _sent(value: object) -> Data:
+    """What an encoder puts into a field that no user gives; there is no term for the CRC."""
+    match value:
+        case Fixed(fixed):
+            return {"fixed": number(fixed)}
+        case ParityOf(of, odd):
+            return {"parity": of.name, "odd": int(odd)}
+        case Turned(documented, place):
+            return {"unused": number(documented), "place": place}
+        case None:
+            return {"crc": 1}
+    return {}
+
+
+def _place(item: Place) -> list[Any]:
+    return [expression(item.low), expression(item.width)]
+
+
+def _check(layout: Layout, item: Condition) -> Data:
+    """What has to hold; ``says`` is the sentence that is said where it does not."""
+    of = item.parity_of
+    name, says, most, always = item.check.field.name, "", 0, False
+    match item.check:
+        case AlwaysIs():
+            says, always = "constant", True
+        case ZerosAbove(padding=padding):
+            name, says, always = padding.name, "constant", True
+        case ParityIs():
+            says, always = "parity", True
+        case IsOneOf(field=field):
+            always = field.name == layout.selector
+            says = "of_other_frame" if always else "no_value"
+        case AtMost(runs=runs):
+            says, most = "digits", sum(run.digits for run in runs)
+    return kept(
+        at=_place(item.place),
+        fault=item.check.fault.value,
+        field=name,
+        says=says,
+        always=int(always),
+        values=[number(value) for value in item.values],
+        limit=number(item.limit) if item.limit is not None else None,
+        most=most,
+        of=_place(of) if of is not None else (),
+        of_name=item.check.of.name if isinstance(item.check, ParityIs) else "",
+        odd=int(item.odd),
+    )
+
+
+def _speaks(judgement: Judgement) -> Iterator[list[Any]]:
+    """What decides about the position, the worst first: verdict, field, and the flags that silence it."""
+    for verdict, items in (("not_usable", judgement.not_usable), ("usable_with_warning", judgement.with_warning)):
+        yield from ([verdict, *_speaking(item)] for item in items)
+
+
+def _speaking(item: Speaks) -> list[Any]:
+    return _cut(item.by.field.name, [part.field.name for part in item.unless])
+
+
+def _told(field: Field, alarm: Alarm | None) -> Data:
+    """A report that the field makes while it is active, or not as the manual has it."""
+    return kept(
+        field=field.name,
+        meaning=meaning(field, alarm),
+        remedy=remedy(alarm),
+        source=cite(source(field, alarm)),
+    )
+
+
+def _limits(meant: RegisterMeaning | None, limits: Limits) -> Data:
+    name, text = (meant.name, meant.meaning) if meant is not None else ("", "")
+    return kept(name=name, meaning=text, of=limits.member) | {"low": bound(limits.low), "high": bound(limits.high)}
+
+
+def _strange(device: Device, item: Register) -> Iterator[list[Any]]:
+    """Values that tell of an encoder of an older edition: the digits, their bounds, and what is said."""
+    for revision, test in tests_of(device, item.name):
+        before = edition_before(device, revision)
+        words = of_older_edition(test.run, "{0}", f"{test.min} to {test.max}", revision, item.name, before)
+        yield [test.run, test.min, test.max, words]

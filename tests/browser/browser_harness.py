@@ -1,0 +1,186 @@
+"""Frames and registers for the script of the page: what the reference codec says of each, and who is asked."""
+
+from __future__ import annotations
+
+import html
+import json
+import random
+import re
+import shutil
+import subprocess
+import warnings
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from codewheel.model import Device, Layout, PlacedLayout, Register, Variant
+from codewheel.reference import codec
+from codewheel.reference.editions import strange_values
+from codewheel.reference.findings import findings
+from rust_frames import numbers
+from test_c_codec import run_time_variants
+
+HERE = Path(__file__).resolve().parent
+#: The least number of frames of a layout for one order code.
+_LEAST = 20
+_BROWSER = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--allow-file-access-from-files")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A frame or register for one order code, its registers holding what they hold."""
+
+    device: Device
+    variant: Variant
+    placed: PlacedLayout
+    register: Register | None = None
+
+    @property
+    def layout(self) -> Layout:
+        return self.placed.layout
+
+    @property
+    def data(self) -> dict[str, Any]:
+        given = [item.name for item in self.device.parameters if item.equals is None]
+        return {
+            "name": f"{self.device.name} {self.variant.code} {self.placed.name}",
+            "family": self.device.name,
+            "code": self.variant.code,
+            "interface": self.variant.interface,
+            "given": {name: str(self.variant.parameters[name]) for name in given},
+            "sender": self.layout.sender,
+            # Frames of bytes tell themselves which they are.
+            "layout": "" if self.layout.in_bytes else self.layout.name,
+            "register": self.register.name if self.register is not None else "",
+        }
+
+    def text(self, number: int, other_bits: int = 0) -> str:
+        """A frame as people type it, with so many bits more or fewer; a word with all of its bits or without."""
+        bits = self.placed.bits + other_bits
+        if not self.layout.in_bytes:
+            return f"0b{number % (1 << bits):0{bits}b}" if number % 3 or other_bits else f"0x{number:X}"
+        data = codec.number_to_bytes(self.layout, number, self.placed.bits)
+        data = (data + bytes(8))[: bits // 8]
+        return data.hex(" ") if number % 2 else data.hex().upper()
+
+    def decoded(self, number: int, other_bits: int = 0) -> codec.Decoded:
+        """What the reference makes of that text."""
+        if not self.layout.in_bytes:
+            if number % 3 or other_bits:
+                bits = self.placed.bits + other_bits
+                return codec.decode_bits(self.device, self.placed, number % (1 << bits), bits)
+            return codec.decode(self.device, self.placed, number)
+        data = codec.number_to_bytes(self.layout, number, self.placed.bits) + bytes(8)
+        data = data[: (self.placed.bits + other_bits) // 8]
+        if self.register is not None:
+            return codec.decode_placed(self.device, self.placed, data)
+        return codec.decode_bytes(self.device, self.variant, self.layout.sender, data)
+
+    def said(self, decoded: codec.Decoded) -> str:
+        """All that is told of it, as one text."""
+        found = findings(self.device, self.variant, decoded)
+        strange = strange_values(self.device, decoded) if not decoded.problems else ()
+        rows: list[Sequence[object]] = [(decoded.layout.name if decoded.layout is not None else "",)]
+        rows += [("problem", item.fault.value, item.field, item.message) for item in decoded.problems]
+        rows += [
+            (item.name, item.raw, _shown(item.value), item.unit, item.meaning, item.high, item.low)
+            for item in decoded.fields
+            if item.name != codec.UNUSED or item.high >= 0
+        ]
+        rows.append(("crc", decoded.crc.received, decoded.crc.computed) if decoded.crc is not None else ("no crc",))
+        rows += [("report", item.field, item.meaning, item.remedy, item.source) for item in found.reports]
+        rows.append(("verdict", found.verdict.value if found.verdict is not None else ""))
+        rows += [("difference", item.message) for item in (*found.differences, *strange)]
+        return "\n".join("\t".join(map(str, row)) for row in rows)
+
+
+def _shown(value: int | str | bool) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def cases(device: Device) -> Iterator[list[Case]]:
+    """Each frame and register, with all order codes that differ in something and some states of the registers."""
+    layouts = [(interface.name, layout, None) for interface, layout in device.layouts()]
+    layouts += [(item.interface, item.layout, item) for item in device.registers]
+    for interface, layout, register in layouts:
+        variants = {
+            tuple(sorted(item.parameters.items())): item
+            for item in (*device.variants, *run_time_variants(device))
+            if item.interface == interface
+        }
+        yield [Case(device, item, layout.place(item.parameters), register) for item in variants.values()]
+
+
+def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
+    """So many frames, sound and disturbed, and of each a CRC-32 of what the reference says."""
+    size = 8 if case.layout.in_bytes else 1
+    others = [0] * 8 + ([-size, size] if case.placed.bits > size else [size])
+    wanted = [(number, random_.choice(others)) for number in numbers(case, max(count, _LEAST), random_)]
+    wanted = [(number, 0 if case.register is not None else other) for number, other in wanted]
+    said = (case.said(case.decoded(*item)) for item in wanted)
+    expected = [f"{zlib.crc32(text.encode()):08x}" for text in said]
+    return {**case.data, "frames": [case.text(*item) for item in wanted], "expected": expected}
+
+
+def program(name: str) -> str:
+    """The path of a program; without it the test is skipped, and the end of the run says so."""
+    found = shutil.which(name)
+    if found is None:
+        words = f"no {name} here, so what the page does in it is not shown; apt-get install {name}"
+        warnings.warn(words, stacklevel=2)
+        pytest.skip(words)
+    return found
+
+
+class Asker:
+    """Asks the script, in Node or in a browser that is started once."""
+
+    def __init__(self, folder: Path, script: str, program: str) -> None:
+        self._folder, self._program = folder, program
+        self._in_node = Path(program).name.startswith("node")
+        (folder / "decode.js").write_text(script, encoding="utf-8")
+        (folder / "harness.js").write_text((HERE / "harness.js").read_text(encoding="utf-8"), encoding="utf-8")
+
+    def __call__(self, function: str, items: Iterable[dict[str, Any]], timeout: int = 580) -> list[Any]:
+        """What a function of the harness answers for each item."""
+        names = ["decode.js", "harness.js"]
+        items = list(items)
+        for place, item in enumerate(items):
+            call = f"(globalThis.answers ??= []).push(codewheelTests.{function}({json.dumps(item)}));\n"
+            (self._folder / f"case-{place}.js").write_text(call, encoding="utf-8")
+            names.append(f"case-{place}.js")
+        answers: list[Any] = json.loads(self._node(names, timeout) if self._in_node else self._page(names, timeout))
+        assert len(answers) == len(items)
+        return answers
+
+    def _node(self, names: Sequence[str], timeout: int) -> str:
+        run = "for (const name of NAMES) require('vm').runInThisContext(require('fs').readFileSync(name, 'utf8'));"
+        code = f"{run.replace('NAMES', json.dumps(names))} console.log(JSON.stringify(answers));"
+        return self._output([self._program, "-e", code], timeout)
+
+    def _page(self, names: Sequence[str], timeout: int) -> str:
+        scripts = "".join(f'<script src="{name}"></script>' for name in names)
+        last = (
+            "document.body.append(Object.assign(document.createElement('pre'), {textContent: JSON.stringify(answers)}))"
+        )
+        page = f'<!DOCTYPE html><meta charset="utf-8"><body>{scripts}<script>{last}</script>'
+        (self._folder / "run.html").write_text(page, encoding="utf-8")
+        out = self._output(
+            [*browser(self._program, self._folder), "--dump-dom", (self._folder / "run.html").as_uri()], timeout
+        )
+        found = re.search(r"<pre>(.*)</pre>", out, re.DOTALL)
+        assert found is not None, out[-2000:]
+        return html.unescape(found[1])
+
+    def _output(self, command: list[str], timeout: int) -> str:
+        done = subprocess.run(command, cwd=self._folder, capture_output=True, text=True, timeout=timeout, check=False)
+        assert done.returncode == 0, done.stderr[-2000:]
+        return done.stdout
+
+
+def browser(program: str, folder: Path) -> list[str]:
+    """The command that starts a browser with a profile of its own."""
+    return [program, *_BROWSER, f"--user-data-dir={folder / 'profile'}"]

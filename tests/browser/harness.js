@@ -1,0 +1,125 @@
+// Runs cases through decode.js, in a browser or in Node, and compares what each frame says by a CRC-32 of its text.
+(() => {
+  "use strict";
+
+  const wheel = globalThis.codewheelDecode;
+  const remainders = Array.from({ length: 256 }, (_, byte) => {
+    let found = byte;
+    for (let bit = 0; bit < 8; bit += 1) found = found & 1 ? (found >>> 1) ^ 0xedb88320 : found >>> 1;
+    return found;
+  });
+
+  function crc32(text) {
+    let found = 0xffffffff;
+    for (const byte of new TextEncoder().encode(text)) found = (found >>> 8) ^ remainders[(found ^ byte) & 0xff];
+    return (~found >>> 0).toString(16).padStart(8, "0");
+  }
+
+  /** The order code of a case, with its own numbers for all that an order code or a register sets. */
+  function foundFor(item) {
+    const family = wheel.table.families.find((one) => one.name === item.family);
+    const given = Object.fromEntries(Object.entries(item.given).map(([name, value]) => [name, BigInt(value)]));
+    return { code: item.code, family, interface: family.interfaces.find((one) => one.name === item.interface), given };
+  }
+
+  function decoded(found, item, text) {
+    const register = (found.interface.registers ?? []).find((one) => one.name === item.register);
+    if (register) return wheel.decodeRegister(found, register, text);
+    if (!item.layout) return wheel.decodeFrame(found, item.sender, text);
+    const layout = found.interface.frames.find((one) => one.name === item.layout);
+    const at = wheel.placedFor(found, layout);
+    return layout.bytes ? wheel.decodeBytes(at, wheel.bytesIn(text)) : wheel.decodeBits(at, wheel.numberIn(text));
+  }
+
+  function textOf(decoded_) {
+    const row = (...values) => values.join("\t");
+    return [
+      decoded_.at ? decoded_.at.name : "",
+      ...decoded_.problems.map((one) => row("problem", one.fault, one.field, one.message)),
+      ...decoded_.fields.map((one) => row(one.name, one.raw, one.value, one.unit, one.meaning, one.high, one.low)),
+      decoded_.crc ? row("crc", decoded_.crc.received, decoded_.crc.computed) : "no crc",
+      ...decoded_.reports.map((one) => row("report", one.field, one.meaning, one.remedy ?? "", one.source ?? "")),
+      row("verdict", decoded_.verdict ?? ""),
+      ...decoded_.differences.map((one) => row("difference", one)),
+    ].join("\n");
+  }
+
+  function decodingText(item, text) {
+    const found = foundFor(item);
+    try {
+      return textOf(decoded(found, item, text));
+    } catch (error) {
+      return `${error.constructor.name}: ${error.message}`;
+    }
+  }
+
+  /** What differs: the text of the frame, and what it says here. */
+  function compared(item) {
+    const wrong = [];
+    item.frames.forEach((text, place) => {
+      const said = decodingText(item, text);
+      if (crc32(said) !== item.expected[place]) wrong.push([item.name, text, said]);
+    });
+    return wrong;
+  }
+
+  /** What a text of an order code says: faults, the values of the fields, and the CRC as it should be. */
+  function values(item) {
+    const label = wheel.findCode(item.code);
+    const register = (label.interface.registers ?? []).find((one) => one.name === item.register);
+    const found = register ? wheel.decodeRegister(label, register, item.text)
+      : wheel.decodeFrame(label, item.sender, item.text, {}, item.answers);
+    return {
+      layout: found.at ? found.at.name : "",
+      faults: found.problems.map((one) => one.fault),
+      fields: Object.fromEntries(found.fields.map((one) => [one.name, `${one.value}`])),
+      reports: found.reports.map((one) => one.field),
+      verdict: found.verdict,
+    };
+  }
+
+  /** How a text is read as bytes or as a number; or that it is refused. */
+  function readings(item) {
+    const read = (function_) => {
+      try {
+        return JSON.stringify(function_(wheel.checked(item.text)), (_, one) => (typeof one === "bigint" ? `${one}` : one));
+      } catch (error) {
+        return error instanceof wheel.FrameText ? "refused" : `${error}`;
+      }
+    };
+    return [read(wheel.bytesIn), read(wheel.numberIn)];
+  }
+
+  /** What encoding a register answers: its bytes, or that it refuses. */
+  function encoded(item) {
+    const found = foundFor(item);
+    const register = found.interface.registers.find((one) => one.name === item.register);
+    const at = wheel.placedFor(found, register);
+    const limits = (register.limits ?? [])[0];
+    return item.rows.map((row) => {
+      const values = Object.fromEntries(Object.entries(row).map(([name, value]) =>
+        [name, typeof value === "number" || /^-?\d+n$/.test(value) ? BigInt(`${value}`.replace("n", "")) : value]));
+      try {
+        return wheel.bytesFor(at, values, limits);
+      } catch (error) {
+        return error instanceof wheel.Refusal ? "refused" : `${error}`;
+      }
+    });
+  }
+
+  /** The mistakes that are told for a frame. */
+  function reasons(item) {
+    return item.frames.map((text) => {
+      const found = decoded(foundFor(item), item, text);
+      return wheel.explained(found).map((one) => `${one.text}, 1 of ${one.oneIn}`);
+    });
+  }
+
+  /** The order codes for which a text is a sound frame. */
+  const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.at.name, group.codes]);
+
+  /** Frames compared, or the values of a text: for one start of a browser. */
+  const answered = (item) => (item.frames ? compared(item) : values(item));
+
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred };
+})();

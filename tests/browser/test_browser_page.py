@@ -1,0 +1,232 @@
+"""The page as its user meets it, in a real browser, and what it is made of."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser_harness import browser, program
+from codewheel.targets import Library
+from codewheel.targets.browser.files import generate
+
+
+def text_in(path: str, library: Library) -> str:
+    return generate(library)[f"browser/{path}"]
+
+
+# ------------------------------------------------------------ what it is made of
+
+
+def test_the_script_is_a_classic_one_that_asks_for_nothing(library: Library) -> None:
+    """It works from a file, below a strict policy of its page, and text of specs never becomes markup."""
+    script = text_in("decode.js", library)
+    words = r"\b(?:import|export|fetch|eval|innerHTML|outerHTML|insertAdjacentHTML|XMLHttpRequest|localStorage)\b"
+    table = re.search(r"^  const TABLE = (.*);$", script, re.MULTILINE)
+    assert table is not None
+    assert re.findall(words, script.replace(table[1], "")) == []
+    assert re.findall(r"https?:", script) == []
+    assert json.loads(table[1])["families"]
+
+
+def test_the_page_has_one_script_and_no_handlers(library: Library) -> None:
+    page = text_in("decode.html", library)
+    assert re.findall(r"<script[^>]*>", page) == ['<script src="decode.js">']
+    assert re.findall(r"\son\w+=", page) == []
+    assert "https:" not in page
+
+
+def test_every_file_says_its_licence(library: Library) -> None:
+    assert all("0BSD" in text for text in generate(library).values())
+
+
+def test_all_order_codes_are_there(library: Library) -> None:
+    script = text_in("decode.js", library)
+    assert all(f'"{item.code}"' in script for device in library.devices for item in device.variants)
+
+
+def test_the_same_every_time_and_not_large(library: Library) -> None:
+    made = generate(library)
+    assert made == generate(library)
+    assert len(made["browser/decode.js"].encode()) < 150_000
+
+
+def test_no_text_of_a_spec_ends_the_script(hostile: Library) -> None:
+    """Nor the page: texts that hold the marks of all languages come back out of the table as they are."""
+    for device in hostile.devices:
+        script = text_in("decode.js", Library((device,)))
+        table = re.search(r"^  const TABLE = (.*);$", script, re.MULTILINE)
+        assert table is not None
+        assert not re.search(r"[<>&\u2028\u2029]", table[1])
+        assert json.loads(table[1])["families"][0]["title"] == device.title
+    made = generate(hostile)
+    assert re.findall(r"<script[^>]*>", made["browser/decode.html"]) == ['<script src="decode.js">']
+    assert not any("<script>alert" in text for text in made.values())
+
+
+# ------------------------------------------------------------ what its user sees
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    return program("chromium")
+
+
+def shown(chromium: str, folder: Path, script: str, boxes: str = '<div class="codewheel-decode"></div>') -> Any:
+    """What a script answers in a page with these boxes, after they are there; errors of the page fail."""
+    page = f"""<!DOCTYPE html><meta charset="utf-8"><body>{boxes}<script>
+const errors = []; addEventListener("error", (event) => errors.push(event.message));</script>
+<script src="decode.js"></script><script>
+const fire = (input, name) => input.dispatchEvent(new Event(name, {{ bubbles: true }}));
+const type = (input, text) => {{ input.value = text; fire(input, "input"); }};
+const choose = (input, text) => {{ input.value = text; fire(input, "change"); }};
+const said = (box) => box.querySelector(".codewheel-decode-result").innerText;
+const named = (box, name) => [...box.querySelectorAll("label")].find((one) => one.innerText === name).control;
+addEventListener("DOMContentLoaded", () => {{
+  const boxes = [...document.querySelectorAll("div.codewheel-decode")];
+  const answer = (() => {{ {script} }})();
+  const shown = document.createElement("pre");
+  shown.textContent = JSON.stringify({{ answer, errors }});
+  document.body.replaceChildren(shown);
+}});</script>"""
+    (folder / "run.html").write_text(page, encoding="utf-8")
+    command = [*browser(chromium, folder), "--dump-dom", (folder / "run.html").as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    found = re.search(r"<pre>(.*)</pre>", done.stdout, re.DOTALL)
+    assert found is not None, (done.stdout[-1000:], done.stderr[-1000:])
+    result = json.loads(html.unescape(found[1]))
+    assert result["errors"] == []
+    return result["answer"]
+
+
+STEPS = """
+  const [box, other] = boxes, [code, what, text] = box.querySelectorAll("input, select, textarea");
+  const seen = {};
+  seen.other = other.querySelector("input").value;
+  type(code, "AMM5A23/65KJP1-xyz"); type(text, "02 20 C7 D1 6A 5E"); seen.reports = said(box);
+  type(text, "02 00 C7 D1 6A 7F"); seen.fault = said(box);
+  type(code, ""); type(text, "02 00 C7 D1 6A 7E"); seen.inferred = said(box);
+  box.querySelector(".codewheel-decode-codes button").click(); seen.picked = said(box); seen.code = code.value;
+  type(code, "AMM5A21/65KSC1"); type(text, "0xF4243D2"); seen.why = said(box);
+  choose(what, "=preset"); type(text, "00 30 24 f4 00 00 00"); seen.preset = said(box);
+  seen.position = named(box, "position").value;
+  type(named(box, "position"), "1000004"); seen.bytes = text.value;
+  type(named(box, "position"), "137438953472"); seen.refused = box.querySelector("[role=alert]").innerText;
+  seen.kept = text.value;
+  choose(what, "=serial_number"); seen.readOnly = box.querySelectorAll("fieldset").length;
+  type(code, "AMM5A23/65KJP1"); choose(what, "master"); type(text, "ea 01 eb"); seen.open = said(box);
+  const [asPrinted, asTFormat] = box.querySelectorAll("input[type=radio]");
+  seen.chosen = asPrinted.checked || asTFormat.checked;
+  asTFormat.click(); seen.decided = said(box);
+  type(code, "AM3619/4096-I7"); type(text, "0x0"); seen.delivered = said(box);
+  type(box.querySelector("details input"), "12"); seen.held = said(box);
+  type(code, "nothing/1"); seen.unknown = said(box);
+  return seen;
+"""
+
+
+@pytest.fixture(scope="session")
+def seen(chromium: str, page: Path) -> dict[str, str]:
+    """What a user sees at each step, for one start of the browser."""
+    boxes = '<div class="codewheel-decode"></div><div class="codewheel-decode" data-code="SMA21-SC4-0050"></div>'
+    found: dict[str, str] = shown(chromium, page, STEPS, boxes)
+    return found
+
+
+@pytest.mark.slow
+def test_a_box_has_the_order_code_of_its_element(seen: dict[str, str]) -> None:
+    assert seen["other"] == "SMA21-SC4-0050"
+
+
+@pytest.mark.slow
+def test_fields_reports_and_verdict(seen: dict[str, str]) -> None:
+    """The published reply of an AMM5, and the manual's remedy."""
+    assert "not_usable: the position is not usable." in seen["reports"]
+    assert "status_other_error: BUSY flag, PS error, battery alarm or MT error" in seen["reports"]
+    assert "7000519 counts" in seen["reports"]
+    assert "The label goes on with -XYZ." in seen["reports"]
+    assert "°" not in seen["reports"]
+
+
+@pytest.mark.slow
+def test_a_fault_in_the_words_of_the_command(seen: dict[str, str]) -> None:
+    assert "crc fault: the CRC is 0x7f; over these bits it has to be 0x7e" in seen["fault"]
+    assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
+    assert "read one bit early: a bit such as CDS is in front" in seen["why"]
+
+
+@pytest.mark.slow
+def test_an_order_code_that_is_left_out(seen: dict[str, str]) -> None:
+    assert "AMM5A23/65KJP1" in seen["inferred"]
+    assert "with a right CRC" in seen["inferred"]
+    assert seen["code"] == "AMM5A23/1JP1"
+    assert "usable: no fault; the position is usable." in seen["picked"].lower()
+    assert "NOTHING/1" in seen["unknown"].upper()
+
+
+@pytest.mark.slow
+def test_registers_both_ways(seen: dict[str, str]) -> None:
+    """1,000,003 in the preset: the low byte first, and the singleturn position ends at bit 32."""
+    assert "1000003" in seen["preset"]
+    assert seen["position"] == "1000003"
+    assert seen["bytes"] == "00 40 24 F4 00 00 00"
+    assert seen["refused"]
+    assert seen["kept"] == seen["bytes"]
+    assert seen["readOnly"] == 0
+
+
+@pytest.mark.slow
+def test_what_the_manual_leaves_open_is_asked_for(seen: dict[str, str]) -> None:
+    assert "The manual leaves open" in seen["open"]
+    assert "address" not in seen["open"]
+    assert seen["chosen"] is False
+    assert "address" in seen["decided"]
+
+
+@pytest.mark.slow
+def test_registers_that_change_a_frame(seen: dict[str, str]) -> None:
+    """20 bits of singleturn and 16 of multiturn as delivered, then 12 of singleturn."""
+    assert "44 bits" in seen["delivered"]
+    assert "36 bits" in seen["held"]
+
+
+LINKED = '<div class="codewheel-decode" data-link></div>'
+LINK = """
+  location.hash = "#code=AMM5A21/65KSC1&as=preset&frame=00+30+24+f4+00+00+00";
+  dispatchEvent(new Event("hashchange"));
+  const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
+  return [code.value, what.value, text.value, said(boxes[0]), boxes[0].querySelector("a").getAttribute("href")];
+"""
+
+
+@pytest.mark.slow
+def test_a_link_fills_the_page_in(chromium: str, page: Path) -> None:
+    code, what, text, result, link = shown(chromium, page, LINK, LINKED)
+    assert (code, what, text) == ("AMM5A21/65KSC1", "=preset", "00 30 24 f4 00 00 00")
+    assert "1000003" in result
+    assert link == "#code=AMM5A21%2F65KSC1&frame=00+30+24+f4+00+00+00&as=preset"
+
+
+HOSTILE = """
+  const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
+  const fixed = document.querySelectorAll("script").length;
+  for (const family of codewheelDecode.table.families) {
+    for (const over of family.interfaces) {
+      const row = family.codes.find((one) => family.interfaces[one[1]] === over);
+      type(code, row[0]);
+      type(text, "0x00"); type(text, "00 00 00 00");
+      for (const option of what.options) { choose(what, option.value); type(text, "00 01"); }
+    }
+  }
+  return [document.querySelectorAll("script").length - fixed, boxes[0].querySelectorAll("script, img, iframe").length];
+"""
+
+
+@pytest.mark.slow
+def test_hostile_texts_stay_texts(chromium: str, hostile: Library, tmp_path: Path) -> None:
+    (tmp_path / "decode.js").write_text(text_in("decode.js", hostile), encoding="utf-8")
+    assert shown(chromium, tmp_path, HOSTILE) == [0, 0]
