@@ -31,7 +31,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xBA5981E2U)
 #error "lika/runner.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -75,14 +75,15 @@ typedef struct lika_runner {
 
 /**
  * Before the first step. The steps and bytes have to stay where they are until the end; bytes gets
- * what the steps read, and has exactly as many places (else LENGTH; then it is at its end already).
+ * what the steps read, and has exactly as many places. Else LENGTH, as for a list without steps: it is
+ * at its end then, and has done nothing.
  */
 LIKA_NODISCARD
 static inline lika_result lika_runner_start(
     lika_runner *runner, const lika_step *steps, size_t count, uint8_t *bytes,
     size_t length, uint32_t now_us)
 {
-    const bool fits = lika_run_reads(steps, count) == length;
+    const bool fits = (count != 0U) && (lika_run_reads(steps, count) == length);
     const lika_runner fresh = {
         fits ? LIKA_OK : LIKA_FAULT_LENGTH,
         { 0U, LIKA_STEP_WAIT, LIKA_STEP_WAIT, 0U, 0, false },
@@ -105,6 +106,23 @@ static inline void lika_runner_advance(lika_runner *runner, size_t steps)
             runner->at++;
         }
     }
+}
+
+/**
+ * Once at its end, closes again what failure.left_open says is open: _next() goes on to what closes it,
+ * and to END. The result stays the first fault; left_open then says whether it is closed now. False,
+ * and nothing to do, where nothing is open.
+ */
+static inline bool lika_runner_close(lika_runner *runner, uint32_t now_us)
+{
+    const bool open = (runner->at >= runner->count) && runner->failure.left_open;
+    if (open) {
+        runner->failure.left_open = false;
+        runner->from_us = now_us;
+        runner->at = 0U;
+        lika_runner_advance(runner, 0U);
+    }
+    return open;
 }
 
 /** The first fault is kept; where closing fails, that is told beside it. */
