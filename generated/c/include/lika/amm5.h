@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xBA5981E2U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x9815CB71U)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -751,9 +751,9 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
 /**
  * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
  * of the frame whose CDS it follows, 25 clock periods after that or more: 2.5 us at 10 MHz and 500
- * us at 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last clock of
- * the next frame: from the end of one to the start of the next, and those times again. MA shows
- * either for the whole time-out (1.5 clock periods). With CDM 1 it rests low then.
+ * us at 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
+ * time-out (1.5 clock periods).
  */
 
 /** Time-out after a frame in nanoseconds, rounded up; 0 without a clock. */

@@ -31,7 +31,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xBA5981E2U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x9815CB71U)
 #error "lika/runner.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -75,8 +75,8 @@ typedef struct lika_runner {
 
 /**
  * Before the first step. The steps and bytes have to stay where they are until the end; bytes gets
- * what the steps read, and has exactly as many places. Else LENGTH, as for a list without steps: it is
- * at its end then, and has done nothing.
+ * what the steps read, and has exactly as many places. Else LENGTH, as for a list without steps:
+ * it is at its end then, and has done nothing.
  */
 LIKA_NODISCARD
 static inline lika_result lika_runner_start(
@@ -109,9 +109,9 @@ static inline void lika_runner_advance(lika_runner *runner, size_t steps)
 }
 
 /**
- * Once at its end, closes again what failure.left_open says is open: _next() goes on to what closes it,
- * and to END. The result stays the first fault; left_open then says whether it is closed now. False,
- * and nothing to do, where nothing is open.
+ * Once at its end, closes again what failure.left_open says is open: _next() goes on to what
+ * closes it, and to END. The result stays the first fault; left_open then says whether it is
+ * closed now. False, and nothing to do, where nothing is open.
  */
 static inline bool lika_runner_close(lika_runner *runner, uint32_t now_us)
 {
