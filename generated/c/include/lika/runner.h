@@ -15,23 +15,26 @@
  *     case SEND:  start to send the request runner.byte, and to get runner.length bytes of reply
  *                 into runner.data (0: let it pass)
  *     case WAIT:  come back in runner.wait_us microseconds or later; until then the bus is free,
- *                 unless runner.alone says that nothing else may be sent
+ *                 unless runner.alone says that nothing else may be sent. An encoder that is
+ *                 polled meanwhile may say that it is busy
  *     case BUSY:  come back when what was started is over
  *     case END:   runner.result says how it went, runner.failure what failed and how far it came
  *     }
  *
  *     lika_runner_done(&runner, error, now_us);       when it is over: 0, or your error number
  *
- * It does the same as lika_run(), in the same order: after a failure it goes on to what closes what
- * was opened, and ends then. Never leave it before END: a register may be open. Nothing locks: call
- * both functions from the same task, or from interrupts that cannot interrupt each other.
+ * It does the same as lika_run(), in the same order: after a failure it goes on to what closes
+ * what was opened, and ends then. Never leave it before END: a register may be open. Now_us is any
+ * time that runs over at 32 bits; a wait may be one of its ticks too short, so let them be fine.
+ * Nothing locks, nothing is volatile: call the functions from one task, or where none can
+ * interrupt another.
  */
 #ifndef LIKA_RUNNER_H
 #define LIKA_RUNNER_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x9815CB71U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x6C7B9FA3U)
 #error "lika/runner.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -49,7 +52,7 @@ typedef enum lika_todo {
     LIKA_TODO_BUSY = 5
 } lika_todo;
 
-/** A procedure that is under way. What comes first is for you to read, the rest is its own. */
+/** A procedure that is under way. */
 typedef struct lika_runner {
     lika_result result; /**< OK, or the first fault; final at END */
     lika_failure failure; /**< of no meaning while the result is OK */
@@ -61,6 +64,7 @@ typedef struct lika_runner {
     size_t length; /**< READ, SEND */
     uint32_t poll_at_most; /**< bound of a poll, as in a transport: yours to set after the start */
     uint32_t poll_pause_us;
+    /** What follows is the runner's own. */
     const lika_step *steps;
     size_t count;
     size_t at; /**< the step it is at */
@@ -293,6 +297,12 @@ static inline void lika_runner_accessed(lika_runner *runner, lika_todo did)
 /**
  * What was asked for is over: with error 0 well, and then runner.data holds what was read or
  * received; else it failed with that number of yours. Without anything asked for it does nothing.
+ *
+ * The first error ends the procedure, and what closes comes at once: on a disturbed line try again
+ * before you say so, once it is sound. READ may be repeated, WRITE too: a value that is written
+ * twice is the same. But a command is then perhaps carried out twice: a preset counts from the
+ * second, so let the axis stand still. SEND may not: the requests of a step belong together. After
+ * a failure begin the whole procedure anew, once _close() has closed what is open.
  */
 static inline void lika_runner_done(lika_runner *runner, int32_t error, uint32_t now_us)
 {
