@@ -23,7 +23,7 @@ ENCODER = r"""
 
 static uint8_t memory[128], rx[LIKA_AMM5_A21_65KSC1_BISS_RX_BYTES];
 static lika_biss_slave slave;
-static uint64_t shaft = 123456789U, moved;
+static uint64_t shaft = 1000503U, moved; /* so near to the preset that a step to it looks like a movement */
 static uint32_t now_us, busy_until, chance = 1U;
 static unsigned verbose;
 static bool cdm, next;
