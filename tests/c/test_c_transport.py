@@ -739,6 +739,12 @@ def test_all_that_is_open_is_tried(ways: Callable[[str], Machine]) -> None:
     assert (answer.result, answer.left_open) == (TRANSPORT, True)
 
 
+def test_a_list_without_steps_is_not_carried_out(ways: Callable[[str], Machine]) -> None:
+    """A count that was not set yet must not look like a reset that went well."""
+    answer = ways("amm5").steps([], 0, Encoder())
+    assert (answer.result, answer.record) == (LENGTH, [])
+
+
 def test_a_request_that_is_sent_no_times_is_none(ways: Callable[[str], Machine]) -> None:
     answer = ways("amm5").steps([(SEND, 0, 0, 0x55, 0, 0), (WRITE, 0x20, 0xFF, 1, 1, 0)], 0, Encoder())
     assert (answer.result, answer.record) == (OK, ["w 20 01"])

@@ -127,10 +127,12 @@ def test_alarms_of_amm5(capsys: Capture, status: int, alarms: int, reported: lis
 def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
     frame = reply(0x1A, 0x20, 0, 0, 0, 0x23, 0, 0, 0, 0x80)
     (_, battery) = decode(capsys, "AMM5A23/65KJP1", frame)[1]["reports"]
-    assert battery["remedy"] == "Reset the error with data ID 7 or C"
+    # 7.4.1 has how the flag is cleared, 4.3.1 and 9 what to do about the battery.
+    remedy = "Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or C"
+    assert battery["remedy"] == remedy
     assert battery["makes_position"] == "usable_with_warning"
     assert (
-        "external battery below 3.15 V. Reset the error with data ID 7 or C."
+        f"external battery below 3.15 V. {remedy}."
         in text(capsys, "AMM5A23/65KJP1", frame)[1]
     )
 

@@ -21,7 +21,7 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
 {
     const size_t count = nondet_size();
     size_t at;
-    __CPROVER_assume(count <= STEPS);
+    __CPROVER_assume(count != 0U && count <= STEPS);
     *length = 0U;
     for (at = 0U; at < STEPS; at++) {
         @maker@_step step;
@@ -127,6 +127,43 @@ void places_that_do_not_fit(void)
     __CPROVER_assume(other != length);
     __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, other, 0U) == @MAKER@_FAULT_LENGTH, "is told");
     __CPROVER_assert(@maker@_runner_next(&runner, nondet_number()) == @MAKER@_TODO_END, "and it is over");
+}
+
+/* A list without steps is none that was carried out. */
+void no_steps(void)
+{
+    @maker@_runner runner;
+    __CPROVER_assert(@maker@_runner_start(&runner, steps, 0U, room, 0U, 0U) == @MAKER@_FAULT_LENGTH, "is told");
+    __CPROVER_assert(@maker@_runner_next(&runner, nondet_number()) == @MAKER@_TODO_END, "and it is over");
+    __CPROVER_assert(runner.result == @MAKER@_FAULT_LENGTH, "and stays told");
+}
+
+/* At the end, with something open or not: what is closed again was opened, and the first fault stays. */
+void closing_again(void)
+{
+    @maker@_runner runner;
+    uint8_t *bytes;
+    size_t length;
+    const size_t count = any_steps(&bytes, &length);
+    __CPROVER_assert(@maker@_runner_start(&runner, steps, count, bytes, length, 0U) == @MAKER@_OK, "its places fit");
+    runner.result = (@maker@_result)(1U + (nondet_byte() % 9U));
+    runner.at = nondet_size();
+    runner.begun = nondet_size();
+    runner.failure.step = nondet_size();
+    runner.failure.left_open = nondet_byte() != 0U;
+    __CPROVER_assume(runner.at <= count && is_sound(&runner, count));
+    const @maker@_runner before = runner;
+    const bool again = @maker@_runner_close(&runner, nondet_number());
+    __CPROVER_assert(again == (before.at == count && before.failure.left_open), "where something is open, at the end");
+    __CPROVER_assert(runner.result == before.result && is_sound(&runner, count), "the first fault is kept");
+    __CPROVER_assert(again || runner.at == before.at, "else it does nothing");
+    if (again) {
+        __CPROVER_assert(!runner.failure.left_open, "nothing failed yet");
+        for (size_t at = 0U; at < STEPS; at++) {
+            const bool closes = at < count && @maker@_step_closes(steps, runner.begun, &steps[at]);
+            __CPROVER_assert(at >= runner.at || !closes, "the first that closes");
+        }
+    }
 }
 
 /* Told of an end that nobody waits for, it does nothing. */

@@ -32,6 +32,9 @@ def test_whatever_becomes_of_it(claim: str, include: Path, tmp_path: Path) -> No
         ("a_round", "runner->doing = todo;", ""),
         ("a_round", "runner->bytes = &runner->bytes[runner->length];", "runner->bytes = &runner->bytes[2];"),
         ("places_that_do_not_fit", "fits ? count : 0U,", "count,"),
+        ("no_steps", "(count != 0U) && ", ""),
+        ("closing_again", "runner->at = 0U;", "runner->at = 1U;"),
+        ("closing_again", "(runner->at >= runner->count) && runner->failure.left_open", "runner->failure.left_open"),
         ("done_too_often", "if (did == LIKA_TODO_END) {", "if (did == LIKA_TODO_BUSY) {"),
     ],
 )

@@ -832,9 +832,10 @@ class SingleCycleData(NamedTuple):
             circuitry not installed properly), or that the battery is spent; the encoder cannot operate then and the
             battery has to be replaced (4.3.2). True at 0: error active in the system. False at 1: no active error.
             While it is True, the position is not usable.
-        warning: Warning, nW: Reports an error in the magnetic multiturn system, or that the battery is low; the battery
-            has to be replaced as soon as possible then (4.3.1). True at 0: warning active in the system. False at 1: no
-            active warning. While it is True, the position is usable, with a warning.
+        warning: Warning, nW: Reports an error in the magnetic multiturn system, with which the number of revolutions
+            may be wrong (erratum position_under_error), or that the battery is low; the battery has to be replaced as
+            soon as possible then (4.3.1). True at 0: warning active in the system. False at 1: no active warning. While
+            it is True, the position is usable, with a warning.
 
     In the manual: Single Cycle Data SCD.
 
@@ -1370,10 +1371,9 @@ class SingleturnReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable.
         status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
-            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
-            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
-            usable.
+            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
+            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
+            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1560,10 +1560,9 @@ class MultiturnReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable.
         status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
-            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
-            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
-            usable.
+            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
+            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
+            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
             Right-aligned in 24 bits, zeros above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1741,10 +1740,9 @@ class EncoderIdReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable.
         status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
-            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
-            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
-            usable.
+            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
+            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
+            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
             the encoder; decoding accepts any value.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1898,10 +1896,9 @@ class CompleteReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable.
         status_other_error: EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-            Read data ID 3 then: its ALMC tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error;
-            while BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error.
-            Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not
-            usable.
+            The ALMC of data ID 3 tells which it is. True at 1: BUSY flag, PS error, battery alarm or MT error; while
+            BUSY, all position data are 0. False at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up
+            ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies

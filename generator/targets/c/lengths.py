@@ -52,8 +52,8 @@ def _register_access(maker: str, interface: Interface, found: Sequence[Received]
     )
     yield f"Registers, by {maker}/biss.h: the bit of {maker}_biss_master_next has to be on MA before the last clock of "
     yield f"the frame whose CDS it follows, {bits} clock periods after that {least}: {times}. The bit of "
-    yield f"{maker}_biss_master_next_late, for SPI and DMA, has until the last clock of the next frame: from the end "
-    yield "of one to the start of the next, and those times again. MA shows either for the whole time-out"
+    yield f"{maker}_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, as the mode of the "
+    yield "SPI sets it. MA shows the inverse of either for the whole time-out"
     if interface.timeout is not None:
         yield f" ({timeout_words(interface.timeout)})"
-    yield ". With CDM 1 it rests low then."
+    yield "."

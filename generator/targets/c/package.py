@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from ...model import Biss, Device, Manufacturer
+from ...plan.received import received
 from .. import has_biss
 from .comments import ascii_text
 from .crcs import CrcCode
@@ -117,6 +118,14 @@ class Guide:
     def over_biss(self) -> bool:
         """Whether its registers are reached by a master of the user's."""
         return isinstance(self.example.interface, Biss)
+
+    @property
+    def bits(self) -> str:
+        """The macro of the length of its frame, as a receiver takes it."""
+        view, interface = self.example.view, self.example.interface
+        found = (item for item in received(view.device, interface) if item.layout is self.example.frame.layout)
+        mine = next(item for item in found if item.variant is self.example.row.variant)
+        return next(view.lengths[interface.name].macros_of(mine)).name
 
     @property
     def member(self) -> str:

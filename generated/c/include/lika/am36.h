@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF8ED5D18U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x6C7B9FA3U)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -665,10 +665,9 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
 /**
  * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
  * of the frame whose CDS it follows, 44 clock periods after that as delivered: 4.4 us at 10 MHz and
- * 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last
- * clock of the next frame: from the end of one to the start of the next, and those times again. MA
- * shows either for the whole time-out (follows the clock, at most 10 us). With CDM 1 it rests low
- * then.
+ * 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the
+ * next frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
+ * time-out (follows the clock, at most 10 us).
  */
 
 /**

@@ -505,8 +505,9 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="warning",
             printed_name="Warning, nW",
             meaning=(
-                "warning active in the system. Reports an error in the magnetic multiturn system, or that the battery "
-                "is low; the battery has to be replaced as soon as possible then (4.3.1)."
+                "warning active in the system. Reports an error in the magnetic multiturn system, with which the "
+                "number of revolutions may be wrong (erratum position_under_error), or that the battery is low; the "
+                "battery has to be replaced as soon as possible then (4.3.1)."
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="6.2.1 p.33",
@@ -530,8 +531,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="EE_1",
             meaning=(
                 "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. One bit for "
-                "BUSY, which goes by itself, and for errors that stay until they are reset. Read data ID 3 then: its "
-                "ALMC tells which it is."
+                "BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC of data ID 3 "
+                "tells which it is."
             ),
             makes_position=Verdict.NOT_USABLE,
             source="7.3.2 p.42; it: 7.3.2 p.43",
@@ -585,17 +586,17 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="mt_error",
             printed_name="MTERR",
             meaning="external battery below 3.05 V",
-            remedy="Reset the error with data ID 7 or C",
+            remedy="Replace the battery (4.3.2), then reset the error with data ID 7 or C",
             makes_position=Verdict.NOT_USABLE,
-            source="7.4.1 p.44; it: 7.4.1 p.45",
+            source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
         ),
         Report(
             name="battery_alarm",
             printed_name="BATT",
             meaning="external battery below 3.15 V",
-            remedy="Reset the error with data ID 7 or C",
+            remedy="Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or C",
             makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.4.1 p.44; it: 7.4.1 p.45",
+            source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
         ),
         Report(
             name="eeprom_write_reply_mem_busy",
@@ -640,8 +641,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="warning",
                 printed_name="Warning, nW",
                 meaning=(
-                    "Reports an error in the magnetic multiturn system, or that the battery is low; the battery has "
-                    "to be replaced as soon as possible then (4.3.1)."
+                    "Reports an error in the magnetic multiturn system, with which the number of revolutions may be "
+                    "wrong (erratum position_under_error), or that the battery is low; the battery has to be replaced "
+                    "as soon as possible then (4.3.1)."
                 ),
                 active="low",
                 when_active="warning active in the system",
@@ -753,8 +755,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
+                    "of data ID 3 tells which it is."
                 ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
@@ -804,8 +806,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
+                    "of data ID 3 tells which it is."
                 ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
@@ -855,8 +857,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
+                    "of data ID 3 tells which it is."
                 ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
@@ -904,8 +906,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="status_other_error",
                 printed_name="EE_1",
                 meaning=(
-                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. Read data "
-                    "ID 3 then: its ALMC tells which it is."
+                    "One bit for BUSY, which goes by itself, and for errors that stay until they are reset. The ALMC "
+                    "of data ID 3 tells which it is."
                 ),
                 active="high",
                 when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
@@ -1200,10 +1202,10 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         detected="In normal operation",
         below_mv=3150,
         latch=True,
-        remedy="Reset the error with data ID 7 or C",
+        remedy="Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
         names=ReadOnly({"it": "Allarme batteria"}),
-        source="7.4.1 p.44; it: 7.4.1 p.45",
+        source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
     ),
     Alarm(
         name="mt_error",
@@ -1213,10 +1215,10 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         detected="In normal operation",
         below_mv=3050,
         latch=True,
-        remedy="Reset the error with data ID 7 or C",
+        remedy="Replace the battery (4.3.2), then reset the error with data ID 7 or C",
         cleared_by=("reset_errors", "reset_multiturn_and_errors"),
         names=ReadOnly({"it": "Errore MT"}),
-        source="7.4.1 p.44; it: 7.4.1 p.45",
+        source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
     ),
 )
 
