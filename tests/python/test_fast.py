@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 import random
+from collections.abc import Callable
 from typing import Any
 
 import numpy
@@ -72,3 +73,29 @@ def test_an_error_says_which_frame_it_was(families: dict[str, Family]) -> None:
     assert (caught.value.frame, caught.value.order_code) == (0x55BCD15E3, "AMM5A21/65KSC1")
     again = pickle.loads(pickle.dumps(caught.value))
     assert (again.frame, again.order_code, str(again)) == (0x55BCD15E3, "AMM5A21/65KSC1", str(caught.value))
+
+
+def test_an_answer_left_out_is_told_with_the_answers(families: dict[str, Family]) -> None:
+    """Also where the answer decides how long a frame is: no attribute of None is looked for."""
+    module = families["odd_shapes"].module
+    encoder, kind, cycle = module.lookup("OBSC"), module.Open, module.Cycle
+    said = r"is no Form: the manual leaves it open, so say Form\.NARROW or Form\.WIDE$"
+    asking: list[Callable[[Any], object]] = [
+        lambda answer: encoder.decode(5, form_=answer),
+        lambda answer: encoder.try_decode(5, form_=answer),
+        lambda answer: encoder.decode_many([5], form_=answer),
+        lambda answer: encoder.encode_many({}, form_=answer),
+        lambda answer: cycle.frame_bits(encoder, answer),
+        lambda answer: cycle.bit_fields(encoder, answer),
+        lambda answer: kind.decode(5, answer),
+        lambda answer: kind.from_whole(answer, 1, 1),
+    ]
+    for asks in asking:
+        for answer in (None, "narrow", module.Form):
+            with pytest.raises(TypeError, match=said):
+                asks(answer)
+    assert cycle.frame_bits(encoder, module.Form.NARROW) == 47
+    with pytest.raises(ValueError, match="as long as an answer makes them"):
+        assert encoder.frame_bits
+    fault = encoder.try_decode(5, form_=module.Form.NARROW)
+    assert fault.hint == ""

@@ -4,6 +4,9 @@
  * They know no frame: what is read from where comes as steps, which helper.py makes of the same descriptions that NumPy
  * works by. Frames go through in blocks that stay in the nearest cache, each loop so plain that a compiler makes vector
  * instructions of it. No memory is allocated, and nothing is read but frames and steps.
+ *
+ * They are not the decoders of the C headers, of which gcc 12 makes no vector instructions: a loop that calls one for
+ * each frame takes 3.0 ns for BiSS and 5.2 for the longest reply, a loop for each column 2.3 and more than 40.
  */
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,7 +40,8 @@ typedef enum kind {
     UNUSED = 7, /* SMALL, of the byte, from its bit low up */
     VALUES = 8, /* doubt unless the byte is one of width values, which are the bytes of a */
     FIXED = 9, /* doubt unless the limb low is b under the mask a */
-    FOLDS = 10, /* doubt unless 0 is left of the first limb, turned where a is 1, by the width steps that follow: */
+    FOLDS = 10, /* doubt unless 0 is left of the first limb, turned where a is 1, by the width steps that follow, */
+    /* after the first of which 32 bits hold it where low is 1: */
     FOLD = 11, /* remainder = (remainder & a) ^ (remainder >> low) ^ ((remainder >> low << width) & b) */
     XOR = 12, /* doubt unless the XOR of all bytes is a */
     GRAY = 13, /* the bits are turned out of Gray code */
@@ -273,6 +277,13 @@ static inline void use_byte(block *of, const step *s, size_t first, size_t count
         for (at = 0U; at < count; at++) {
             out[at] |= (uint8_t)((((uint32_t)byte[at] >> low & a) ^ b) << place);
         }
+    } else if (s->size == 2U) {
+        uint16_t *restrict const out = (uint16_t *)(void *)s->out + first;
+        const uint32_t low = (uint32_t)s->low;
+        const uint32_t place = (uint32_t)s->place;
+        for (at = 0U; at < count; at++) {
+            out[at] |= (uint16_t)((((uint32_t)byte[at] >> low & a) ^ b) << place);
+        }
     } else {
         for (at = 0U; at < count; at++) {
             of->taken[at] = byte[at] >> s->low;
@@ -281,9 +292,12 @@ static inline void use_byte(block *of, const step *s, size_t first, size_t count
     }
 }
 
-/* What is left of a word after `number` folds; a loop of each length, so that its folds are in registers. */
+/*
+ * What is left of a word after `number` folds, a loop of each length, so that its folds are in registers. After the
+ * first `wide` of them 32 bits hold what is left, and twice as many frames go through at once.
+ */
 static inline void fold(
-    const uint64_t *restrict words, const step *s, size_t number, size_t count, uint8_t *restrict doubt)
+    const uint64_t *restrict words, const step *s, size_t wide, size_t number, size_t count, uint8_t *restrict doubt)
 {
     uint64_t low[FOLDINGS];
     uint64_t back[FOLDINGS];
@@ -298,24 +312,60 @@ static inline void fold(
     }
     for (size_t at = 0U; at < count; at++) {
         uint64_t v = words[at] ^ turned;
-        for (size_t each = 0U; each < number; each++) {
+        for (size_t each = 0U; each < wide; each++) {
             const uint64_t high = v >> low[each];
             v = (v & kept[each]) ^ high ^ ((high << back[each]) & twice[each]);
         }
-        doubt[at] |= (uint8_t)(v != 0U);
+        uint32_t left = (uint32_t)v;
+        for (size_t each = wide; each < number; each++) {
+            const uint32_t high = left >> (uint32_t)low[each];
+            left = (left & (uint32_t)kept[each]) ^ high ^ ((high << (uint32_t)back[each]) & (uint32_t)twice[each]);
+        }
+        doubt[at] |= (uint8_t)(((wide < number) ? (uint64_t)left : v) != 0U);
     }
 }
 
 static inline void fold_all(const uint64_t *words, const step *s, size_t count, uint8_t *doubt)
 {
+    const bool shrinks = s->low == 1U;
     switch (s->width) {
-    case 1U: fold(words, s, 1U, count, doubt); break;
-    case 2U: fold(words, s, 2U, count, doubt); break;
-    case 3U: fold(words, s, 3U, count, doubt); break;
-    case 4U: fold(words, s, 4U, count, doubt); break;
-    case 5U: fold(words, s, 5U, count, doubt); break;
-    case 6U: fold(words, s, 6U, count, doubt); break;
-    default: fold(words, s, s->width, count, doubt); break;
+    case 1U: fold(words, s, 1U, 1U, count, doubt); break;
+    case 2U:
+        if (shrinks) {
+            fold(words, s, 1U, 2U, count, doubt);
+        } else {
+            fold(words, s, 2U, 2U, count, doubt);
+        }
+        break;
+    case 3U:
+        if (shrinks) {
+            fold(words, s, 1U, 3U, count, doubt);
+        } else {
+            fold(words, s, 3U, 3U, count, doubt);
+        }
+        break;
+    case 4U:
+        if (shrinks) {
+            fold(words, s, 1U, 4U, count, doubt);
+        } else {
+            fold(words, s, 4U, 4U, count, doubt);
+        }
+        break;
+    case 5U:
+        if (shrinks) {
+            fold(words, s, 1U, 5U, count, doubt);
+        } else {
+            fold(words, s, 5U, 5U, count, doubt);
+        }
+        break;
+    case 6U:
+        if (shrinks) {
+            fold(words, s, 1U, 6U, count, doubt);
+        } else {
+            fold(words, s, 6U, 6U, count, doubt);
+        }
+        break;
+    default: fold(words, s, s->width, s->width, count, doubt); break;
     }
 }
 

@@ -113,12 +113,14 @@ def _crc(crc: CrcOf, bits: int) -> Iterator[Step]:
     if crc.is_xor:
         yield Step(_XOR, a=crc.xorout)
         return
-    folds = []
+    folds: list[Step] = []
+    shrinks = False
     for step in crc.steps:
         if bits > step.shift:
             bits = max(step.shift, bits - step.shift + step.back)
+            shrinks = shrinks or not folds and bits <= 32
             folds.append(Step(_FOLD, step.shift, step.back, a=step.mask, b=(1 << 64) - 1 if step.back else 0))
-    yield Step(_FOLDS, width=len(folds), a=crc.xorout)
+    yield Step(_FOLDS, low=int(shrinks), width=len(folds), a=crc.xorout)
     yield from folds
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import cast
 
 from ._codec import FrameError
 from ._encoder import Encoder
@@ -44,7 +45,7 @@ def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
             yield f"without its first {_count(place, 'byte')}: is there an echo, or a byte from before?", data[place:]
             yield f"without its last {_count(place, 'byte')}: did the next frame begin?", data[:-place]
         return
-    bits = getattr(encoder, "frame_bits", 0)
+    bits = _bits_of(encoder)
     if not isinstance(frame, int) or isinstance(frame, bool) or frame < 0 or not bits:
         return
     last = (1 << bits) - 1
@@ -60,6 +61,14 @@ def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
         for filled in range(1 << place):
             more = f"with {_count(place, 'bit')} more at its end, {filled:0{place}b}: clock more"
             yield more, (frame << place | filled) & last
+
+
+def _bits_of(encoder: Encoder) -> int:
+    """How many bits a frame has; 0 where it has none, or none that the order code tells."""
+    try:
+        return cast(int, getattr(encoder, "frame_bits", 0))
+    except ValueError:
+        return 0
 
 
 def _count(count: int, of: str) -> str:

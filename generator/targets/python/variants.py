@@ -41,6 +41,12 @@ class FrameKind:
         return self.coder.plan.in_bytes
 
     @property
+    def has_open_length(self) -> bool:
+        """Whether what the manual leaves open decides how long the frame is."""
+        answered = {name for item in self.asked for name, _ in item.members}
+        return not answered.isdisjoint(self.coder.layout.bits.parameters)
+
+    @property
     def listed(self) -> list[tuple[str, str]]:
         """The arguments for what the manual leaves open, each with what it is for."""
         return [(item.name, item.about) for item in self.asked]
@@ -164,8 +170,15 @@ class Variants:
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
         """How long the encoder's frame is, where that is a string of bits."""
-        first = {item.interface: item.coder.layout.bits for item in self.frame_kinds if not item.in_bytes}
+        kinds = (item for item in self.frame_kinds if not item.in_bytes and not item.has_open_length)
+        first = {item.interface: item.coder.layout.bits for item in kinds}
         return by_interface(self.device, lambda item: self._of(first.get(item.name)))
+
+    @property
+    def no_frame_bits(self) -> str:
+        """Why an interface is left out there."""
+        is_open = any(item.has_open_length for item in self.frame_kinds)
+        return "frames are made of bytes" + (", or as long as an answer makes them" if is_open else "")
 
     # -- what registers hold
 
