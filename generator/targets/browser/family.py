@@ -93,8 +93,8 @@ def _measure(device: Device, interface: Interface) -> Data:
         return {}
     joins = (join for layout in interface.layouts for join in layout.joins if join.name == found.of)
     part = next((join.fields[-1] for join in joins), "")
-    step, turn, turns = map(bound, (found.step_um, found.steps_per_turn, found.turns))
-    return kept(of=found.of, part=part, step_um=step, steps_per_turn=turn, turns=turns)
+    step, turn, turns = map(bound, (found.step_um, found.counts_per_turn, found.turns))
+    return kept(of=found.of, part=part, step_um=step, counts_per_turn=turn, turns=turns)
 
 
 def _dispatch(interface: Interface, item: Dispatch) -> Data:
