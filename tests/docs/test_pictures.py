@@ -97,7 +97,7 @@ def rows_of(pages: Files, name: str) -> dict[str, list[str]]:
     root = ElementTree.fromstring(pages[f"docs/{name}.svg"])
     labels = {}
     for item in root.iter(f"{SVG}text"):
-        if item.attrib["text-anchor"] == "start" and float(item.attrib["x"]) < 60:
+        if item.attrib["text-anchor"] == "start" and float(item.attrib["x"]) < 15:
             labels[float(item.attrib["y"])] = item.text or ""
     rows: dict[str, list[str]] = {label: [] for label in labels.values()}
     for item in root.iter(f"{SVG}text"):

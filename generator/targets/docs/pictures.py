@@ -25,9 +25,11 @@ _FILL: dict[type[Kind], str] = {
     Choice: "choice",
 }
 _DATA, _GROUP, _NOTHING = "data", "group", "nothing"
-_MARGIN, _LABELS, _BOX, _LINE, _GAP = 10.0, 50.0, 34.0, 16.0, 12.0
+_MARGIN, _LABELS, _BOX, _LINE, _GAP, _INDENT = 10.0, 50.0, 34.0, 16.0, 12.0, 16.0
 _BIT = (WIDE - 2 * _MARGIN - _LABELS) / 8
 _BIG, _SMALL = 13, 12
+#: Captions are order codes, in capitals and bold.
+_WIDE_LETTERS = 1.2
 
 
 @dataclass(frozen=True)
@@ -217,15 +219,16 @@ def draw(title: str, stacks: Sequence[Stack]) -> str:
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
-        for line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG):
+        for line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
             body.append(text(_MARGIN, top + 13, line, _BIG, "start", bold=True))
             top += _LINE + 4
         for row in stack.rows:
             body += _row(row, top)
             top += _BOX
-            for box, line in _below(row):
-                body.append(rect(_MARGIN + _LABELS, top + 5, 10, 10, box.fill))
-                body.append(text(_MARGIN + _LABELS + 16, top + 14, line, _SMALL, "start"))
+            for fill, line in _below(row):
+                if fill:
+                    body.append(rect(_MARGIN, top + 5, 10, 10, fill))
+                body.append(text(_MARGIN + _INDENT, top + 14, line, _SMALL, "start"))
                 top += _LINE
             top += 6 if _below(row) else 0
         top += _GAP
@@ -257,13 +260,14 @@ def _inside(box: Box) -> list[str]:
     return lines if fits else []
 
 
-def _below(row: Byte) -> list[tuple[Box, str]]:
-    """The lines below a row, each with the box that it is about."""
+def _below(row: Byte) -> list[tuple[str, str]]:
+    """The lines below a row, the first of each box after a box of its kind."""
     lines = []
     for box in row.boxes:
         if not _inside(box):
             bits = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
-            said = ", ".join(filter(None, (bits, "0 = active" if box.active_low else "")))
-            name = f"{box.name} ({said})" if said else box.name
-            lines += [(box, line) for line in wrapped(name, WIDE - 2 * _MARGIN - _LABELS - 16, _SMALL)]
+            about = ", ".join(filter(None, (bits, "0 = active" if box.active_low else "")))
+            name = f"{box.name} ({about})" if about else box.name
+            said = wrapped(name, WIDE - 2 * _MARGIN - _INDENT, _SMALL)
+            lines += [("" if index else box.fill, line) for index, line in enumerate(said)]
     return lines
