@@ -62,6 +62,8 @@ _RENAMED = {
         "joins": "join",
     },
     "FrameExample": {"sender": "from"},
+    # In C and in IP-XACT the word of the model says that a value may change by itself.
+    "Register": {"volatile": "lost_unless_saved"},
 }
 #: What has no source because it is one, or stands outside the manual.
 _UNSOURCED = {"Overlay", "ManualEdition", "Manufacturer", "Manual", "Edition", "Revision", "Document"}

@@ -56,6 +56,7 @@ RENAMED = {
         "joins": "join",
     },
     "FrameExample": {"sender": "from"},
+    "Register": {"volatile": "lost_unless_saved"},
     "Constant": {"value": "constant"},
     "Unused": {"value": "unused"},
     "Parity": {"of": "parity_of"},

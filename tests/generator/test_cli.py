@@ -239,7 +239,7 @@ def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tm
         ("diff specs specs", set()),
         ("generate --check --target docs", {"docs", "registry"}),
         ("generate --check --target python", {"python", "registry"}),
-        ("check --target biss specs", {"biss", "registry"}),
+        ("check --target biss specs", {"biss", "file_names", "registry"}),
     ],
 )
 def test_only_the_targets_that_run_are_imported(arguments: str, imported: set[str]) -> None:

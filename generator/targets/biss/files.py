@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import textwrap
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from markupsafe import Markup, escape
 
-from ...dump.plain import device_dump
+from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, clean, to_xml
 from ...dump.xsd import schema_text
 from ...model import Biss, Crc, CrcValue, Device, Field, Flag, Layout, Manufacturer
+from ...reference.order_codes import Match
 from ...reference.parameters import needed_parameters, run_time_widths
 from ...render import Templates, our_templates
 from ...say import interface as say_interface
@@ -28,7 +29,8 @@ from ...say.lines import plain
 from ...say.place import field_at
 from ...say.text import BY_NAME
 from ...say.words import counted
-from .. import NO_OPTIONS, Library, Options, Target
+from .. import NO_OPTIONS, Library, Option, Options, Target
+from ..file_names import names_of_codes
 from .identity import (
     DataLength,
     IdBits,
@@ -63,6 +65,12 @@ _ASCII = str.maketrans(
 )
 
 
+_EACH = "each"
+_BY_CODE = Option(
+    "order-codes", "each: a file for each order code too, with numbers in place of sums", "none", ("none", _EACH)
+)
+
+
 @dataclass(frozen=True)
 class Node:
     """A ``Device`` element: the identity that it stands for, its name, and what is known of its data."""
@@ -85,15 +93,27 @@ class Identifier(TypedDict):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``biss/idbissXXXX.xml`` of each manufacturer with a BiSS ID, ``biss/<maker>-<device>.xml`` and its schema."""
+    """``biss/idbissXXXX.xml`` of each manufacturer with a BiSS ID, ``biss/<maker>-<device>.xml`` and its schema.
+
+    With the option for it also ``biss/<maker>-<device>/<order code>.xml``, with numbers in place of sums.
+    """
     files = {}
     for maker, devices in library.by_manufacturer():
         if maker.biss_id is not None:
             files[f"biss/idbiss{maker.biss_id:04X}.xml"] = _identifier(maker, maker.biss_id, devices, library)
         files |= {f"biss/{maker.name}-{device.name}.xml": to_xml(device_dump(device)) for device in devices}
+        if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
+            files |= dict(file for device in devices for file in _by_code(f"biss/{maker.name}-{device.name}", device))
     if files:
         files[f"biss/{XSD_NAME}"] = schema_text()
     return files
+
+
+def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
+    """A description of each listed order code, with numbers in place of sums."""
+    names = names_of_codes(item.code for item in device.variants)
+    for name, variant in zip(names, device.variants, strict=True):
+        yield f"{folder}/{name}.xml", to_xml(variant_dump(device, Match(variant, (), "", special=False)))
 
 
 def ascii_only(text: object) -> str:
@@ -354,5 +374,6 @@ TARGET = Target(
     name="biss",
     summary="idbissXXXX.xml for BiSS masters, and a full description of each family in XML",
     files=generate,
+    options=(_BY_CODE,),
     templates=TEMPLATES,
 )

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
-from ...model import Device, Erratum, Interface, Layout, Parameter, Ssi, Supply, Variant
+from ...model import Device, Erratum, Interface, Parameter, Supply, Variant
 from ...reference.applied import applied
 from ...reference.parameters import follows_registers, parameters_of, run_time_names
 from ...reference.parts import for_codes
@@ -15,15 +15,13 @@ from ...say.erratum import erratum
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.measurement import measurement
 from ...say.parameter import value
-from ...say.place import bit_range, field_at
+from ...say.place import field_at
 from ...say.text import Said
 from ...say.words import volts
 from . import facts
-from .pictures import bit_strip, draw
 from .waves import wave
 
 Row = tuple[str, ...]
-_BIT = 15.0
 _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
 
 
@@ -35,8 +33,6 @@ class CodeValues(TypedDict):
     has_masters: Annotated[bool, "whether there is a page of master settings"]
     short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
     quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
-    frame_pictures: Annotated[dict[str, str], "the path of the picture of each frame, by the name of its layout"]
-    picture_texts: Annotated[dict[str, str], "what each of these pictures shows"]
     timing_text: Annotated[str, "what the picture of the interface in time shows; empty where there is none"]
     delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
     short_errata: Annotated[list[tuple[Erratum, Said]], "the errata that concern this order code"]
@@ -78,8 +74,6 @@ def values(alike: Alike, has_masters: bool) -> CodeValues:
         "has_masters": has_masters,
         "short_rows": list(_short_rows(alike)),
         "quantity_rows": list(_quantity_rows(alike)),
-        "frame_pictures": {item.name: _picture_path(alike, item) for item in alike.interface.layouts},
-        "picture_texts": {item.name: _picture_text(alike, item) for item in alike.interface.layouts},
         "timing_text": shown.told if shown is not None else "",
         "delivered": [
             item.name
@@ -97,28 +91,6 @@ _OF_THE_FAMILY = ("order_code", "parameters", "manual")
 def _concerns(item: Erratum) -> bool:
     """Whether an erratum is about something on the page."""
     return any(path.partition(".")[0] not in _OF_THE_FAMILY for path in item.affects)
-
-
-def pictures(alike: Alike) -> Iterator[tuple[str, str]]:
-    """Path and picture of each frame of bits; a frame of bytes is the same for the whole family."""
-    interface = alike.interface
-    left = isinstance(interface, Ssi) and interface.alignment.end == "msb_left"
-    for layout in interface.layouts:
-        if not layout.in_bytes:
-            placed = layout.place(alike.variants[0].parameters)
-            title = f"{layout.printed_name or layout.name.replace('_', ' ')}, {alike.variants[0].code}"
-            yield _picture_path(alike, layout), draw(title, [bit_strip("", placed, placed.bits, left)], _BIT)
-
-
-def _picture_path(alike: Alike, layout: Layout) -> str:
-    return f"{layout.name}.svg" if layout.in_bytes else f"{alike.name}-{layout.name}.svg"
-
-
-def _picture_text(alike: Alike, layout: Layout) -> str:
-    """What the picture shows, for whoever cannot see it."""
-    placed = layout.place(alike.variants[0].parameters)
-    fields = ", ".join(f"{item.name} {bit_range(item.high, item.low)}" for item in placed.fields)
-    return f"{placed.bits} bits: {fields}"
 
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:

@@ -24,7 +24,7 @@ from ...say.place import addresses
 from ...say.text import Code, Said
 from ...say.words import language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import across, by_code, changes, codes, evidence, facts, layouts, usable, waves
+from . import across, by_code, changes, codes, evidence, facts, layouts, shown, usable, waves
 from . import masters as masters_page
 
 #: Rows of a table; its cells are Markdown.
@@ -74,10 +74,11 @@ class Parts(Wiring, evidence.Evidence):
 class DevicePage(Parts, Codes):
     contents: Annotated[list[tuple[str, str]], "title and anchor of each section"]
     has_masters: Annotated[bool, "whether there is a page of master settings"]
+    pictures: Annotated[shown.Pictures, "pictures by what they show, such as `register-preset`: name, text"]
 
 
 class CodePage(Parts, by_code.CodeValues):
-    pass
+    pictures: Annotated[shown.Pictures, "pictures by what they show, such as `register-preset`: name, text"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
@@ -92,33 +93,40 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         raise TargetError(str(error)) from None
     files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library), **_across(library)}
     for device in library.devices:
-        own = library.own_templates
+        own, pictures = library.own_templates, shown.of_family(device)
         has_masters = masters_page.has_masters(device)
         page: DevicePage = {
             **_parts(device),
             **_identity(device),
             "contents": _contents(device),
             "has_masters": has_masters,
+            "pictures": pictures,
         }
         files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", page, own))
-        files |= _by_code(device, own)
+        files |= _by_code(device, pictures, own)
         if has_masters:
             values = masters_page.page_values(device, masters)
             files[f"docs/{device.name}-masters.md"] = _tidy(TEMPLATES.render("masters.md.jinja", values, own))
         told = changes.page_values(device)
         files[f"docs/{changes.page(device)}"] = _tidy(TEMPLATES.render("changes.md.jinja", told, own))
-        files |= {f"docs/{device.name}/{name}.svg": picture for name, picture in _pictures(device).items()}
+        files |= {f"docs/{device.name}/{item.name}": item.drawn for item in pictures.values()}
+        files |= _timing(device)
     return files
 
 
-def _by_code(device: Device, own: Path | None) -> Iterator[tuple[str, str]]:
+def _by_code(device: Device, pictures: shown.Pictures, own: Path | None) -> Iterator[tuple[str, str]]:
     """A page for each order code with its pictures; those that are the same to a program share one."""
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
     for alike in by_code.all_alike(device):
-        page: CodePage = {**_parts(alike.here), **by_code.values(alike, alike.interface.name in taken)}
+        drawn = shown.of_codes(device, [item.code for item in alike.variants], alike.name)
+        page: CodePage = {
+            **_parts(alike.here),
+            **by_code.values(alike, alike.interface.name in taken),
+            "pictures": {**pictures, **drawn},
+        }
         yield f"docs/{device.name}/{alike.name}.md", _tidy(TEMPLATES.render("code.md.jinja", page, own))
-        for name, picture in by_code.pictures(alike):
-            yield f"docs/{device.name}/{name}", picture
+        for picture in drawn.values():
+            yield f"docs/{device.name}/{picture.name}", picture.drawn
 
 
 def _tidy(made: str) -> str:
@@ -172,20 +180,9 @@ def _revision(manual: Manual) -> str:
     return text(manual.revision) + (f" of {manual.date}" if manual.date else "")
 
 
-def _pictures(device: Device) -> dict[str, str]:
-    made = {layout.name: layouts.layout_picture(device, interface, layout) for interface, layout in device.layouts()}
-    made |= {
-        name: layouts.group_picture(device, name)
-        for interface in device.interfaces
-        for name in layouts.used_groups(interface)
-    }
+def _timing(device: Device) -> dict[str, str]:
     waves_of = ((item.name, waves.wave(device, item)) for item in device.interfaces)
-    made |= {f"timing-{name}": waves.drawn(item) for name, item in waves_of if item is not None}
-    return made | {
-        f"register-{item.name}": layouts.register_picture(device, item)
-        for item in device.registers
-        if layouts.has_picture(item)
-    }
+    return {f"docs/{device.name}/timing-{name}.svg": waves.drawn(item) for name, item in waves_of if item is not None}
 
 
 def _parts(device: Device) -> Parts:
@@ -359,7 +356,6 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
         "head": say_layout.head(interface, layout, title(layout)),
         "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
         "rows": list(layouts.field_rows(device, layout)),
-        "picture": layouts.picture_text(layout, interface.title),
         "placements": layouts.placement_table(device, layout, interface.name),
         "delivered": follows_registers(device, layout),
     }
@@ -374,7 +370,6 @@ def _register(device: Device, register: Register) -> Section:
         "title": full_title(register),
         "head": say_register.head(device, register, Code(register.name)),
         "facts": say_register.facts(device, register),
-        "has_picture": layouts.has_picture(register),
         "rows": [] if is_plain else rows,
         "value_tables": [
             {"field": code(item.name), "rows": list(layouts.value_rows(item)), "alone": len(fields) == 1}

@@ -6,19 +6,18 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from ...model import Alternative, Answer, Device, Field, Interface, Layout, PlacedLayout, Register, Ssi
+from ...model import Alternative, Answer, Device, Field, FieldGroup, Interface, Layout, PlacedLayout, Register
 from ...model.expressions import Expression
 from ...say.alternative import choices, names
 from ...say.erratum import errata
 from ...say.erratum import reference as erratum_ref
 from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, reference, table, text
-from ...say.name import Named, own_names, title, words
+from ...say.name import Named, own_names
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Said, parted, said, told
-from .pictures import Box, Strip, bit_strip, byte_strip, draw, group_strip, register_strip
+from .pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
 
-_BIT, _BYTE_BIT = 15.0, 10.5
 #: More named values than this are listed in a table of their own.
 _FEW = 4
 _NO_SETS: Mapping[str, int] = MappingProxyType({})
@@ -203,35 +202,25 @@ def _moves(field: Field, decided: Container[str]) -> bool:
     return any(name not in decided for name in (*field.low.parameters, *field.width.parameters))
 
 
-# -- pictures
+# -- what pictures show
 
 
-def picture_text(layout: Layout, over: str) -> str:
-    """What the picture of a layout shows, for whoever cannot see it: its fields in sending order."""
-    names = dict.fromkeys(item.group or item.name for item in layout.fields if not item.padding_of)
-    return f"{title(layout)} over {over}: {', '.join(map(words, names))}"
-
-
-def layout_picture(device: Device, interface: Interface, layout: Layout) -> str:
-    """The layout as SVG: a strip for each shape that it has, or the bytes of a frame; all of it for each way to decide
-    where fields stand that are drawn."""
-    title, scale = layout.printed_name or layout.name.replace("_", " "), _BYTE_BIT if layout.in_bytes else _BIT
-    strips: dict[tuple[Box, ...], Strip] = {}
+def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
+    """The bytes of each shape that a layout has; all of it for each way to decide where fields stand that are drawn."""
+    found: dict[tuple[Byte, ...], Stack] = {}
     for answers, sets in choices(device.alternatives_of(layout)):
-        for strip in _strips(interface, layout, placements(device, layout, interface.name, sets)):
-            strips.setdefault(strip.boxes, replace(strip, caption=_decided(answers, strip.caption)))
-    if layout.in_bytes and len(strips) == 1:
-        return draw(title, [replace(next(iter(strips.values())), caption="")], scale)
-    return draw(title, list(strips.values()), scale)
+        for stack in _stacks(layout, placements(device, layout, interface.name, sets)):
+            found.setdefault(stack.rows, replace(stack, caption=_decided(answers, stack.caption)))
+    stacks = list(found.values())
+    return [replace(item, caption="") for item in stacks] if layout.in_bytes and len(stacks) == 1 else stacks
 
 
-def _strips(interface: Interface, layout: Layout, shapes: Sequence[Placement]) -> Iterator[Strip]:
+def _stacks(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
     if layout.in_bytes:
-        yield byte_strip("", shapes[-1].placed)
+        yield byte_stack("", shapes[-1].placed)
         return
-    left = isinstance(interface, Ssi) and interface.alignment.end == "msb_left"
     for shape in shapes:
-        yield bit_strip(f"{_caption(shape)}: {shape.placed.bits} bits", shape.placed, layout.widest, left)
+        yield bit_stack(f"{_caption(shape)}: {shape.placed.bits} bits", shape.placed)
 
 
 def _decided(answers: Sequence[Answer], caption: str) -> str:
@@ -243,10 +232,9 @@ def _caption(shape: Placement) -> str:
     return f"{', '.join(shape.codes[:2])}{more}"
 
 
-def group_picture(device: Device, name: str) -> str:
-    group = next(item for item in device.field_groups if item.name == name)
-    strips = [group_strip(_decided(answers, ""), fields, group.bits) for answers, fields in group_shapes(device, name)]
-    return draw(group.printed_name or name, strips, 8 * _BYTE_BIT)
+def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
+    shapes = group_shapes(device, group.name)
+    return [group_stack(_decided(answers, ""), fields, group.bits) for answers, fields in shapes]
 
 
 def has_picture(register: Register) -> bool:
@@ -255,11 +243,10 @@ def has_picture(register: Register) -> bool:
     return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
 
 
-def register_picture(device: Device, register: Register) -> str:
+def register_stacks(device: Device, register: Register) -> list[Stack]:
     shapes = placements(device, register.layout, register.interface)
-    several, low_first = len(shapes) > 1, register.byte_order == "low_byte_first"
-    strips = [
-        register_strip(_caption(shape) if several else "", shape.placed, register.address, low_first)
-        for shape in shapes
+    low_first = register.byte_order == "low_byte_first"
+    return [
+        register_stack(_caption(item) if len(shapes) > 1 else "", item.placed, register.address, low_first)
+        for item in shapes
     ]
-    return draw(register.printed_name or register.name, strips, 42.0 if register.length == 1 else _BIT)

@@ -1,18 +1,19 @@
-"""Pictures of layouts as SVG: strips of boxes, one box for each field.
+"""Pictures of layouts as SVG: a row of boxes for each byte, one byte under the other.
 
-Every picture has a card of its own behind it, light or dark as its reader's screen is. Names that do not fit into their
-box stand below it at the end of a line. A bit that is 0 when it is active has a line over its name, and says so where
-there is room.
+A picture is as wide as the screen of a phone, so that its text can be read there as well as beside a table. Every
+picture has a card of its own behind it, light or dark as its reader's screen is. A name that does not fit into its box
+stands below the row, with the number of its bit; so does each bit that is 0 when it is active. ``told`` says the same
+in words.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from ...model import Choice, Constant, CrcValue, Field, Flag, Kind, Parity, PlacedLayout, Unused
 from ...say.place import bit_range
-from .svg import card, number, rect, text, width
+from .svg import WIDE, card, rect, text, wrapped
 
 #: What a box is, which is its colour.
 _FILL: dict[type[Kind], str] = {
@@ -24,18 +25,22 @@ _FILL: dict[type[Kind], str] = {
     Choice: "choice",
 }
 _DATA, _GROUP, _NOTHING = "data", "group", "nothing"
-_MARGIN, _BOX, _ROW = 16.0, 38.0, 17.0
+_MARGIN, _LABELS, _BOX, _LINE, _GAP, _INDENT = 10.0, 50.0, 34.0, 16.0, 12.0, 16.0
+_BIT = (WIDE - 2 * _MARGIN - _LABELS) / 8
+_BIG, _SMALL = 13, 12
+#: Captions are order codes, in capitals and bold.
+_WIDE_LETTERS = 1.2
 
 
 @dataclass(frozen=True)
 class Box:
-    """A field at ``start``, ``size`` bits wide as it is drawn.
+    """The bits of a field that one byte has: the highest and the lowest in the byte.
 
-    ``place`` says which bits it has, ``fill`` what it is, ``active_low`` that 0 means yes.
+    ``place`` says which bits of the whole they are, ``fill`` what they are, ``active_low`` that 0 means yes.
     """
 
-    start: float
-    size: float
+    high: int
+    low: int
     name: str
     place: str
     fill: str
@@ -43,35 +48,138 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Strip:
-    """A row of boxes under a caption; ``marks`` stand above it at the middle of their bits."""
+class Byte:
+    """A row of boxes, the highest bit on the left; ``label`` says which byte it is."""
+
+    label: str
+    boxes: tuple[Box, ...]
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Bytes one under the other below a caption; ``says`` is what they show, in words."""
 
     caption: str
-    boxes: tuple[Box, ...]
-    marks: tuple[tuple[float, str], ...] = ()
+    rows: tuple[Byte, ...]
+    says: str
 
 
-def bit_strip(
-    caption: str, placed: PlacedLayout, widest: int, left: bool = False, marks: tuple[tuple[float, str], ...] = ()
-) -> Strip:
-    """A layout with its highest bit on the left.
+@dataclass(frozen=True)
+class _Run:
+    """Bits that belong together: a field, a group of fields, or bits that no field has."""
 
-    ``widest`` is the length to which shorter strips are aligned, to the right unless ``left``.
+    high: int
+    low: int
+    name: str
+    fill: str
+    active_low: bool = False
+
+    def box(self, byte_low: int, place: str) -> Box:
+        """What the byte that begins at ``byte_low`` has of them."""
+        high, low = min(self.high, byte_low + 7) - byte_low, max(self.low, byte_low) - byte_low
+        return Box(high, low, self.name, place, self.fill, self.active_low)
+
+    def part(self, byte_low: int, origin: int = 0) -> str:
+        """Which of them the byte that begins at ``byte_low`` has, counted from ``origin``."""
+        return bit_range(min(self.high, byte_low + 7) - origin, max(self.low, byte_low) - origin)
+
+
+def bit_stack(caption: str, placed: PlacedLayout) -> Stack:
+    """A frame that is one number: its highest bits above, and each row a byte of the number in hexadecimal."""
+    lows = range((placed.bits - 1) // 8 * 8, -1, -8)
+    rows = _rows(_runs(placed), lows, [bit_range(min(low + 7, placed.bits - 1), low) for low in lows])
+    return Stack(caption, rows, f"{placed.bits} bits: {_by_bits(_runs(placed))}")
+
+
+def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
+    """A register by its addresses; the bits are those of the whole register."""
+    lows = _lows(placed.bits, low_byte_first)
+    labels = [f"{address + index:02X}h" for index in range(len(lows))]
+    order = f", {'low' if low_byte_first else 'high'} byte first" if len(lows) > 1 else ""
+    return Stack(caption, _rows(_runs(placed), lows, labels), f"{labels[0]}{order}: {_by_bits(_runs(placed))}")
+
+
+def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
+    """A frame of bytes in sending order.
+
+    A group of fields, or a field with its padding, is one. Where it takes several bytes, its bits are those of the
+    number that they make.
     """
-    top = (placed.bits if left else widest) - 1
-    boxes = [_box(item.field, top - item.high, item.high, item.low) for item in placed.fields]
-    boxes += [Box(top - high, high - low + 1, "-", bit_range(high, low), _NOTHING) for high, low in _gaps(placed)]
-    return _strip(caption, boxes, marks)
+    lows = _lows(placed.bits, placed.layout.byte_order == "low_byte_first")
+    runs, rows, said = _whole(placed), [], []
+    for index, byte_low in enumerate(lows):
+        boxes = []
+        for run in (item for item in runs if item.low < byte_low + 8 and item.high >= byte_low):
+            inside = run.high < byte_low + 8 and run.low >= byte_low
+            is_byte = inside and run.high - run.low == 7
+            place = "" if is_byte else run.part(byte_low, byte_low if inside else run.low)
+            boxes.append(run.box(byte_low, place))
+        rows.append(Byte(f"byte {index}", tuple(boxes)))
+        said.append(f"byte {index}: " + ", ".join(_named(box.name, box.place, box.active_low) for box in boxes))
+    return Stack(caption, tuple(rows), "; ".join(said))
 
 
-def _strip(caption: str, boxes: Iterable[Box], marks: tuple[tuple[float, str], ...] = ()) -> Strip:
-    return Strip(caption, tuple(sorted(boxes, key=lambda box: box.start)), marks)
+def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
+    """A group of fields, each with its highest and lowest bit within the group."""
+    runs = [_run(field, high, low) for field, high, low in fields]
+    lows = range((bits - 1) // 8 * 8, -1, -8)
+    return Stack(caption, _rows(runs, lows, [""] * len(lows)), _by_bits(runs))
 
 
-def _box(field: Field, start: float, high: int, low: int) -> Box:
+def told(stacks: Sequence[Stack]) -> str:
+    """What a picture of them shows, for whoever cannot see it."""
+    return "; ".join(f"{item.caption}: {item.says}" if item.caption else item.says for item in stacks)
+
+
+def _lows(bits: int, low_byte_first: bool) -> range:
+    """The lowest bit of each byte, in the order of the bytes."""
+    return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
+
+
+def _rows(runs: Sequence[_Run], lows: Sequence[int], labels: Sequence[str]) -> tuple[Byte, ...]:
+    """Rows whose boxes have the bits of the whole as their places."""
+    return tuple(
+        Byte(
+            label,
+            tuple(run.box(low, run.part(low)) for run in runs if run.low < low + 8 and run.high >= low),
+        )
+        for low, label in zip(lows, labels, strict=True)
+    )
+
+
+def _by_bits(runs: Sequence[_Run]) -> str:
+    return ", ".join(_named(run.name, bit_range(run.high, run.low), run.active_low) for run in runs)
+
+
+def _named(name: str, place: str, active_low: bool) -> str:
+    return " ".join(filter(None, (name, place, "(0 = active)" if active_low else "")))
+
+
+def _runs(placed: PlacedLayout) -> list[_Run]:
+    """The fields, and the bits that none has, the highest first."""
+    runs = [_run(item.field, item.high, item.low) for item in placed.fields]
+    runs += [_Run(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
+    return sorted(runs, key=lambda run: -run.high)
+
+
+def _whole(placed: PlacedLayout) -> list[_Run]:
+    """As ``_runs``, with the parts of a group as one, and a field with its padding."""
+    found: dict[str, list[_Run]] = {}
+    for item in placed.fields:
+        whole = item.field.group or item.field.padding_of or item.field.name
+        found.setdefault(whole, []).append(_run(item.field, item.high, item.low))
+    runs = []
+    for whole, parts in found.items():
+        low, high = min(part.low for part in parts), max(part.high for part in parts)
+        grouped = any(item.field.group == whole for item in placed.fields)
+        first = _Run(high, low, _words(whole), _GROUP) if grouped else _run(placed.layout.field(whole), high, low)
+        runs.append(first)
+    return sorted(runs, key=lambda run: -run.high)
+
+
+def _run(field: Field, high: int, low: int) -> _Run:
     active_low = isinstance(field.kind, Flag) and field.kind.active_low
-    fill = _FILL.get(type(field.kind), _DATA)
-    return Box(start, high - low + 1, _label(field), bit_range(high, low), fill, active_low)
+    return _Run(high, low, _label(field), _FILL.get(type(field.kind), _DATA), active_low)
 
 
 def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
@@ -88,130 +196,78 @@ def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
     return runs
 
 
-def register_strip(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Strip:
-    """A register with its highest bit on the left and the address of each byte above it."""
-    count = placed.bits // 8
-    addresses = [address + (count - 1 - index if low_byte_first else index) for index in range(count)]
-    return bit_strip(
-        caption,
-        placed,
-        placed.bits,
-        marks=tuple((8 * index + 4, f"{number:02X}h") for index, number in enumerate(addresses)),
-    )
-
-
-def byte_strip(caption: str, placed: PlacedLayout) -> Strip:
-    """A frame of bytes in sending order.
-
-    Within a byte the highest bit is on the left. A group of fields, or a field with its padding, is one box.
-    """
-    low_first = placed.layout.byte_order == "low_byte_first"
-    count = placed.bits // 8
-    boxes: list[Box] = []
-    done: set[str] = set()
-    for item in placed.fields:
-        field = item.field
-        whole = field.group or field.padding_of or field.name
-        if whole in done:
-            continue
-        done.add(whole)
-        parts = [other for other in placed.fields if whole in (other.field.group, other.field.padding_of, other.name)]
-        low, high = min(part.low for part in parts), max(part.high for part in parts)
-        first = low // 8 if low_first else count - 1 - high // 8
-        bytes_taken = high // 8 - low // 8 + 1
-        inside = bytes_taken == 1
-        start = 8 * first + (7 - high % 8 if inside else 0)
-        size = high - low + 1 if inside else 8 * bytes_taken
-        place = "" if not inside or size == 8 else bit_range(high % 8, low % 8)
-        if field.group:
-            boxes.append(Box(start, size, whole.replace("_", " "), place, _GROUP))
-        else:
-            name = _label(placed.layout.field(whole))
-            boxes.append(replace(_box(field, start, high, low), size=size, name=name, place=place))
-    marks = tuple((8 * index + 4.0, f"byte {index}") for index in range(count))
-    return _strip(caption, boxes, marks)
-
-
-def group_strip(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Strip:
-    """A group of fields, each with its highest and lowest bit within the group."""
-    return _strip(caption, (_box(field, bits - 1 - high, high, low) for field, high, low in fields))
-
-
-def draw(title: str, strips: Sequence[Strip], scale: float) -> str:
-    """The strips one under the other, ``scale`` pixels for each bit."""
-    body: list[str] = []
-    right, top = 0.0, _MARGIN
-    for index, strip in enumerate(strips):
-        if strip.caption:
-            body.append(text(_MARGIN, top + 12, strip.caption, 12, "start", bold=True))
-            right = max(right, _MARGIN + width(strip.caption, 12.5))
-            top += _ROW + 4
-        if strip.marks:
-            body += [
-                text(_MARGIN + middle * scale, top + 9, mark, 10, "middle", faint=True) for middle, mark in strip.marks
-            ]
-            top += 15
-        outside = []
-        for box in strip.boxes:
-            left, room = _MARGIN + box.start * scale, box.size * scale
-            body.append(rect(left, top, room, _BOX, box.fill))
-            right = max(right, left + room)
-            lines = _lines(box, room)
-            body += _centred(left + room / 2, top, lines, box)
-            if not lines:
-                outside.append(box)
-        top += _BOX
-        if outside and not _repeated(outside, strips[index + 1 : index + 2]):
-            for row, box in enumerate(reversed(outside)):
-                middle, bottom = _MARGIN + (box.start + box.size / 2) * scale, top + 6 + _ROW * (row + 0.5)
-                label = _outside(box)
-                body.append(f'<path d="M{number(middle)} {number(top)}V{number(bottom)}h6" class="line"/>')
-                body.append(text(middle + 9, bottom + 4, label, 11, "start"))
-                right = max(right, middle + 9 + width(label, 11))
-            top += 8 + _ROW * len(outside)
-        top += 14
-    return card(title, body, right + _MARGIN, top - 14 + _MARGIN)
-
-
-def _outside(box: Box) -> str:
-    """A name that stands below its box."""
-    said = [f"bit{'s' * (':' in box.place)} {box.place}" if box.place else "", "0 = active" if box.active_low else ""]
-    return f"{box.name} ({', '.join(filter(None, said))})" if any(said) else box.name
-
-
-def _repeated(outside: Sequence[Box], following: Sequence[Strip]) -> bool:
-    """Whether the next strip has the same boxes at the same places, so that their names need to stand below it only."""
-    return bool(following) and all(box in following[0].boxes for box in outside)
-
-
 def _label(field: Field) -> str:
     if isinstance(field.kind, Unused) and not (field.printed_name or field.kind.value):
         return "unused"
     if not isinstance(field.kind, Constant):
-        return field.name.replace("_", " ")
+        return _words(field.name)
     constant = field.kind.value
     value = f"{constant:X}h" if constant > 9 else f"{constant}"
     is_plain = constant == 0 and (field.kind.padding_of or not field.printed_name)
-    return value if is_plain else f"{field.name.replace('_', ' ')} = {value}"
+    return value if is_plain else f"{_words(field.name)} = {value}"
 
 
-def _lines(box: Box, room: float) -> list[tuple[str, int, bool]]:
-    """The lines of text inside a box as text, size and whether faint; none where the name does not fit."""
-    place = [(box.place, 10, True)] if box.place and width(box.place, 10) <= room - 2 else []
-    for size in (12, 11, 10):
-        if width(box.name, size) <= room - 4:
-            if box.place and not place:
-                return [(box.name, size, False)] if box.size > 1 else []
-            return [(box.name, size, False), *place]
-        words = box.name.split(" ", 1)
-        if len(words) > 1 and not place and all(width(part, size) <= room - 4 for part in words):
-            return [(part, size, False) for part in words]
-    return []
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
-def _centred(middle: float, top: float, lines: Sequence[tuple[str, int, bool]], box: Box) -> list[str]:
-    first = top + _BOX / 2 + 4 - 7 * (len(lines) - 1)
-    return [
-        text(middle, first + 14 * index, line, size, "middle", faint=faint, over=box.active_low and line in box.name)
-        for index, (line, size, faint) in enumerate(lines)
-    ]
+# -- drawing
+
+
+def draw(title: str, stacks: Sequence[Stack]) -> str:
+    """The stacks one under the other."""
+    body: list[str] = []
+    top = _MARGIN
+    for stack in stacks:
+        for line in wrapped(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
+            body.append(text(_MARGIN, top + 13, line, _BIG, "start", bold=True))
+            top += _LINE + 4
+        for row in stack.rows:
+            body += _row(row, top)
+            top += _BOX
+            for fill, line in _below(row):
+                if fill:
+                    body.append(rect(_MARGIN, top + 5, 10, 10, fill))
+                body.append(text(_MARGIN + _INDENT, top + 14, line, _SMALL, "start"))
+                top += _LINE
+            top += 6 if _below(row) else 0
+        top += _GAP
+    return card(title, body, WIDE, top - _GAP + _MARGIN, told(stacks))
+
+
+def _row(row: Byte, top: float) -> Iterator[str]:
+    if row.label:
+        yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
+    for box in row.boxes:
+        left, room = _MARGIN + _LABELS + (7 - box.high) * _BIT, _room(box)
+        yield rect(left, top, room, _BOX, box.fill)
+        lines = [(line, False) for line in _inside(box)] + ([(box.place, True)] if box.place else [])
+        first = top + _BOX / 2 + 4.5 - 7 * (len(lines) - 1)
+        for index, (line, faint) in enumerate(lines):
+            yield text(left + room / 2, first + 14 * index, line, _SMALL, "middle", faint=faint)
+
+
+def _room(box: Box) -> float:
+    return (box.high - box.low + 1) * _BIT
+
+
+def _inside(box: Box) -> list[str]:
+    """The name as it stands in its box; empty where it stands below the row."""
+    if box.active_low:
+        return []
+    lines = wrapped(box.name, _room(box) - 4, _SMALL)
+    fits = len(lines) == 1 or (len(lines) == 2 and not box.place and " ".join(lines) == box.name)
+    return lines if fits else []
+
+
+def _below(row: Byte) -> list[tuple[str, str]]:
+    """The lines below a row, the first of each box after a box of its kind."""
+    lines = []
+    for box in row.boxes:
+        if not _inside(box):
+            bits = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
+            about = ", ".join(filter(None, (bits, "0 = active" if box.active_low else "")))
+            name = f"{box.name} ({about})" if about else box.name
+            said = wrapped(name, WIDE - 2 * _MARGIN - _INDENT, _SMALL)
+            lines += [("" if index else box.fill, line) for index, line in enumerate(said)]
+    return lines

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import wrap
 from xml.sax.saxutils import escape, quoteattr
 
 from ...say.lines import plain
 
+#: How wide a picture may be to be shown as it is on the screen of a phone, 375 pixels less the margins of a page.
+WIDE = 340.0
 #: Average width of a letter of the sans-serif fonts that browsers have, as a part of the font size; on the safe side.
 _LETTER = 0.58
 #: Class, property, colour on a light screen, colour on a dark one.
@@ -53,6 +56,12 @@ def rect(left: float, top: float, wide: float, high: float, fill: str) -> str:
     return f'<rect x="{number(left)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
+def swatch(left: float, top: float, wide: float, high: float, colour: str) -> str:
+    """A box in a colour that is the same on every screen, such as that of a wire."""
+    size = f'width="{number(wide)}" height="{number(high)}"'
+    return f'<rect x="{number(left)}" y="{number(top)}" {size} fill="{colour}"/>'
+
+
 def text(
     x: float,
     y: float,
@@ -73,6 +82,11 @@ def text(
 def width(words: str, size: float) -> float:
     """How wide a line of text is at most."""
     return len(words) * size * _LETTER
+
+
+def wrapped(words: str, room: float, size: float) -> list[str]:
+    """A text as lines that are no wider than ``room``."""
+    return wrap(plain(words), max(1, int(room / (size * _LETTER))))
 
 
 def number(value: float) -> str:

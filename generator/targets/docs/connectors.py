@@ -1,0 +1,88 @@
+"""Pictures of connectors and cables as SVG: a row for each pin or wire, with its colour and its signal.
+
+The colour stands beside its name, so that nobody has to tell colours apart. No spec says how pins lie on the face of a
+connector, and so no face is drawn: the manuals have it in figures alone.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ...model import Connector, Contact
+from .svg import WIDE, card, rect, swatch, text, wrapped
+
+_MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
+_NAME, _SIGNAL, _LEFT = 46.0, 136.0, 52.0
+#: The colours of wires, on light screens and on dark ones.
+_WIRES = {
+    "black": "#000000",
+    "blue": "#1d4ed8",
+    "brown": "#7b3f00",
+    "green": "#15803d",
+    "grey": "#8a8f98",
+    "orange": "#f97316",
+    "pink": "#f9a8d4",
+    "red": "#dc2626",
+    "turquoise": "#2dd4bf",
+    "violet": "#7e22ce",
+    "white": "#ffffff",
+    "yellow": "#facc15",
+}
+_BETWEEN_COLOURS = re.compile(r"[^a-z]+")
+FACE_UNKNOWN = "The pins stand in the order of the manual's table. Where they lie on the face is not known."
+
+
+def connector_text(connector: Connector) -> str:
+    """What the picture shows, for whoever cannot see it."""
+    return f"{connector.title}: {', '.join(map(_told, connector.contacts))}"
+
+
+def _told(item: Contact) -> str:
+    return f"{item.contact} {item.signal}" + (f" (only {item.only})" if item.only else "")
+
+
+def connector_picture(connector: Connector) -> str:
+    body: list[str] = []
+    top, left = _MARGIN, _LEFT if all(map(_is_pin, connector.contacts)) else _SIGNAL
+    for item in connector.contacts:
+        lines = list(_lines(item, WIDE - _MARGIN - left))
+        high = max(_ROW, _LINE * len(lines) + 8)
+        body += _contact(item, top)
+        body += [
+            text(left, top + 18 + _LINE * index, line, _SIZE, "start", faint=faint)
+            for index, (line, faint) in enumerate(lines)
+        ]
+        top += high
+    if any(map(_is_pin, connector.contacts)):
+        for line in wrapped(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
+            body.append(text(_MARGIN, top + 16, line, _SIZE, "start", faint=True))
+            top += _LINE
+    return card(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
+
+
+def _lines(item: Contact, room: float) -> Iterator[tuple[str, bool]]:
+    """Signal and the order codes that have it, as lines; whether each is faint."""
+    yield from ((line, False) for line in wrapped(item.signal, room, _SIZE))
+    if item.only:
+        yield from ((line, True) for line in wrapped(f"only {item.only}", room, _SIZE))
+
+
+def _is_pin(item: Contact) -> bool:
+    return item.contact.isdecimal() and len(item.contact) <= 3
+
+
+def _contact(item: Contact, top: float) -> Iterator[str]:
+    """A pin with its number, or a wire with its colours and their names; what is neither has its name alone."""
+    if _is_pin(item):
+        yield rect(_MARGIN, top + 3, 28, 22, "data")
+        yield text(_MARGIN + 14, top + 18, item.contact, _SIZE, "middle", bold=True)
+        return
+    colours = [_WIRES.get(part) for part in _BETWEEN_COLOURS.split(item.contact.lower())]
+    known = [colour for colour in colours if colour is not None]
+    if len(known) == len(colours):
+        wide = 28.0 / len(known)
+        for index, colour in enumerate(known):
+            yield swatch(_MARGIN + wide * index, top + 5, wide, 18, colour)
+    for line in wrapped(item.contact, _SIGNAL - _NAME - 6, _SIZE)[:1]:
+        yield text(_NAME, top + 18, line, _SIZE, "start")

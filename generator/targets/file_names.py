@@ -1,0 +1,25 @@
+"""Names of files for order codes, which have characters that no file name may have."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from itertools import chain, count
+
+_NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
+_LONGEST = 80
+
+
+def names_of_codes(order_codes: Iterable[str]) -> list[str]:
+    """What the file of each is called, also where upper and lower case are the same; numbered where that is needed.
+
+    What no file name may have is a hyphen.
+    """
+    taken, names = set[str](), list[str]()
+    for order_code in order_codes:
+        plain = _NO_PART_OF_A_NAME.sub("-", order_code).lstrip(".")
+        numbers = chain([""], (f"-{number}" for number in count(2)))
+        numbered = (f"{plain[: _LONGEST - len(number)]}{number}" for number in numbers)
+        names.append(next(name for name in numbered if name and name.casefold() not in taken))
+        taken.add(names[-1].casefold())
+    return names

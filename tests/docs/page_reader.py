@@ -1,0 +1,122 @@
+"""A page as its reader sees it: sections with headings, and in them rows of tables, items of lists and paragraphs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from html import unescape
+
+_HEADING = re.compile(r"(#+) (.+)")
+_ANCHOR = re.compile(r'<a id="[^"]*"></a>')
+_PICTURE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
+_LINK = re.compile(r"\[([^\]]*)\]\([^)\s]*\)")
+_ESCAPED = re.compile(r"\\([!-/:-@\[-`{-~])")
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row with its cells, or one cell with a sentence or more; a cell has a line for each of its lines."""
+
+    cells: tuple[tuple[str, ...], ...]
+
+    def says(self, label: str, value: str) -> bool:
+        """Whether a sentence has both the label and the value, or the row is called so and has the value.
+
+        The label is all of a line in one of the first two cells.
+        """
+        if len(self.cells) == 1:
+            return any(_in(label, line) and _in(value, line) for line in self.cells[0])
+        return self.is_called(label) and any(_in(value, line) for cell in self.cells for line in cell)
+
+    def is_called(self, label: str) -> bool:
+        return any(_same(label, line) for cell in self.cells[:2] for line in cell)
+
+    def has_cell(self, value: str) -> bool:
+        return any(_same(value, line) for cell in self.cells for line in cell)
+
+
+@dataclass
+class Section:
+    """A heading with what stands below it, up to the next one; ``inner`` are the sections one level down."""
+
+    heading: str
+    level: int
+    lines: list[Line] = field(default_factory=list)
+    inner: list[Section] = field(default_factory=list)
+
+    def every(self) -> Iterator[Section]:
+        yield self
+        for item in self.inner:
+            yield from item.every()
+
+    def statements(self) -> Iterator[Line]:
+        """All that stands in it, headings too."""
+        for item in self.every():
+            yield Line(((item.heading,),))
+            yield from item.lines
+
+    def within(self, words: str) -> list[Section]:
+        """The sections inside whose heading has the words, else those whose first line has them."""
+        inside = [item for item in self.every() if item is not self]
+        found = [item for item in inside if _in(words, item.heading)]
+        return found or [item for item in inside if item.lines and _in(words, _first(item))]
+
+
+def read(page: str) -> Section:
+    """The page as a section; the text before its first heading of the second level stands in it directly."""
+    top = Section("", 0)
+    stack = [top]
+    rows: list[str] = []
+    for block in re.split(r"\n\s*\n", _ANCHOR.sub("", page)):
+        rows = [line for line in _PICTURE.sub("", block).splitlines() if line.strip()]
+        found = _HEADING.fullmatch(rows[0]) if rows else None
+        if found is not None:
+            section = Section(_plain(found[2]), len(found[1]))
+            while stack[-1].level >= section.level:
+                stack.pop()
+            stack[-1].inner.append(section)
+            stack.append(section)
+            rows = rows[1:]
+        stack[-1].lines += _lines(rows)
+    return top
+
+
+def _lines(rows: list[str]) -> Iterator[Line]:
+    if rows and rows[0].startswith("| "):
+        yield from (_row(row) for row in rows if not re.fullmatch(r"[|\s:-]+", row))
+    elif rows and rows[0].startswith("- "):
+        yield from (Line(((_plain(item),),)) for item in re.split(r"\n?- ", "\n".join(rows)) if item.strip())
+    elif rows:
+        yield Line(((_plain(" ".join(rows)),),))
+
+
+def _row(row: str) -> Line:
+    cells = re.split(r"(?<!\\)\|", row)[1:-1]
+    return Line(tuple(tuple(_plain(line) for line in cell.split("<br>")) for cell in cells))
+
+
+def _plain(text: str) -> str:
+    """Markdown as it is shown."""
+    parts = re.split(r"(`+)(.*?)\1", _LINK.sub(r"\1", text))
+    shown = "".join(
+        part if index % 3 == 2 else unescape(_ESCAPED.sub(r"\1", part))
+        for index, part in enumerate(parts)
+        if index % 3 != 1
+    )
+    return " ".join(shown.replace("**", "").split())
+
+
+def _first(section: Section) -> str:
+    return " ".join(line for cell in section.lines[0].cells for line in cell)
+
+
+def _in(words: str, line: str) -> bool:
+    """Whether the words stand in the line, in any case, and not as a part of other words, numbers or ranges."""
+    alone = rf"(?<![\w:.])(?<!to ){re.escape(words)}(?!\w|[:.]\d| to \d)"
+    return re.search(alone, line, re.IGNORECASE) is not None
+
+
+def _same(words: str, line: str) -> bool:
+    """Whether it is all of the line, in any case and with spaces anywhere."""
+    return "".join(words.casefold().split()) == "".join(line.casefold().split())

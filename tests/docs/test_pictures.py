@@ -1,0 +1,132 @@
+"""The pictures of frames, registers and connectors: readable on a phone, and with the bits as worked out by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from xml.etree import ElementTree
+
+import pytest
+
+SVG = "{http://www.w3.org/2000/svg}"
+#: A screen of 375 pixels less margins of 16 on each side.
+PHONE = 343
+
+Files = Mapping[str, str]
+
+
+def drawn(pages: Files) -> Iterator[tuple[str, ElementTree.Element]]:
+    for name, made in pages.items():
+        if name.endswith(".svg") and "/timing-" not in name:
+            yield name, ElementTree.fromstring(made)
+
+
+def texts(pages: Files, name: str) -> list[str]:
+    root = ElementTree.fromstring(pages[f"docs/{name}.svg"])
+    return ["".join(item.itertext()) for item in root.iter(f"{SVG}text")]
+
+
+def desc(pages: Files, name: str) -> str:
+    return ElementTree.fromstring(pages[f"docs/{name}.svg"]).findtext(f"{SVG}desc", "")
+
+
+def test_text_has_11_pixels_on_a_phone(pages: Files) -> None:
+    for name, root in drawn(pages):
+        shown = min(1.0, PHONE / float(root.attrib["width"]))
+        assert all(float(item.attrib["font-size"]) * shown >= 11 for item in root.iter(f"{SVG}text")), name
+
+
+def test_no_text_leaves_the_card_or_its_box(pages: Files) -> None:
+    """At half the font size a letter, which is more than the average of the fonts of browsers."""
+    for name, root in drawn(pages):
+        for item in root.iter(f"{SVG}text"):
+            size, x = float(item.attrib["font-size"]), float(item.attrib["x"])
+            wide = size * 0.5 * len("".join(item.itertext()))
+            left = x - {"start": 0.0, "middle": wide / 2}[item.attrib["text-anchor"]]
+            assert left >= 0, name
+            assert left + wide <= float(root.attrib["width"]), (name, item.text)
+
+
+def test_a_picture_and_the_words_beside_it_say_the_same(pages: Files) -> None:
+    for name, root in drawn(pages):
+        words = root.findtext(f"{SVG}desc", "")
+        assert words, name
+        page = name.rpartition("/")[2]
+        shown = [made for other, made in pages.items() if other.endswith(".md") and f"{page})" in made]
+        assert shown, name
+
+
+def test_the_bits_of_a_frame_as_counted_by_hand(pages: Files) -> None:
+    """AMM5 6.2 p.32, 21 and 16 bits: position in 44:8, nE in 7, nW in 6, CRC in 5:0."""
+    assert desc(pages, "amm5/AMM5A21-65KSC1-single_cycle_data") == (
+        "45 bits: multiturn 44:29, singleturn 28:8, error 7 (0 = active), warning 6 (0 = active), crc 5:0"
+    )
+    found = texts(pages, "amm5/AMM5A21-65KSC1-single_cycle_data")
+    assert [item for item in found if item[0].isdigit()] == [
+        *("44:40", "44:40", "39:32", "39:32", "31:24", "31:29", "28:24", "23:16", "23:16", "15:8", "15:8"),
+        *("7:0", "7", "6", "5:0"),
+    ]
+    assert "error (bit 7, 0 = active)" in found
+
+
+def test_the_bytes_of_a_register_as_counted_by_hand(pages: Files) -> None:
+    """AMM5 6.4 p.35: the preset ends at bit 48 of 17h to 11h, low byte at 11h; with 21 bits 12h has its last four."""
+    rows = rows_of(pages, "amm5/AMM5A21-65KSC1-register-preset")
+    assert rows == {
+        "11h": ["0", "7:0"],
+        "12h": ["singleturn", "15:12", "0", "11:8"],
+        "13h": ["singleturn", "23:16"],
+        "14h": ["singleturn", "31:24"],
+        "15h": ["multiturn", "39:33", "32"],
+        "16h": ["multiturn", "47:40"],
+        "17h": ["0", "55:49", "48"],
+    }
+
+
+def test_the_bytes_of_a_reply_in_the_order_of_the_line(pages: Files) -> None:
+    """AMM5 7.4 p.44, data ID 3: CF, SF, ABS0 to ABS2, ENID, ABM0 to ABM2, ALMC, CRC; low byte first."""
+    rows = rows_of(pages, "amm5/complete_reply")
+    assert list(rows) == [f"byte {number}" for number in range(11)]
+    assert rows["byte 2"] == ["singleturn", "7:0"]
+    assert rows["byte 4"] == ["singleturn", "23:16"]
+    assert rows["byte 5"] == ["encoder id"]
+    assert rows["byte 9"] == ["alarm field"]
+
+
+def rows_of(pages: Files, name: str) -> dict[str, list[str]]:
+    """What stands in the boxes of each row, by the label of the row."""
+    root = ElementTree.fromstring(pages[f"docs/{name}.svg"])
+    labels = {}
+    for item in root.iter(f"{SVG}text"):
+        if item.attrib["text-anchor"] == "start" and float(item.attrib["x"]) < 15:
+            labels[float(item.attrib["y"])] = item.text or ""
+    rows: dict[str, list[str]] = {label: [] for label in labels.values()}
+    for item in root.iter(f"{SVG}text"):
+        if item.attrib["text-anchor"] == "middle":
+            nearest = min(labels, key=lambda y: abs(y - float(item.attrib["y"])))
+            rows[labels[nearest]].append(item.text or "")
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("picture", "expected"),
+    [
+        # AMM5 4.1.1 p.20, pins 4 and 13; SMA21 4.1 p.15, the cable T12.
+        ("amm5/connector-ssi_biss_connector", ["4", "Clock IN - / MA -", "13", "+5Vdc ±5%"]),
+        ("sma21/connector-ssi_biss_cable", ["Pink", "Data OUT - / SLO -", "White_Green", "0Vdc"]),
+    ],
+)
+def test_a_connector_has_its_pins_and_wires(pages: Files, picture: str, expected: list[str]) -> None:
+    found = texts(pages, picture)
+    assert [item for item in expected if item not in found] == []
+    assert [found[found.index(name) + 1] for name in expected[::2]] == expected[1::2]
+
+
+def test_a_wire_of_two_colours_has_both(pages: Files) -> None:
+    root = ElementTree.fromstring(pages["docs/sma21/connector-ssi_biss_cable.svg"])
+    first = [item.attrib["fill"] for item in root.iter(f"{SVG}rect") if "fill" in item.attrib][:2]
+    assert first == ["#ffffff", "#15803d"], "White_Green stands first in 4.1 p.15"
+
+
+def test_nobody_takes_the_order_of_pins_for_a_face(pages: Files) -> None:
+    assert "Where they lie on the face is not known." in " ".join(texts(pages, "am36/connector-m12_connector"))
+    assert "face" not in " ".join(texts(pages, "am36/connector-m8_type_cable"))

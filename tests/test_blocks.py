@@ -1,0 +1,181 @@
+"""Every command and block of code that our pages show is run: here, by a test that is named, or not, for a reason."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "generated").glob("*/README.md")),
+    *sorted((ROOT / "examples").glob("*/README.md")),
+]
+_FENCED = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+#: By page, then by the language and the beginning of blocks: the test that runs them and compares what they show.
+ELSEWHERE = {
+    "README.md": {
+        ": $ .venv/bin/codewheel": "tests/test_readme.py::test_its_commands",
+        "python: ": "tests/test_readme.py::test_its_python",
+    },
+    "docs/biss-xml.md": {
+        ": $ python docs/example": "tests/biss/test_example_script.py::test_the_page_shows_what_it_prints"
+    },
+    "docs/editions.md": {
+        "yaml: ": "tests/docs/test_editions_page.py::test_the_yaml_is_that_of_the_spec",
+        ": $ codewheel": "tests/docs/test_editions_page.py::test_commands_print_what_is_shown",
+    },
+    "docs/how-to-add-a-master.md": {"yaml: ": "tests/masters/test_master_files.py::test_the_example_of_the_page"},
+    "docs/how-to-revise.md": {
+        ": ": "tests/changes/test_how_to_revise.py::test_its_session",
+        "diff: ": "tests/changes/test_how_to_revise.py::test_its_session",
+    },
+    "docs/how-to-transcribe.md": {
+        "yaml: ": "tests/fictional/test_page.py::test_yaml_is_that_of_the_spec",
+        "text: tv62.second": "tests/fictional/test_revision.py::test_the_story_of_the_page",
+        "text: tv62.yaml": "tests/fictional/test_revision.py::test_the_story_of_the_page",
+        "text: tv62": "tests/fictional/test_revision.py::test_the_story_of_the_page",
+        "text: bytes": "tests/fictional/test_page.py::test_what_the_tool_says_is_what_it_says",
+        "text: ": "tests/fictional/test_page.py::test_slips_are_found_in_the_words_shown",
+        ": ": "tests/fictional/test_page.py::test_commands_of_the_page_work",
+    },
+    "docs/how-to-write-a-target.md": {
+        "toml: ": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
+        'python: """': "tests/docs/test_how_to_write_a_target.py::test_its_commands",
+        "jinja: ": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
+        ": codewheel check": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
+        "python: from": "tests/docs/test_how_to_write_a_target.py::test_its_own_tests",
+    },
+    "docs/overlays.md": {
+        "yaml: ": "tests/docs/test_overlays_page.py::test_the_file_is_the_one_that_is_shown",
+        ": $ codewheel": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
+        "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
+        "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
+    },
+    "docs/templates.md": {
+        "jinja: ": "tests/docs/test_templates_page.py::test_its_example",
+        ": ": "tests/docs/test_templates_page.py::test_its_example",
+    },
+    "docs/why-a-crc-fails.md": {
+        ": $ codewheel": "tests/generator/test_why.py::test_the_page_shows_what_the_command_prints"
+    },
+    "generated/c/README.md": {
+        "sh: cc ": "tests/verify/test_handover.py::test_a_plain_line",
+        "c: ": "tests/c/test_c_headers.py::test_the_readme_compiles_and_prints",
+    },
+    "generated/python/README.md": {
+        "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
+        "python: import": "tests/verify/test_stream.py::test_the_readme_of_an_engine",
+    },
+    "examples/rust-target/README.md": {
+        "rust: ": "tests/rust/test_rust_target.py::test_the_readme",
+        ": 5 revolutions": "tests/rust/test_rust_target.py::test_the_readme",
+    },
+}
+#: What no test runs, and why.
+EXCEPTIONS = {
+    ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
+    ("CONTRIBUTING.md", ": spec "): "a drawing of the house; tests/test_house_rules.py holds the house against its map",
+    ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
+    ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
+    ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
+    ("examples/rust-target/README.md", ": pip install"): "as above; test_the_readme runs the line after it",
+    (
+        "examples/rust-target/README.md",
+        "toml: ",
+    ): "two lines of a Cargo.toml; test_the_readme compiles against the crate",
+}
+#: Commands that show nothing of what they print are run here, in order.
+_OURS = re.compile(r"(?:\$ )?(?:\.venv/bin/)?(codewheel|python -m lika_encoders) ")
+
+
+@dataclass(frozen=True)
+class Block:
+    page: str
+    key: str
+    lines: tuple[str, ...]
+
+    @property
+    def is_run_here(self) -> bool:
+        return self.key.startswith(": ") and all(_OURS.match(line) for line in self.lines)
+
+    @property
+    def elsewhere(self) -> str:
+        listed = ELSEWHERE.get(self.page, {})
+        return next((begin for begin in listed if self.key.startswith(begin)), "")
+
+    @property
+    def exception(self) -> str:
+        listed = [begin for page, begin in EXCEPTIONS if page == self.page]
+        return next((begin for begin in listed if self.key.startswith(begin)), "")
+
+
+def blocks() -> Iterator[Block]:
+    for path in PAGES:
+        for language, text in _FENCED.findall(path.read_text(encoding="utf-8")):
+            lines = tuple(text.splitlines())
+            yield Block(f"{path.relative_to(ROOT)}", f"{language}: {lines[0]}", lines)
+
+
+EVERY = list(blocks())
+HERE = [item for item in EVERY if item.is_run_here and not item.elsewhere]
+
+
+def test_every_block_is_accounted_for() -> None:
+    left = [f"{item.page}: {item.key}" for item in EVERY if not (item.elsewhere or item.is_run_here or item.exception)]
+    assert left == []
+
+
+def test_no_entry_is_left_over() -> None:
+    used = {(item.page, item.elsewhere) for item in EVERY if item.elsewhere}
+    assert {(page, begin) for page, listed in ELSEWHERE.items() for begin in listed} == used
+    assert set(EXCEPTIONS) == {(item.page, item.exception) for item in EVERY if item.exception}
+
+
+def test_the_tests_that_are_named_are_there() -> None:
+    for name in {test for listed in ELSEWHERE.values() for test in listed.values()}:
+        path, _, function = name.partition("::")
+        assert f"\ndef {function}(" in (ROOT / path).read_text(encoding="utf-8"), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", HERE, ids=lambda item: f"{item.page}: {item.lines[0][:50]}")
+def test_its_commands_run(block: Block, tmp_path: Path, generated_python: tuple[Path, ModuleType]) -> None:
+    """In a folder with what they read: an own spec under version control, a document type, captured frames."""
+    _prepare(tmp_path)
+    environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": f"{generated_python[0]}", "PYTHONIOENCODING": "utf-8"}
+    for line in block.lines:
+        command = line.removeprefix("$ ").partition(" #")[0].partition(" | ")[0].strip()
+        words = shlex.split(command.replace(".venv/bin/codewheel", "codewheel"))
+        module = words[1:] if words[0] == "python" else ["-m", *words]
+        done = subprocess.run(
+            [sys.executable, *module], capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
+        )
+        assert done.returncode == 0, (line, done.stdout[-300:], done.stderr)
+        assert done.stdout or done.stderr or (tmp_path / words[-1]).exists(), line
+        if words[:2] == ["codewheel", "new"]:
+            _versioned(tmp_path)
+
+
+def _prepare(folder: Path) -> None:
+    shutil.copy(ROOT / "generator" / "spec" / "idbiss.reconstructed.dtd", folder / "idbiss.dtd")
+    word = 0x55BCD15E2  # AMM5A21/65KSC1: 42 revolutions and 1821973 counts
+    (folder / "frames.bin").write_bytes(word.to_bytes(8, "little") * 3)
+    (folder / "capture.csv").write_text(f"time,word\n0,{word:#x}\n1,{word:#x}\n", encoding="utf-8")
+
+
+def _versioned(folder: Path) -> None:
+    """The spec as it was in version 1.0."""
+    who = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
+    for words in (["init", "-q"], ["add", "."], [*who, "commit", "-q", "-m", "first"], ["tag", "v1.0"]):
+        subprocess.run(["git", *words], check=True, capture_output=True, cwd=folder)
