@@ -1,0 +1,115 @@
+"""Chromium without a window, spoken to over a pipe in its DevTools protocol."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+#: What a page may ask for.
+_OWN = ("file://", "data:", "about:")
+
+
+class Browser:
+    """One page of one browser; ``complaints`` has what its console and its requests said since the last ``open``."""
+
+    def __init__(self, profile: Path) -> None:
+        assert CHROMIUM is not None
+        to_browser, self._write = os.pipe()
+        self._read, from_browser = os.pipe()
+        flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", "--no-first-run"]
+        command = [CHROMIUM, *flags, f"--user-data-dir={profile}", "--disable-background-networking", "about:blank"]
+        # The browser reads from 3 and writes to 4.
+        self._process = subprocess.Popen(
+            ["sh", "-c", f'exec 3<&{to_browser} 4>&{from_browser}; exec "$@"', "sh", *command],
+            pass_fds=(to_browser, from_browser),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(to_browser)
+        os.close(from_browser)
+        self._input = os.fdopen(self._read, "rb")
+        self._buffer, self._count, self._session = b"", 0, ""
+        self.complaints: list[str] = []
+        self._loaded = False
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Network", "Log"):
+            self.call(f"{domain}.enable")
+
+    def __enter__(self) -> Browser:
+        return self
+
+    def __exit__(self, _kind: type[BaseException] | None, _error: BaseException | None, _at: TracebackType | None) -> None:
+        self._session = ""
+        self.call("Browser.close")
+        self._process.wait(timeout=20)
+        os.close(self._write)
+        self._input.close()
+
+    def call(self, method: str, **parameters: Any) -> Any:
+        """The answer of the browser to a command of the protocol."""
+        self._count += 1
+        message: dict[str, Any] = {"id": self._count, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._write, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._next()
+            if answer.get("id") == self._count:
+                assert "error" not in answer, f"{method}: {answer['error']}"
+                return answer["result"]
+            self._hear(answer)
+
+    def look(self, width: int, dark: bool = False, height: int = 900) -> None:
+        """Sets the width of the window, and what the reader prefers."""
+        self.call(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600
+        )
+        preferred = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.call("Emulation.setEmulatedMedia", features=[preferred])
+
+    def open(self, url: str) -> None:
+        """Opens a page and waits until it is loaded."""
+        self.complaints.clear()
+        self._loaded = False
+        self.call("Page.navigate", url=url)
+        while not self._loaded:
+            self._hear(self._next())
+
+    def run(self, script: str) -> Any:
+        """The value of an expression of JavaScript in the page; a promise is waited for."""
+        done = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in done, done["exceptionDetails"]
+        return done["result"].get("value")
+
+    def _next(self) -> Mapping[str, Any]:
+        while b"\0" not in self._buffer:
+            piece = self._input.read1(1 << 20)
+            assert piece, "the browser has gone"
+            self._buffer += piece
+        message, _, self._buffer = self._buffer.partition(b"\0")
+        found: Mapping[str, Any] = json.loads(message)
+        return found
+
+    def _hear(self, event: Mapping[str, Any]) -> None:
+        told = event.get("params", {})
+        match event.get("method"):
+            case "Page.loadEventFired":
+                self._loaded = True
+            case "Network.requestWillBeSent" if not told["request"]["url"].startswith(_OWN):
+                self.complaints.append(f"asks for {told['request']['url']}")
+            case "Network.loadingFailed":
+                self.complaints.append(f"a request failed: {told['errorText']}")
+            case "Runtime.exceptionThrown":
+                self.complaints.append(told["exceptionDetails"]["exception"]["description"])
+            case "Runtime.consoleAPICalled" if told["type"] in ("error", "warning"):
+                self.complaints.append(f"console: {told['args']}")
+            case "Log.entryAdded" if told["entry"]["level"] in ("error", "warning"):
+                self.complaints.append(f"log: {told['entry']['text']}")
