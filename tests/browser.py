@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import shutil
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -14,6 +15,32 @@ from typing import Any
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 #: What a page may ask for.
 _OWN = ("file://", "data:", "about:")
+_FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--remote-debugging-pipe",
+    "--no-first-run",
+    "--disable-background-networking",
+)
+
+
+def _started(command: Sequence[str]) -> tuple[subprocess.Popen[bytes], int, int]:
+    """The browser, where to write to it, and where to read from it."""
+    to_browser, write = os.pipe()
+    read, from_browser = os.pipe()
+    # It reads from 3 and writes to 4, whatever these are here.
+    source, target = (fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (to_browser, from_browser))
+
+    def placed() -> None:
+        os.dup2(source, 3)
+        os.dup2(target, 4)
+
+    nothing = subprocess.DEVNULL
+    started = subprocess.Popen(command, preexec_fn=placed, pass_fds=(3, 4), stdout=nothing, stderr=nothing)
+    for end in (to_browser, from_browser, source, target):
+        os.close(end)
+    return started, write, read
 
 
 class Browser:
@@ -21,20 +48,8 @@ class Browser:
 
     def __init__(self, profile: Path) -> None:
         assert CHROMIUM is not None
-        to_browser, self._write = os.pipe()
-        self._read, from_browser = os.pipe()
-        flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", "--no-first-run"]
-        command = [CHROMIUM, *flags, f"--user-data-dir={profile}", "--disable-background-networking", "about:blank"]
-        # The browser reads from 3 and writes to 4.
-        self._process = subprocess.Popen(
-            ["sh", "-c", f'exec 3<&{to_browser} 4>&{from_browser}; exec "$@"', "sh", *command],
-            pass_fds=(to_browser, from_browser),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        os.close(to_browser)
-        os.close(from_browser)
-        self._input = os.fdopen(self._read, "rb")
+        self._process, self._write, answers = _started([CHROMIUM, *_FLAGS, f"--user-data-dir={profile}"])
+        self._input = os.fdopen(answers, "rb")
         self._buffer, self._count, self._session = b"", 0, ""
         self.complaints: list[str] = []
         self._loaded = False
@@ -78,10 +93,14 @@ class Browser:
     def open(self, url: str) -> None:
         """Opens a page and waits until it is loaded."""
         self.complaints.clear()
-        self._loaded = False
         self.call("Page.navigate", url=url)
+        self.wait()
+
+    def wait(self) -> None:
+        """Waits until the page that is on its way is loaded."""
         while not self._loaded:
             self._hear(self._next())
+        self._loaded = False
 
     def run(self, script: str) -> Any:
         """The value of an expression of JavaScript in the page; a promise is waited for."""

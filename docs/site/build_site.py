@@ -33,7 +33,8 @@ PAGES = (
 )
 #: The script of the box that decodes a frame, where it has been generated.
 DECODER = "generated/browser/decode.js"
-_NAMED = re.compile(r"[\w/-]+$")
+#: An entry of the contents: a page, or what to call it and the page.
+NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
 _LINK = re.compile(r"\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
 
 
@@ -76,7 +77,8 @@ def stage(root: Path, source: Path) -> None:
 def _start_page(source: Path) -> str:
     """The start page; its contents name what there is."""
     lines = (HERE / "index.md").read_text(encoding="utf-8").splitlines(keepends=True)
-    return "".join(line for line in lines if not _NAMED.match(line) or (source / f"{line.strip()}.md").exists())
+    named = [(line, NAMED.match(line)) for line in lines]
+    return "".join(line for line, name in named if name is None or (source / f"{name[1]}.md").exists())
 
 
 def linked(source: Path) -> Iterator[Path]:

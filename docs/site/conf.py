@@ -24,7 +24,6 @@ html_use_index = False
 # The text of a hit would be fetched, which a page opened as a file may not do.
 html_show_search_summary = False
 html_permalinks = False
-pygments_style = "default"
 # The decoder has no lexer for what a terminal shows.
 highlight_language = "none"
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from build_site import NAMED
 from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
@@ -16,8 +17,6 @@ from sphinx.transforms import SphinxTransform
 
 _ID = re.compile(r"""\bid=["']([^"']+)["']""")
 _TARGET = re.compile(r"""\b(href)=(["'])([^"']+)\2""")
-#: The pages that the start page puts into the contents.
-_NAMED = re.compile(r"^([\w/-]+)$", re.MULTILINE)
 #: Below which page comes what has no other.
 _REST = "CONTRIBUTING"
 _NOT_IN_A_SLUG = re.compile(r"[^\w\- ]")
@@ -85,7 +84,7 @@ def _add_children(app: Sphinx, doctree: nodes.document) -> None:
 
 
 def _children(env: BuildEnvironment, page: str) -> Iterator[str]:
-    named = _NAMED.findall(Path(env.doc2path("index")).read_text(encoding="utf-8"))
+    named = NAMED.findall(Path(env.doc2path("index")).read_text(encoding="utf-8"))
     for name in sorted(env.found_docs - {"index", *named}):
         if page != name and _parent(env, name) == page:
             yield name

@@ -6,14 +6,14 @@ pages say where: a thing without an anchor on any page of its family is left out
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 from codewheel.build.load import load_library
-from codewheel.model import Device, Field, Layout, Procedure
-from codewheel.say.name import Titled, title, words
+from codewheel.model import Device, Field, Layout
+from codewheel.say.name import title, words
 from codewheel.say.place import addresses, hexadecimal
 from codewheel.targets.docs.by_code import all_alike
 from sphinx.application import Sphinx
@@ -22,8 +22,13 @@ from sphinx.util import logging
 
 #: Where the pages of families lie.
 _PAGES = "generated/docs"
-#: What Sphinx adds to the score of a hit: 15, or 5, which is as much as that of a heading.
+#: What Sphinx adds to the score of a hit by its name: 15; or 5, by which a part of a name comes after headings.
 _FIRST, _SECOND = 0, 1
+
+
+class _Nameable(Protocol):
+    @property
+    def name(self) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,7 @@ class Thing:
 
 
 def things(device: Device) -> Iterator[Thing]:
-    """What a family has a name or an address for, order codes aside."""
+    """What a family has a name or an address for, order codes and fields aside."""
     for register in device.registers:
         anchor = f"register-{register.name}"
         what = f"register {title(register)}, {addresses(register)}"
@@ -46,40 +51,61 @@ def things(device: Device) -> Iterator[Thing]:
         for address in range(register.address, register.last_address + 1):
             for spelling in (hexadecimal(address), f"0x{address:02X}"):
                 yield Thing(spelling, what, anchor, register.interface)
-        yield from _fields(register.layout, title(register), anchor, register.interface)
     for interface, layout in device.layouts():
         anchor = f"layout-{layout.name}"
         yield from _named(layout, f"frame, {interface.title}", anchor, interface.name)
-        yield from _fields(layout, f"the frame {title(layout)}", anchor, interface.name)
     for item in device.interfaces:
         yield Thing(item.title, "interface", f"interface-{item.name}", item.name)
-    for alarm in device.alarms:
-        yield from _named(alarm, "error or warning", f"alarm-{alarm.name}")
+    for kind, anchor, items in _parts(device):
+        for part in items:
+            yield from _named(part, kind, f"{anchor}-{part.name}")
     for procedure in device.procedures:
         over = device.interface(procedure.interface).title
         yield from _named(procedure, f"procedure, {over}", f"procedure-{procedure.name}", procedure.interface)
 
 
-def _fields(layout: Layout, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
+def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
+    """The other parts of a family with a place of their own: what they are, how their anchors begin."""
+    yield "error or warning", "alarm", device.alarms
+    yield "input", "input", device.inputs
+    yield "CRC", "crc", device.crcs
+    yield "left open by the manual", "alternative", device.alternatives
+
+
+def fields(device: Device) -> Iterator[Thing]:
+    """The fields of registers and frames, and the groups that frames share."""
+    for register in device.registers:
+        owner, anchor = f"register {title(register)}", f"register-{register.name}"
+        yield from _fields(device, register.layout, owner, anchor, register.interface)
+    for interface, layout in device.layouts():
+        yield from _fields(device, layout, f"frame {title(layout)}", f"layout-{layout.name}", interface.name)
+
+
+def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
+    groups = {item.name: item for item in device.field_groups}
+    for name in dict.fromkeys(field.group for field in layout.fields if field.group):
+        yield from _named(groups[name], f"part of {owner}", f"group-{name}", interface)
     for field in layout.fields:
-        if _has_name(field):
-            place = f"group-{field.group}" if field.group else anchor
-            yield from _named(field, f"field of {owner}", place, interface, _SECOND)
+        if field.group:
+            yield from _field(field, title(groups[field.group]), f"group-{field.group}", interface)
+        elif field.carries_data or field.printed_name:
+            yield from _field(field, owner, anchor, interface)
 
 
-def _has_name(field: Field) -> bool:
-    return field.carries_data or bool(field.printed_name)
+def _field(field: Field, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
+    """What the manual prints comes first; a name of ours, such as number, is a word among others."""
+    for thing in _named(field, f"field of {owner}", anchor, interface):
+        is_printed = thing.name == field.printed_name.replace(".", " ")
+        yield thing if is_printed else replace(thing, priority=_SECOND)
 
 
-def _named(
-    item: Titled | Procedure, what: str, anchor: str, interface: str = "", priority: int = _FIRST
-) -> Iterator[Thing]:
-    """Under the name in specs and code, the same as words, and the manual's own."""
-    printed = "" if isinstance(item, Procedure) else item.printed_name
-    spelled = {name.lower(): name for name in (item.name, words(item.name), printed) if name}
-    for name in spelled.values():
-        # A point would part the name.
-        yield Thing(name.replace(".", " "), what, anchor, interface, priority)
+def _named(item: _Nameable, what: str, anchor: str, interface: str = "") -> Iterator[Thing]:
+    """Under the manual's own name, its name in words, and that in specs and code."""
+    for name in (getattr(item, "printed_name", ""), words(item.name)):
+        if name:
+            # A point would part the name.
+            yield Thing(name.replace(".", " "), what, anchor, interface)
+    yield Thing(item.name, what, anchor, interface, _SECOND)
 
 
 class Encoders(Domain):
@@ -95,6 +121,17 @@ class Encoders(Domain):
         if report.problems:
             raise ValueError(report.problems[0].format())
         return families
+
+    @cached_property
+    def _once(self) -> dict[str, list[Thing]]:
+        """The things of each family, each place once; a field only where nothing else has its name."""
+        found = {}
+        for device in self._families:
+            kept = {(item.name.lower(), item.anchor): item for item in reversed([*things(device)])}
+            named = {name for name, _ in kept}
+            more = {item.name.lower(): item for item in reversed([*fields(device)]) if item.name.lower() not in named}
+            found[device.name] = [*kept.values(), *more.values()]
+        return found
 
     @cached_property
     def _code_pages(self) -> dict[str, tuple[str, ...]]:
@@ -115,7 +152,7 @@ class Encoders(Domain):
             for code in codes if anchors else ():
                 yield code, code, f"order code of {page.split('/')[-2].upper()}", page, anchors[0], _FIRST
         for device in self._families:
-            for thing in dict.fromkeys(things(device)):
+            for thing in self._once[device.name]:
                 page = self._page_with(device, thing)
                 name = f"{device.name.upper()}.{thing.name}"
                 if page:
@@ -127,7 +164,7 @@ class Encoders(Domain):
             if not self._anchors(page):
                 yield f"{codes[0]}: no page {page}"
         for device in self._families:
-            for thing in dict.fromkeys(things(device)):
+            for thing in self._once[device.name]:
                 if not self._page_with(device, thing):
                     yield f"{device.name}: no anchor {thing.anchor}"
 

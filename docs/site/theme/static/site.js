@@ -5,7 +5,7 @@
     document.querySelectorAll(".wide, pre").forEach(function (item) {
       if (item.scrollWidth > item.clientWidth) {
         item.tabIndex = 0;
-        item.setAttribute("role", "region");
+        item.setAttribute("role", "group");
         item.setAttribute("aria-label", item.tagName === "PRE" ? "Code" : "Table");
       } else {
         item.removeAttribute("tabindex");
