@@ -1,0 +1,2 @@
+def api_pages(root):
+    return []

@@ -1,0 +1,124 @@
+"""The command behind ``make site``: the pages of this repository as a static site in a folder, ready to be opened.
+
+    python docs/site/build_site.py [build/site]
+
+Pages keep the paths that they have in the repository, so that a link in Markdown leads on as it does on a code host.
+What a link names that is no page is copied beside them; a folder without a README gets a page that lists its files.
+"""
+
+from __future__ import annotations
+
+import gc
+import logging
+import os
+import re
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from api_pages import api_pages
+from sphinx.application import Sphinx
+from sphinx.util.console import nocolor
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+#: What becomes a page.
+PAGES = (
+    "*.md",
+    "docs/*.md",
+    "generated/docs/**/*.md",
+    "generated/*/*.md",
+    "examples/*/README.md",
+)
+#: The script of the box that decodes a frame, where it has been generated.
+DECODER = "generated/browser/decode.js"
+#: An entry of the contents: a page, or what to call it and the page.
+NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
+_LINK = re.compile(r"\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
+
+
+def build(target: Path, root: Path = ROOT) -> int:
+    """Writes the site into ``target``, which is emptied first; gives the number of warnings."""
+    work = target.parent / f"{target.name}-work"
+    for folder in (target, work):
+        shutil.rmtree(folder, ignore_errors=True)
+    source = work / "source"
+    stage(root, source)
+    # The run makes millions of small objects that all stay; to look them through for garbage takes a third of the time.
+    gc.disable()
+    logging.getLogger("sphinx").setLevel(logging.WARNING)
+    nocolor()
+    os.environ["SOURCE_DATE_EPOCH"] = "0"
+    application = Sphinx(str(source), str(HERE), str(target), str(work / "doctrees"), "html", status=None)
+    application.build(force_all=True)
+    copy_linked(root, source, target)
+    for leftover in (".buildinfo", "objects.inv"):
+        (target / leftover).unlink(missing_ok=True)
+    shutil.rmtree(work)
+    return application._warncount
+
+
+def stage(root: Path, source: Path) -> None:
+    """Copies the pages and their pictures, and writes those that only the site has."""
+    found = {path for pattern in PAGES for path in root.glob(pattern)}
+    found |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/*.svg"))
+    for path in sorted(found):
+        _write(source / path.relative_to(root), path.read_text(encoding="utf-8"))
+    if (root / DECODER).exists():
+        _write(source / "decode.md", (HERE / "decode.md").read_text(encoding="utf-8"))
+    for name, text in api_pages(root):
+        _write(source / name, text)
+    for folder in sorted(set(_linked_folders(root, source))):
+        _write(source / folder / "index.md", _listing(root, folder))
+    _write(source / "index.md", _start_page(source))
+
+
+def _start_page(source: Path) -> str:
+    """The start page; its contents name what there is."""
+    lines = (HERE / "index.md").read_text(encoding="utf-8").splitlines(keepends=True)
+    named = [(line, NAMED.match(line)) for line in lines]
+    return "".join(line for line, name in named if name is None or (source / f"{name[1]}.md").exists())
+
+
+def linked(source: Path) -> Iterator[Path]:
+    """What the Markdown links of the pages name, by its path in the repository."""
+    for page in sorted(source.rglob("*.md")):
+        for target in _LINK.findall(page.read_text(encoding="utf-8")):
+            if ":" not in target:
+                yield Path(os.path.normpath(page.parent.relative_to(source) / target))
+
+
+def _linked_folders(root: Path, source: Path) -> Iterator[Path]:
+    for path in linked(source):
+        if (root / path).is_dir() and not (source / path / "README.md").exists():
+            yield path
+
+
+def _listing(root: Path, folder: Path) -> str:
+    names = sorted(path.name for path in (root / folder).iterdir() if path.is_file())
+    return f"# {folder.as_posix()}\n\n" + "".join(f"- [`{name}`]({name})\n" for name in names)
+
+
+def copy_linked(root: Path, source: Path, target: Path) -> None:
+    """Copies the files that links name and that are no pages."""
+    for path in linked(source):
+        if path.suffix != ".md" and (root / path).is_file():
+            (target / path).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(root / path, target / path)
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def main(arguments: list[str]) -> int:
+    target = Path(arguments[0] if arguments else ROOT / "build" / "site").resolve()
+    warnings = build(target)
+    print(f"wrote {target}; open {target / 'index.html'}")
+    return 1 if warnings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,29 @@
+"""What Sphinx is told; ``build_site.py`` beside it calls it with the pages of the repository."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+project = "codewheel"
+extensions = ["myst_parser", "mirror", "things"]
+# Links are those of the repository, which mirror.py leads to pages.
+myst_all_links_external = True
+# Code, names and addresses stay as they are written.
+smartquotes = False
+html_theme = "theme"
+html_theme_path = [str(HERE)]
+html_js_files = ["site.js"]
+html_title = "codewheel"
+html_copy_source = False
+html_show_copyright = False
+html_use_index = False
+# The text of a hit would be fetched, which a page opened as a file may not do.
+html_show_search_summary = False
+html_permalinks = False
+# The decoder has no lexer for what a terminal shows.
+highlight_language = "none"
+suppress_warnings = ["myst.header", "misc.highlighting_failure"]

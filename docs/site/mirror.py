@@ -1,0 +1,112 @@
+"""Makes pages of the Markdown of a repository: its links lead on, its anchors are known, and each page has its parent."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from build_site import NAMED
+from docutils import nodes
+from sphinx import addnodes
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.transforms import SphinxTransform
+
+_ID = re.compile(r"""\bid=["']([^"']+)["']""")
+_TARGET = re.compile(r"""\b(href)=(["'])([^"']+)\2""")
+#: Below which page comes what has no other.
+_REST = "CONTRIBUTING"
+_NOT_IN_A_SLUG = re.compile(r"[^\w\- ]")
+
+
+class Mirror(SphinxTransform):
+    """Leads links between Markdown files to pages, gives headings the anchors of code hosts, and notes all anchors."""
+
+    default_priority = 400
+
+    def apply(self, **_: Any) -> None:
+        self._drop_crumbs()
+        self._name_headings()
+        for table in list(self.document.findall(nodes.table)):
+            box = nodes.container(classes=["wide"])
+            table.replace_self(box)
+            box += table
+        for reference in self.document.findall(nodes.reference):
+            if "refuri" in reference:
+                reference["refuri"] = self._leads_to(reference["refuri"])
+        anchors = [name for section in self.document.findall(nodes.section) for name in section["ids"]]
+        for raw in list(self.document.findall(nodes.raw)):
+            made = _TARGET.sub(lambda found: f'{found[1]}="{self._leads_to(found[3])}"', raw.rawsource or raw.astext())
+            raw.rawsource, raw.children = made, [nodes.Text(made)]
+            anchors += _ID.findall(made)
+        self.env.metadata[self.env.docname]["anchors"] = anchors  # type: ignore[assignment]
+
+    def _drop_crumbs(self) -> None:
+        """The site says on every page where one is, beginning with its start page; a page need not say it again."""
+        for paragraph in list(self.document.findall(nodes.paragraph)):
+            if isinstance(paragraph.parent, nodes.document) and " › " in paragraph.astext():
+                paragraph.parent.remove(paragraph)
+
+    def _name_headings(self) -> None:
+        taken: dict[str, int] = {}
+        for section in self.document.findall(nodes.section):
+            slug = _NOT_IN_A_SLUG.sub("", section[0].astext().lower()).replace(" ", "-")
+            count = taken[slug] = taken.get(slug, -1) + 1
+            name = f"{slug}-{count}" if count else slug
+            section["ids"] = [name, *(item for item in section["ids"] if item != name)][:1] if name else section["ids"]
+
+    def _leads_to(self, target: str) -> str:
+        path, mark, anchor = target.partition("#")
+        if not path or ":" in path:
+            return target
+        here = posixpath.dirname(self.env.docname)
+        name = posixpath.normpath(posixpath.join(here, path)).removesuffix(".md")
+        for page in (name, f"{name}/README", f"{name}/index"):
+            if page in self.env.found_docs:
+                return posixpath.relpath(page, here or ".") + f".html{mark}{anchor}"
+        return target
+
+
+def _add_children(app: Sphinx, doctree: nodes.document) -> None:
+    """Puts below a page, unseen, what lies below it: for ``x.md`` pages ``x-…md`` and those of the folder ``x``."""
+    env: BuildEnvironment = app.env
+    children = list(_children(env, env.docname))
+    if children:
+        tree = addnodes.toctree(
+            parent=env.docname, entries=[(None, name) for name in children], includefiles=children, maxdepth=-1,
+            caption=None, glob=False, hidden=True, includehidden=True, numbered=0, titlesonly=True, rawentries=[],
+        )  # fmt: skip
+        first = next(doctree.findall(nodes.section), doctree)
+        first += nodes.compound("", tree, classes=["toctree-wrapper"])
+
+
+def _children(env: BuildEnvironment, page: str) -> Iterator[str]:
+    named = NAMED.findall(Path(env.doc2path("index")).read_text(encoding="utf-8"))
+    for name in sorted(env.found_docs - {"index", *named}):
+        if page != name and _parent(env, name) == page:
+            yield name
+
+
+def _parent(env: BuildEnvironment, page: str) -> str:
+    """The page above one that ``index`` does not name: that of its folder or of the words before its hyphens."""
+    folder, _, name = page.rpartition("/")
+    above = [f"{folder}/{name.rsplit('-', count)[0]}" for count in range(1, name.count("-") + 1)] if folder else []
+    above += [folder, f"{folder}/README", f"{posixpath.dirname(folder)}/README", _REST]
+    return next((item for item in above if item in env.found_docs and item != page), "")
+
+
+def _order_code(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
+    """Tells the page of an order code which it is, where there is a box that decodes its frames."""
+    things = app.env.get_domain("encoder")
+    if "decode" in app.env.found_docs:
+        context["order_code"] = things.code_of(page)  # type: ignore[attr-defined]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.add_transform(Mirror)
+    app.connect("doctree-read", _add_children, priority=100)
+    app.connect("html-page-context", _order_code)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,206 @@
+"""What a search finds first: order codes, addresses of registers and printed names, taken from the model.
+
+They are objects of a Sphinx domain, which its search puts before headings and words. The model says what there is; the
+pages say where: a thing without an anchor on any page of its family is left out, and the build says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar, Protocol
+
+from codewheel.build.load import load_library
+from codewheel.model import Device, Field, Layout
+from codewheel.say.name import title, words
+from codewheel.say.place import addresses, hexadecimal
+from codewheel.targets.docs.by_code import all_alike
+from sphinx.application import Sphinx
+from sphinx.domains import Domain
+from sphinx.util import logging
+
+#: Where the pages of families lie.
+_PAGES = "generated/docs"
+#: What Sphinx adds to the score of a hit by its name: 15; or 5, by which a part of a name comes after headings.
+_FIRST, _SECOND = 0, 1
+
+
+class _Nameable(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A name, what it is the name of, and the anchor where that is told."""
+
+    name: str
+    what: str
+    anchor: str
+    interface: str = ""
+    priority: int = _FIRST
+
+
+def things(device: Device) -> Iterator[Thing]:
+    """What a family has a name or an address for, order codes and fields aside."""
+    for register in device.registers:
+        anchor = f"register-{register.name}"
+        what = f"register {title(register)}, {addresses(register)}"
+        yield from _named(register, what, anchor, register.interface)
+        for address in range(register.address, register.last_address + 1):
+            for spelling in (hexadecimal(address), f"0x{address:02X}"):
+                yield Thing(spelling, what, anchor, register.interface)
+    for interface, layout in device.layouts():
+        anchor = f"layout-{layout.name}"
+        yield from _named(layout, f"frame, {interface.title}", anchor, interface.name)
+    for item in device.interfaces:
+        yield Thing(item.title, "interface", f"interface-{item.name}", item.name)
+    for kind, anchor, items in _parts(device):
+        for part in items:
+            yield from _named(part, kind, f"{anchor}-{part.name}")
+    for procedure in device.procedures:
+        over = device.interface(procedure.interface).title
+        yield from _named(procedure, f"procedure, {over}", f"procedure-{procedure.name}", procedure.interface)
+
+
+def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
+    """The other parts of a family with a place of their own: what they are, how their anchors begin."""
+    yield "error or warning", "alarm", device.alarms
+    yield "input", "input", device.inputs
+    yield "CRC", "crc", device.crcs
+    yield "left open by the manual", "alternative", device.alternatives
+
+
+def fields(device: Device) -> Iterator[Thing]:
+    """The fields of registers and frames, and the groups that frames share."""
+    for register in device.registers:
+        owner, anchor = f"register {title(register)}", f"register-{register.name}"
+        yield from _fields(device, register.layout, owner, anchor, register.interface)
+    for interface, layout in device.layouts():
+        yield from _fields(device, layout, f"frame {title(layout)}", f"layout-{layout.name}", interface.name)
+
+
+def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
+    groups = {item.name: item for item in device.field_groups}
+    for name in dict.fromkeys(field.group for field in layout.fields if field.group):
+        yield from _named(groups[name], f"part of {owner}", f"group-{name}", interface)
+    for field in layout.fields:
+        if field.group:
+            yield from _field(field, title(groups[field.group]), f"group-{field.group}", interface)
+        elif field.carries_data or field.printed_name:
+            yield from _field(field, owner, anchor, interface)
+
+
+def _field(field: Field, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
+    """What the manual prints comes first; a name of ours, such as number, is a word among others."""
+    for thing in _named(field, f"field of {owner}", anchor, interface):
+        is_printed = thing.name == field.printed_name.replace(".", " ")
+        yield thing if is_printed else replace(thing, priority=_SECOND)
+
+
+def _named(item: _Nameable, what: str, anchor: str, interface: str = "") -> Iterator[Thing]:
+    """Under the manual's own name, its name in words, and that in specs and code."""
+    for name in (getattr(item, "printed_name", ""), words(item.name)):
+        if name:
+            # A point would part the name.
+            yield Thing(name.replace(".", " "), what, anchor, interface)
+    yield Thing(item.name, what, anchor, interface, _SECOND)
+
+
+class Encoders(Domain):
+    """The domain of encoders."""
+
+    name = "encoder"
+    label = "Encoder"
+    object_types: ClassVar[dict[str, Any]] = {}
+
+    @cached_property
+    def _families(self) -> tuple[Device, ...]:
+        families, report = load_library()
+        if report.problems:
+            raise ValueError(report.problems[0].format())
+        return families
+
+    @cached_property
+    def _once(self) -> dict[str, list[Thing]]:
+        """The things of each family, each place once; a field only where nothing else has its name."""
+        found = {}
+        for device in self._families:
+            kept = {(item.name.lower(), item.anchor): item for item in reversed([*things(device)])}
+            named = {name for name, _ in kept}
+            more = {item.name.lower(): item for item in reversed([*fields(device)]) if item.name.lower() not in named}
+            found[device.name] = [*kept.values(), *more.values()]
+        return found
+
+    @cached_property
+    def _code_pages(self) -> dict[str, tuple[str, ...]]:
+        """The pages of order codes, and which they are."""
+        return {
+            f"{_PAGES}/{device.name}/{alike.name}": tuple(item.code for item in alike.variants)
+            for device in self._families
+            for alike in all_alike(device)
+        }
+
+    def code_of(self, page: str) -> str:
+        """The first order code of a page of such; empty for another page."""
+        return self._code_pages.get(page, ("",))[0]
+
+    def get_objects(self) -> Iterator[tuple[str, str, str, str, str, int]]:
+        for page, codes in self._code_pages.items():
+            anchors = self._anchors(page)
+            for code in codes if anchors else ():
+                yield code, code, f"order code of {page.split('/')[-2].upper()}", page, anchors[0], _FIRST
+        for device in self._families:
+            for thing in self._once[device.name]:
+                page = self._page_with(device, thing)
+                name = f"{device.name.upper()}.{thing.name}"
+                if page:
+                    yield name, name, thing.what, page, thing.anchor, thing.priority
+
+    def missing(self) -> Iterator[str]:
+        """The things that no page has an anchor for."""
+        for page, codes in self._code_pages.items():
+            if not self._anchors(page):
+                yield f"{codes[0]}: no page {page}"
+        for device in self._families:
+            for thing in self._once[device.name]:
+                if not self._page_with(device, thing):
+                    yield f"{device.name}: no anchor {thing.anchor}"
+
+    def _anchors(self, page: str) -> list[str]:
+        return self.env.metadata.get(page, {}).get("anchors", [])  # type: ignore[return-value]
+
+    def _page_with(self, device: Device, thing: Thing) -> str:
+        """The page of the family that tells of a thing: that of its interface if there is one, else the first."""
+        pages = self._pages_with.get((device.name, thing.anchor), ())
+        return next((page for page in pages if thing.interface and _is_of(page, thing.interface)), (*pages, "")[0])
+
+    @cached_property
+    def _pages_with(self) -> dict[tuple[str, str], list[str]]:
+        """The pages of each family with an anchor, those of order codes aside."""
+        found: dict[tuple[str, str], list[str]] = {}
+        for device in self._families:
+            start = f"{_PAGES}/{device.name}"
+            for page in sorted(self.env.found_docs - set(self._code_pages)):
+                if page == start or page.startswith((f"{start}-", f"{start}/")):
+                    for anchor in self._anchors(page):
+                        found.setdefault((device.name, anchor), []).append(page)
+        return found
+
+
+def _is_of(page: str, interface: str) -> bool:
+    return interface in page.rpartition("/")[2].split("-")
+
+
+def _warn(app: Sphinx, _error: Exception | None) -> None:
+    domain = app.env.get_domain("encoder")
+    assert isinstance(domain, Encoders)
+    for item in dict.fromkeys(domain.missing()):
+        logging.getLogger(__name__).warning("the search cannot lead to %s", item)
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.add_domain(Encoders)
+    app.connect("build-finished", _warn)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,134 @@
+"""Chromium without a window, spoken to over a pipe in its DevTools protocol."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+#: What a page may ask for.
+_OWN = ("file://", "data:", "about:")
+_FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--remote-debugging-pipe",
+    "--no-first-run",
+    "--disable-background-networking",
+)
+
+
+def _started(command: Sequence[str]) -> tuple[subprocess.Popen[bytes], int, int]:
+    """The browser, where to write to it, and where to read from it."""
+    to_browser, write = os.pipe()
+    read, from_browser = os.pipe()
+    # It reads from 3 and writes to 4, whatever these are here.
+    source, target = (fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (to_browser, from_browser))
+
+    def placed() -> None:
+        os.dup2(source, 3)
+        os.dup2(target, 4)
+
+    nothing = subprocess.DEVNULL
+    started = subprocess.Popen(command, preexec_fn=placed, pass_fds=(3, 4), stdout=nothing, stderr=nothing)
+    for end in (to_browser, from_browser, source, target):
+        os.close(end)
+    return started, write, read
+
+
+class Browser:
+    """One page of one browser; ``complaints`` has what its console and its requests said since the last ``open``."""
+
+    def __init__(self, profile: Path) -> None:
+        assert CHROMIUM is not None
+        self._process, self._write, answers = _started([CHROMIUM, *_FLAGS, f"--user-data-dir={profile}"])
+        self._input = os.fdopen(answers, "rb")
+        self._buffer, self._count, self._session = b"", 0, ""
+        self.complaints: list[str] = []
+        self._loaded = False
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Network", "Log"):
+            self.call(f"{domain}.enable")
+
+    def __enter__(self) -> Browser:
+        return self
+
+    def __exit__(self, _kind: type[BaseException] | None, _error: BaseException | None, _at: TracebackType | None) -> None:
+        self._session = ""
+        self.call("Browser.close")
+        self._process.wait(timeout=20)
+        os.close(self._write)
+        self._input.close()
+
+    def call(self, method: str, **parameters: Any) -> Any:
+        """The answer of the browser to a command of the protocol."""
+        self._count += 1
+        message: dict[str, Any] = {"id": self._count, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._write, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._next()
+            if answer.get("id") == self._count:
+                assert "error" not in answer, f"{method}: {answer['error']}"
+                return answer["result"]
+            self._hear(answer)
+
+    def look(self, width: int, dark: bool = False, height: int = 900) -> None:
+        """Sets the width of the window, and what the reader prefers."""
+        self.call(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600
+        )
+        preferred = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.call("Emulation.setEmulatedMedia", features=[preferred])
+
+    def open(self, url: str) -> None:
+        """Opens a page and waits until it is loaded."""
+        self.complaints.clear()
+        self.call("Page.navigate", url=url)
+        self.wait()
+
+    def wait(self) -> None:
+        """Waits until the page that is on its way is loaded."""
+        while not self._loaded:
+            self._hear(self._next())
+        self._loaded = False
+
+    def run(self, script: str) -> Any:
+        """The value of an expression of JavaScript in the page; a promise is waited for."""
+        done = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in done, done["exceptionDetails"]
+        return done["result"].get("value")
+
+    def _next(self) -> Mapping[str, Any]:
+        while b"\0" not in self._buffer:
+            piece = self._input.read1(1 << 20)
+            assert piece, "the browser has gone"
+            self._buffer += piece
+        message, _, self._buffer = self._buffer.partition(b"\0")
+        found: Mapping[str, Any] = json.loads(message)
+        return found
+
+    def _hear(self, event: Mapping[str, Any]) -> None:
+        told = event.get("params", {})
+        match event.get("method"):
+            case "Page.loadEventFired":
+                self._loaded = True
+            case "Network.requestWillBeSent" if not told["request"]["url"].startswith(_OWN):
+                self.complaints.append(f"asks for {told['request']['url']}")
+            case "Network.loadingFailed":
+                self.complaints.append(f"a request failed: {told['errorText']}")
+            case "Runtime.exceptionThrown":
+                self.complaints.append(told["exceptionDetails"]["exception"]["description"])
+            case "Runtime.consoleAPICalled" if told["type"] in ("error", "warning"):
+                self.complaints.append(f"console: {told['args']}")
+            case "Log.entryAdded" if told["entry"]["level"] in ("error", "warning"):
+                self.complaints.append(f"log: {told['entry']['text']}")

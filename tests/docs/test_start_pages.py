@@ -1,0 +1,70 @@
+"""The five-minute starts: their files are written, their commands run, and they print exactly what the pages show."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = sorted((ROOT / "docs").glob("start-*.md"))
+
+
+def files(page: str) -> dict[str, str]:
+    """The blocks that have the name of a file before them."""
+    return dict(re.findall(r"^`([\w.]+)`:\n\n```\w+\n(.*?)^```$", page, re.DOTALL | re.MULTILINE))
+
+
+def commands(page: str) -> Iterator[tuple[str, str]]:
+    """Each command with what it prints."""
+    for block in re.findall(r"^```\n(\$ .*?)^```$", page, re.DOTALL | re.MULTILINE):
+        for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+            command, _, shown = part.partition("\n")
+            yield command, shown
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """The command codewheel, and the Python that runs the tests."""
+    for name, arguments in (("codewheel", " -m codewheel"), ("python3", "")):
+        tool = folder / name
+        tool.write_text(f'#!/bin/sh\nexec "{sys.executable}"{arguments} "$@"\n', encoding="utf-8")
+        tool.chmod(0o755)
+    return {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "PYTHONIOENCODING": "utf-8"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_its_commands(page: Path, tmp_path: Path) -> None:
+    text, work, tools = page.read_text(encoding="utf-8"), tmp_path / "work", tmp_path / "tools"
+    work.mkdir()
+    tools.mkdir()
+    for name, content in files(text).items():
+        (work / name).write_text(content, encoding="utf-8")
+    for command, shown in commands(text):
+        done = subprocess.run(
+            ["bash", "-c", command],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=work,
+            env=environment(tools),
+        )
+        # Three dots stand for lines left out, and nothing else is.
+        pieces = shown.split("...\n")
+        assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout), f"{command}\n{done.stdout}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_it_says_what_a_reader_has_to_know_first(page: Path) -> None:
+    text = " ".join(page.read_text(encoding="utf-8").split())
+    assert len(list(commands(page.read_text(encoding="utf-8")))) >= 2
+    assert "othing has been tried on an encoder" in text[:700]
+
+
+def test_there_is_one_for_each() -> None:
+    assert [page.stem for page in PAGES] == ["start-bench", "start-firmware", "start-maintainer", "start-master"]

@@ -1,0 +1,34 @@
+"""The site, made once, and a browser that looks at it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from browser import CHROMIUM, Browser
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "docs" / "site" / "build_site.py"
+
+
+def build(target: Path) -> None:
+    done = subprocess.run([sys.executable, str(BUILD), str(target)], capture_output=True, text=True, cwd=target.parent)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.fixture(scope="session")
+def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
+    """The folder of the site."""
+    pytest.importorskip("myst_parser", reason="the extra 'site' is not installed")
+    return made_once("site", lambda folder: build(folder / "site")) / "site"
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    if CHROMIUM is None:
+        pytest.skip("chromium is not installed")
+    with Browser(tmp_path_factory.mktemp("profile")) as started:
+        yield started
