@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain, count
 from typing import Annotated, TypedDict
 
 from ...model import Device, Erratum, Interface, Layout, Parameter, Ssi, Supply, Variant
@@ -20,11 +22,14 @@ from ...say.text import Said
 from ...say.words import volts
 from . import facts
 from .pictures import bit_strip, draw
-from .waves import wave
+from .waves import Wave, wave
 
 Row = tuple[str, ...]
 _BIT = 15.0
 _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
+_LONGEST = 80
+#: What else lies in the folder of a family, pictures of registers and of lines in time by their first word.
+_TAKEN = ("register", "timing")
 
 
 class CodeValues(TypedDict):
@@ -37,41 +42,72 @@ class CodeValues(TypedDict):
     quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
     frame_pictures: Annotated[dict[str, str], "the path of the picture of each frame, by the name of its layout"]
     picture_texts: Annotated[dict[str, str], "what each of these pictures shows"]
-    timing_text: Annotated[str, "what the picture of the interface in time shows; empty where there is none"]
+    timing: Annotated[Wave | None, "the picture of the interface in time, if there is one"]
     delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
     short_errata: Annotated[list[tuple[Erratum, Said]], "the errata that concern this order code"]
 
 
 @dataclass(frozen=True)
 class Alike:
-    """Order codes that are the same to a program, and the family as they have it."""
+    """Order codes that are the same to a program, and the family as they have it; ``name`` is that of their page."""
 
     family: Device
     variants: tuple[Variant, ...]
     here: Device
-
-    @property
-    def name(self) -> str:
-        """What their page is called: the first order code, with a hyphen for what no file name may have."""
-        return _NO_PART_OF_A_NAME.sub("-", self.variants[0].code)
+    name: str
 
     @property
     def interface(self) -> Interface:
         return self.here.interface(self.variants[0].interface)
 
 
-def all_alike(device: Device) -> Iterator[Alike]:
+@dataclass(frozen=True)
+class Codes:
     """The order codes of a family, those with the same interface and quantities together."""
-    found: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
-    for item in device.variants:
-        found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
-    for variants in found.values():
-        here = for_codes(device, [item.code for item in variants])
-        yield Alike(device, tuple(variants), applied(here, variants[0]))
+
+    device: Device
+
+    @cached_property
+    def alike(self) -> tuple[Alike, ...]:
+        found: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
+        for item in self.device.variants:
+            found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
+        names = page_names(variants[0].code for variants in found.values())
+        return tuple(
+            Alike(self.device, tuple(variants), applied(_only(self.device, variants), variants[0]), name)
+            for variants, name in zip(found.values(), names, strict=True)
+        )
+
+    @cached_property
+    def links(self) -> dict[str, str]:
+        """Each order code with a link to its page, for a page beside the folder of the family."""
+        return {
+            item.code: link(code(item.code), f"{self.device.name}/{alike.name}.md")
+            for alike in self.alike
+            for item in alike.variants
+        }
+
+
+def _only(device: Device, variants: Iterable[Variant]) -> Device:
+    return for_codes(device, [item.code for item in variants])
+
+
+def page_names(order_codes: Iterable[str]) -> list[str]:
+    """What the page of each is called, also where upper and lower case are the same; numbered where that is needed.
+
+    What no file name may have is a hyphen.
+    """
+    taken, names = set(_TAKEN), list[str]()
+    for order_code in order_codes:
+        plain = _NO_PART_OF_A_NAME.sub("-", order_code)
+        numbers = chain([""], (f"-{number}" for number in count(2)))
+        numbered = (f"{plain[: _LONGEST - len(number)]}{number}" for number in numbers)
+        names.append(next(name for name in numbered if name.casefold() not in taken))
+        taken.add(names[-1].casefold())
+    return names
 
 
 def values(alike: Alike, has_masters: bool) -> CodeValues:
-    shown = wave(alike.family, alike.interface)
     return {
         "codes": [item.code for item in alike.variants],
         "interface": alike.interface,
@@ -80,7 +116,7 @@ def values(alike: Alike, has_masters: bool) -> CodeValues:
         "quantity_rows": list(_quantity_rows(alike)),
         "frame_pictures": {item.name: _picture_path(alike, item) for item in alike.interface.layouts},
         "picture_texts": {item.name: _picture_text(alike, item) for item in alike.interface.layouts},
-        "timing_text": shown.told if shown is not None else "",
+        "timing": wave(alike.family, alike.interface),
         "delivered": [
             item.name
             for item in alike.family.interface(alike.interface.name).layouts
@@ -155,12 +191,3 @@ def _supplies(alike: Alike) -> dict[Supply, list[str]]:
         if needed is not None:
             found.setdefault(needed, []).append(item.code)
     return found
-
-
-def links(device: Device, folder: str) -> dict[str, str]:
-    """Each order code with a link to its page, for a page beside the ``folder`` of the family."""
-    return {
-        item.code: link(code(item.code), f"{folder}{alike.name}.md")
-        for alike in all_alike(device)
-        for item in alike.variants
-    }

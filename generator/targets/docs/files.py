@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
@@ -22,10 +22,11 @@ from ...say.name import full_title, heading, title, words
 from ...say.origin import origin, other_editions
 from ...say.place import addresses
 from ...say.text import Code, Said
-from ...say.words import language, sentence
+from ...say.words import counted, language, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from . import across, by_code, changes, codes, evidence, facts, layouts, usable, waves
 from . import masters as masters_page
+from .patterns import patterns
 
 #: Rows of a table; its cells are Markdown.
 Rows = list[tuple[str, ...]]
@@ -36,7 +37,7 @@ Section = dict[str, Any]
 class Index(TypedDict):
     rows: Annotated[Rows, "a row for each family"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
-    pattern_rows: Annotated[Rows, "a row for each interface of a family, with its order codes"]
+    order_codes: Annotated[list[Section], "for each interface of a family: label, interface, patterns, counted, links"]
     trademarks: Annotated[list[str], "notices on trademarks"]
 
 
@@ -90,18 +91,20 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library), **_across(library)}
-    for device in library.devices:
+    families = [by_code.Codes(item) for item in library.devices]
+    files = {"docs/README.md": _index(library, families), f"docs/{usable.PAGE}": _usable(library), **_across(library)}
+    for family in families:
+        device = family.device
         own = library.own_templates
         has_masters = masters_page.has_masters(device)
         page: DevicePage = {
             **_parts(device),
-            **_identity(device),
+            **_identity(family),
             "contents": _contents(device),
             "has_masters": has_masters,
         }
         files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", page, own))
-        files |= _by_code(device, own)
+        files |= _by_code(family, own)
         if has_masters:
             values = masters_page.page_values(device, masters)
             files[f"docs/{device.name}-masters.md"] = _tidy(TEMPLATES.render("masters.md.jinja", values, own))
@@ -111,10 +114,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     return files
 
 
-def _by_code(device: Device, own: Path | None) -> Iterator[tuple[str, str]]:
+def _by_code(family: by_code.Codes, own: Path | None) -> Iterator[tuple[str, str]]:
     """A page for each order code with its pictures; those that are the same to a program share one."""
+    device = family.device
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
-    for alike in by_code.all_alike(device):
+    for alike in family.alike:
         page: CodePage = {**_parts(alike.here), **by_code.values(alike, alike.interface.name in taken)}
         yield f"docs/{device.name}/{alike.name}.md", _tidy(TEMPLATES.render("code.md.jinja", page, own))
         for name, picture in by_code.pictures(alike):
@@ -130,7 +134,7 @@ def _tidy(made: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _index(library: Library) -> str:
+def _index(library: Library, families: Sequence[by_code.Codes]) -> str:
     rows: Rows = []
     for device in library.devices:
         page, maker = link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title)
@@ -138,17 +142,21 @@ def _index(library: Library) -> str:
         masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
         manual = f"{text(device.manual.title)}, revision {_revision(device.manual)}"
         rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
-    patterns: Rows = [
-        (
-            ", ".join(codes_of[item.code] for item in device.variants if item.interface == part.name),
-            link(part.title, f"{device.name}.md#interface-{part.name}"),
-        )
-        for device in library.devices
-        for codes_of in [by_code.links(device, f"{device.name}/")]
+    found: list[Section] = [
+        {
+            "label": f"{device.name.upper()}, {part.title}",
+            "patterns": ", ".join(map(code, patterns(device, of_part))),
+            "counted": counted(len(of_part), "order code"),
+            "interface": link(f"{device.name.upper()}, {part.title}", f"{device.name}.md#interface-{part.name}"),
+            "links": [family.links[item] for item in of_part],
+        }
+        for family in families
+        for device in [family.device]
         for part in device.interfaces
+        if (of_part := [item.code for item in device.variants if item.interface == part.name])
     ]
     trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
-    values: Index = {"rows": rows, "usable_page": usable.PAGE, "pattern_rows": patterns, "trademarks": trademarks}
+    values: Index = {"rows": rows, "usable_page": usable.PAGE, "order_codes": found, "trademarks": trademarks}
     return _tidy(TEMPLATES.render("index.md.jinja", values, library.own_templates))
 
 
@@ -246,7 +254,8 @@ def _contents(device: Device) -> list[tuple[str, str]]:
     return [(title, name) for title, name, there in parts if there]
 
 
-def _identity(device: Device) -> Codes:
+def _identity(family: by_code.Codes) -> Codes:
+    device = family.device
     manual = device.manual
     rows = [
         ("Manual", text(manual.title)),
@@ -266,7 +275,7 @@ def _identity(device: Device) -> Codes:
         "spelling_rows": list(codes.spelling_rows(device)),
         "parameter_rows": list(codes.parameter_rows(device)),
         "run_time_rows": list(codes.run_time_rows(device)),
-        "code_tables": codes.code_tables(device, by_code.links(device, f"{device.name}/")),
+        "code_tables": codes.code_tables(device, family.links),
         "measurement_rows": list(codes.measurement_rows(device)),
     }
 
@@ -356,7 +365,7 @@ def _group_title(group: FieldGroup) -> str:
 def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
     return {
         "layout": layout,
-        "head": say_layout.head(interface, layout, title(layout)),
+        "head": say_layout.head(interface, layout, Code(layout.name)),
         "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
         "rows": list(layouts.field_rows(device, layout)),
         "picture": layouts.picture_text(layout, interface.title),

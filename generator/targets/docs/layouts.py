@@ -16,6 +16,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, reference, table, 
 from ...say.name import Named, own_names, title, words
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Said, parted, said, told
+from .patterns import order_codes
 from .pictures import Box, Strip, bit_strip, byte_strip, draw, group_strip, register_strip
 
 _BIT, _BYTE_BIT = 15.0, 10.5
@@ -187,7 +188,7 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
             below = item.low if item is not None and field.name in within else 0
             cells.append("–" if item is None else bit_range(item.high - below, item.low - below))
         total = [f"{shape.placed.bits}"] if not layout.bits.is_constant else [""]
-        rows.append([", ".join(map(code, shape.codes)), *total, *cells])
+        rows.append([order_codes(device, shape.codes), *total, *cells])
     return table(
         [
             "Order codes",
