@@ -12,6 +12,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.name import title, words
 from ...say.place import addresses
 from ...say.words import volts
+from .places import to_alarm, to_layout, to_register
 
 #: No family can be called so.
 WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
@@ -70,7 +71,7 @@ def _volts(supply: Supply) -> str:
 def _told(device: Device) -> Iterator[Row]:
     """The registers that hold the same in every encoder of the family, or follow from the order code."""
     for register, field in device.identity:
-        where = link(addresses(register), f"{device.name}.md#register-{register.name}")
+        where = to_register(device, register, addresses(register))
         name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
         yield _family(device), where, text(name), _held(field), cited(field.source or register.source)
 
@@ -102,7 +103,7 @@ def _frames(device: Device) -> Iterator[Row]:
             yield (
                 interface.title,
                 _family(device),
-                link(code(layout.name), f"{device.name}.md#layout-{layout.name}"),
+                to_layout(device, layout, code(layout.name)),
                 f"{lengths[0]}" if len(lengths) == 1 else f"{lengths[0]} to {lengths[-1]}",
                 layout.byte_order.replace("_", " ") if layout.in_bytes else "most significant bit first",
                 text(crc.polynomial) if crc is not None else "none",
@@ -124,7 +125,7 @@ def _register_row(register: Register, device: Device) -> Row:
     return (
         addresses(register),
         "" if register.bank is None else f"{register.bank}",
-        link(code(register.name), f"{device.name}.md#register-{register.name}"),
+        to_register(device, register, code(register.name)),
         _family(device),
         say_register.access(register),
         code(data.hex(" ").upper()) if data is not None else "",
@@ -152,6 +153,6 @@ def _by_name(pair: tuple[Alarm, Device]) -> tuple[str, str]:
 
 
 def _alarm_row(alarm: Alarm, device: Device) -> Row:
-    name = link(text(title(alarm)), f"{device.name}.md#alarm-{alarm.name}")
+    name = to_alarm(device, alarm, text(title(alarm)))
     meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
     return name, _family(device), meaning, text(alarm.remedy), cited(alarm.source)

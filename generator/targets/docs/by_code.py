@@ -7,44 +7,32 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, count
-from typing import Annotated, TypedDict
+from typing import Annotated
 
-from ...model import Device, Erratum, Interface, Layout, Parameter, Ssi, Supply, Variant
+from ...model import INTERFACES, Device, Interface, Layout, Parameter, Ssi, Variant
 from ...reference.applied import applied
-from ...reference.parameters import follows_registers, parameters_of, run_time_names
+from ...reference.parameters import parameters_of, run_time_names
 from ...reference.parts import for_codes
-from ...say.erratum import erratum
-from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.measurement import measurement
+from ...say.markdown import cited, code, joined, link, text
 from ...say.parameter import value
 from ...say.place import bit_range, field_at
-from ...say.text import Said
-from ...say.words import volts
-from . import facts
+from .over import OverValues, over_values
 from .pictures import bit_strip, draw
-from .waves import Wave, wave
+from .sections import Sections, sections
 
 Row = tuple[str, ...]
 _BIT = 15.0
 _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
 _LONGEST = 80
-#: What else lies in the folder of a family, pictures of registers and of lines in time by their first word.
-_TAKEN = ("register", "timing")
+#: What else lies in the folder of a family: pages, and pictures by the first word of their names.
+_TAKEN = (*INTERFACES, "errata", "hardware", "manual", "register", "timing")
 
 
-class CodeValues(TypedDict):
-    """What a page of an order code has beside what the page of its family has."""
+class CodePage(Sections, OverValues):
+    """What a page of an order code has beside what the page of its interface has."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ in mechanics or supply alone"]
-    interface: Annotated[Interface, "the interface that they have"]
-    has_masters: Annotated[bool, "whether there is a page of master settings"]
-    short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
     quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
-    frame_pictures: Annotated[dict[str, str], "the path of the picture of each frame, by the name of its layout"]
-    picture_texts: Annotated[dict[str, str], "what each of these pictures shows"]
-    timing: Annotated[Wave | None, "the picture of the interface in time, if there is one"]
-    delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
-    short_errata: Annotated[list[tuple[Erratum, Said]], "the errata that concern this order code"]
 
 
 @dataclass(frozen=True)
@@ -81,8 +69,16 @@ class Codes:
     @cached_property
     def links(self) -> dict[str, str]:
         """Each order code with a link to its page, for a page beside the folder of the family."""
+        return self._links(f"{self.device.name}/")
+
+    @cached_property
+    def links_beside(self) -> dict[str, str]:
+        """The same for a page in the folder."""
+        return self._links("")
+
+    def _links(self, folder: str) -> dict[str, str]:
         return {
-            item.code: link(code(item.code), f"{self.device.name}/{alike.name}.md")
+            item.code: link(code(item.code), f"{folder}{alike.name}.md")
             for alike in self.alike
             for item in alike.variants
         }
@@ -107,32 +103,20 @@ def page_names(order_codes: Iterable[str]) -> list[str]:
     return names
 
 
-def values(alike: Alike, has_masters: bool) -> CodeValues:
-    return {
-        "codes": [item.code for item in alike.variants],
-        "interface": alike.interface,
-        "has_masters": has_masters,
-        "short_rows": list(_short_rows(alike)),
-        "quantity_rows": list(_quantity_rows(alike)),
-        "frame_pictures": {item.name: _picture_path(alike, item) for item in alike.interface.layouts},
-        "picture_texts": {item.name: _picture_text(alike, item) for item in alike.interface.layouts},
-        "timing": wave(alike.family, alike.interface),
-        "delivered": [
-            item.name
-            for item in alike.family.interface(alike.interface.name).layouts
-            if follows_registers(alike.family, item)
-        ],
-        "short_errata": [(item, erratum(item, whole=True)) for item in alike.here.errata if _concerns(item)],
+def page_values(alike: Alike, has_masters: bool) -> CodePage:
+    shared = over_values(alike.family, alike.here, alike.variants, has_masters)
+    frames = alike.interface.layouts
+    own: OverValues = {
+        **shared,
+        "frame_pictures": {item.name: _picture_path(alike, item) for item in frames},
+        "picture_texts": {item.name: _picture_text(alike, item) for item in frames},
     }
-
-
-#: What the page of the family is about, not that of an order code.
-_OF_THE_FAMILY = ("order_code", "parameters", "manual")
-
-
-def _concerns(item: Erratum) -> bool:
-    """Whether an erratum is about something on the page."""
-    return any(path.partition(".")[0] not in _OF_THE_FAMILY for path in item.affects)
+    return {
+        **sections(alike.here),
+        **own,
+        "codes": [item.code for item in alike.variants],
+        "quantity_rows": list(_quantity_rows(alike)),
+    }
 
 
 def pictures(alike: Alike) -> Iterator[tuple[str, str]]:
@@ -165,29 +149,9 @@ def _quantity_rows(alike: Alike) -> Iterator[Row]:
             yield _quantity(alike, item, item.name in later)
 
 
-def _short_rows(alike: Alike) -> Iterator[Row]:
-    """What the position counts, the supply, and what the manual says of the interface."""
-    counted = alike.here.measurement_of(alike.interface.name)
-    if counted is not None:
-        yield "Position", STYLE.phrase(measurement(counted)), cited(counted.source)
-    for voltage, codes in _supplies(alike).items():
-        whose = f" ({', '.join(map(code, codes))})" if len(codes) < len(alike.variants) else ""
-        yield f"Supply{whose}", f"{volts(voltage.min_mv)} to {volts(voltage.max_mv)}", cited(voltage.source)
-    yield from facts.interface_rows(alike.here, alike.interface)
-
-
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     shown = value(item, alike.variants[0].parameters[item.name])
     unit = f" {text(item.unit)}" if item.unit else ""
     held = f"as delivered; held by {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
     held = held or ("as delivered; registers decide it" if is_held else "")
     return code(item.name), shown + unit, joined([text(item.meaning), held]), cited(item.source)
-
-
-def _supplies(alike: Alike) -> dict[Supply, list[str]]:
-    found: dict[Supply, list[str]] = {}
-    for item in alike.variants:
-        needed = alike.family.supply_of(item)
-        if needed is not None:
-            found.setdefault(needed, []).append(item.code)
-    return found

@@ -11,9 +11,10 @@ from ...masters.record import NoRecord, Record, record
 from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
 from ...masters.text import bound, facts, legend, mark
 from ...model import Device, Interface
-from ...say.markdown import code, link, text
+from ...say.markdown import code, text
 from .facts import document_rows
 from .patterns import order_codes
+from .places import to_erratum
 
 Row = tuple[str, ...]
 Table = dict[str, Any]
@@ -86,9 +87,7 @@ def _interface(
         "anchor": interface.name,
         "facts": [*codes, *((text(name), value) for name, value in same)],
         "tables": tables,
-        "cable_errata": ", ".join(
-            link(code(name), f"{device.name}.md#erratum-{name}") for name in groups[0].record.cables.errata
-        ),
+        "cable_errata": ", ".join(to_erratum(device, name) for name in groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
         "masters": [_master(master, sheets) for master, sheets in told if interface.name in master.takes],
         "silent": [text(master.title) for master, _ in told if interface.name not in master.takes],

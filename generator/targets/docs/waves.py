@@ -22,7 +22,7 @@ _PERIOD = 24.0
 _MANUAL = "the words of the manual"
 
 
-class Level(Enum):
+class Trace(Enum):
     """What a line does for a while."""
 
     UP = "up"
@@ -36,7 +36,7 @@ class Level(Enum):
 class Part:
     """A part of a line: a level, clock pulses all along, or a box of data with the ``fill`` of its kind."""
 
-    what: Level
+    what: Trace
     wide: float
     label: str = ""
     fill: str = ""
@@ -87,22 +87,22 @@ def _time(interface: Interface, symbol: str) -> str:
 
 def _ssi(interface: Ssi) -> Wave:
     """The word with the clocks that shift it out; the data line stays low after it and then goes high."""
-    up, down = Level.UP, Level.DOWN
+    up, down = Trace.UP, Trace.DOWN
     first = "most significant bit" if interface.alignment.end == "msb_left" else "zeros, then the position"
     clock = (
         Part(up, 40),
-        Part(Level.CLOCK, 3 * _PERIOD),
-        Part(Level.GAP, 40),
-        Part(Level.CLOCK, 3 * _PERIOD),
+        Part(Trace.CLOCK, 3 * _PERIOD),
+        Part(Trace.GAP, 40),
+        Part(Trace.CLOCK, 3 * _PERIOD),
         Part(up, 150),
-        Part(Level.CLOCK, 2 * _PERIOD),
+        Part(Trace.CLOCK, 2 * _PERIOD),
     )
     # From the first rising edge on, up to the last.
     data = (
         Part(up, 52),
-        Part(Level.EITHER, 64, "first bit", "data"),
-        Part(Level.EITHER, 32, "…", "data"),
-        Part(Level.EITHER, 64, "last bit", "data"),
+        Part(Trace.EITHER, 64, "first bit", "data"),
+        Part(Trace.EITHER, 32, "…", "data"),
+        Part(Trace.EITHER, 64, "last bit", "data"),
         Part(down, 60),
         Part(up, 150),
     )
@@ -120,26 +120,26 @@ def _ssi(interface: Ssi) -> Wave:
 def _biss(device: Device, interface: Biss) -> Wave:
     """A frame: acknowledge, start, CDS, the fields of the single cycle data, time-out."""
     fields = list(_fields(interface.layouts[0], device.position_names(interface.name)))
-    boxes = [Part(Level.EITHER, max(34.0, width(name, 11) + 10), name, fill) for name, fill in fields]
+    boxes = [Part(Trace.EITHER, max(34.0, width(name, 11) + 10), name, fill) for name, fill in fields]
     data = (
-        Part(Level.UP, 76),  # up to the second rising edge of MA
-        Part(Level.DOWN, 60, "Ack"),
-        Part(Level.UP, 36, "Start"),
-        Part(Level.EITHER, 36, "CDS", "choice"),
+        Part(Trace.UP, 76),  # up to the second rising edge of MA
+        Part(Trace.DOWN, 60, "Ack"),
+        Part(Trace.UP, 36, "Start"),
+        Part(Trace.EITHER, 36, "CDS", "choice"),
         *boxes,
-        Part(Level.DOWN, 90, "stop"),
-        Part(Level.UP, 46),
+        Part(Trace.DOWN, 90, "stop"),
+        Part(Trace.UP, 46),
     )
     total = sum(part.wide for part in data)
     end = total - 136
     clocks = (end - 176) // _PERIOD * _PERIOD
     clock = (
-        Part(Level.UP, 40),
-        Part(Level.CLOCK, 4 * _PERIOD),
-        Part(Level.GAP, end - 136 - clocks),
-        Part(Level.CLOCK, clocks),
-        Part(Level.EITHER, 90, "not CDM", "choice"),
-        Part(Level.UP, 46),
+        Part(Trace.UP, 40),
+        Part(Trace.CLOCK, 4 * _PERIOD),
+        Part(Trace.GAP, end - 136 - clocks),
+        Part(Trace.CLOCK, clocks),
+        Part(Trace.EITHER, 90, "not CDM", "choice"),
+        Part(Trace.UP, 46),
     )
     timeout = timeout_words(interface.timeout) if interface.timeout is not None else "not said by the manual"
     names = ", ".join(name for name, _ in fields)
@@ -179,17 +179,17 @@ def _rs485(device: Device, interface: Rs485) -> Wave:
     asked = f"{'at least ' if len(request) > 1 else ''}{counted(request[0], 'byte')}"
     label = f"request, {asked}"
     answered = f"{'up to ' if len(reply) > 1 else ''}{counted(reply[-1], 'byte')}"
-    master = [Part(Level.UP, 40), Part(Level.EITHER, width(label, 11) + 12, label, "choice")]
+    master = [Part(Trace.UP, 40), Part(Trace.EITHER, width(label, 11) + 12, label, "choice")]
     asking = sum(part.wide for part in master)
-    encoder = [Part(Level.UP, asking + 40), Part(Level.EITHER, 170, f"reply, {answered}", "data"), Part(Level.UP, 40)]
+    encoder = [Part(Trace.UP, asking + 40), Part(Trace.EITHER, 170, f"reply, {answered}", "data"), Part(Trace.UP, 40)]
     told = f"The master sends a request of {asked}; the encoder answers with {answered}."
     spans: tuple[Span, ...] = ()
     if again := _between_requests(device, interface):
         box, first = 60.0, asking + 270
         between = f"between requests that are repeated: at least {microseconds(again)}"
-        repeated = [Part(Level.EITHER, box, name, "choice") for name in ("1st", "2nd")]
-        master += [Part(Level.UP, 270), repeated[0], Part(Level.UP, box), repeated[1], Part(Level.GAP, 40)]
-        encoder.append(Part(Level.UP, 240))
+        repeated = [Part(Trace.EITHER, box, name, "choice") for name in ("1st", "2nd")]
+        master += [Part(Trace.UP, 270), repeated[0], Part(Trace.UP, box), repeated[1], Part(Trace.GAP, 40)]
+        encoder.append(Part(Trace.UP, 240))
         spans = (Span(first + box, first + 2 * box, between),)
         told += f" {between.capitalize()}."
     lines = (("Master", tuple(master)), ("Encoder", tuple(encoder)))
@@ -231,17 +231,17 @@ def _line(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
     path: list[str] = []
     for part in parts:
         match part.what:
-            case Level.UP | Level.DOWN:
-                y = top if part.what is Level.UP else top + _HIGH
+            case Trace.UP | Trace.DOWN:
+                y = top if part.what is Trace.UP else top + _HIGH
                 path.append(f"{'L' if path else 'M'}{number(left)} {number(y)}H{number(left + part.wide)}")
                 if part.label:
                     yield text(left + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
-            case Level.CLOCK:
+            case Trace.CLOCK:
                 path += _pulses(left, top, part, starts=not path)
-            case Level.GAP:
+            case Trace.GAP:
                 yield text(left + part.wide / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
                 path.append(f"M{number(left + part.wide)} {number(top)}")
-            case Level.EITHER:
+            case Trace.EITHER:
                 yield rect(left, top, part.wide, _HIGH, part.fill)
                 yield text(left + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle")
                 path.append(f"M{number(left + part.wide)} {number(top)}")
