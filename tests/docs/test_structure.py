@@ -43,7 +43,7 @@ def test_what_belongs_to_an_interface_is_on_its_page(library: Library, pages: Fi
 
 
 def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(pages: Files) -> None:
-    """AMM5 8.4 p.46: which bit is MEM BUSY is open; it bites in four frames."""
+    """AMM5 7.5 p.46: which bit is MEM BUSY is open; it bites in four frames."""
     page = pages["docs/amm5/rs485.md"]
     told = [line for line in page.splitlines() if "`mem_busy_position`" in line]
     assert told[0].startswith(

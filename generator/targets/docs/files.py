@@ -14,7 +14,7 @@ from ...say.name import heading, title
 from ...say.place import addresses
 from ...say.words import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import across, bites, by_code, changes, facts, family, layouts, over, places, usable, waves
+from . import across, bites, by_code, changes, facts, family, glossary, layouts, over, places, usable, waves
 from . import masters as masters_page
 from .patterns import patterns
 from .sections import Rows, Section
@@ -28,7 +28,7 @@ class Index(TypedDict):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``docs/README.md``, and pages across families: usable or not, which encoder, registers, alarms, errata.
+    """``docs/README.md``, and pages across families: usable or not, which encoder, registers, alarms, errata, glossary.
 
     For each device ``docs/<device>.md`` with its master settings and its changes beside it, and in ``docs/<device>/``
     a page for each interface and each order code, for hardware, errata and manual, and the pictures.
@@ -45,6 +45,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         across.REGISTERS: (f"{across.REGISTERS}.jinja", across.registers(library.devices)),
         across.ALARMS: (f"{across.ALARMS}.jinja", across.alarms(library.devices)),
         bites.ALL: (f"{bites.ALL}.jinja", bites.all_values(library.devices)),
+        glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
     }
     files: dict[str, str] = {}
     for item in families:
@@ -146,6 +147,7 @@ TEMPLATES = Templates(
         f"{across.REGISTERS}.jinja": across.RegistersPage,
         f"{across.ALARMS}.jinja": across.AlarmsPage,
         f"{bites.ALL}.jinja": bites.AllErrataPage,
+        f"{glossary.PAGE}.jinja": glossary.GlossaryPage,
     },
     filters={
         "md": markdown.text,
