@@ -36,11 +36,16 @@ def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
 @pytest.mark.parametrize(
     "row",
     [
-        # AM36 6.5 p.31 and 6.6 p.32; AMM5 6.2.1 p.32 and 6.4 p.39; SMA21 7.1 p.37.
+        # AM36 6.5 p.31 and 6.6 p.32; AMM5 p.7, 5.2 p.28, 6.2.1 p.32, 6.4 p.35 and p.39; SMA21 7.1 p.37.
         "| [AM36](am36.md) | [55h](am36/biss.md#register-device_type) | Device type | `02h` |",
         "| BiSS C-mode | [AM36](am36.md) | Clock | 200 kHz to 10 MHz |",
         "| BiSS C-mode | [AMM5](amm5.md) | [`single_cycle_data`](amm5/biss.md#layout-single_cycle_data) | 25 to 47 |",
         "| [AMM5](amm5.md) | [78h to 7Dh](amm5/biss.md#register-device_id) | Device ID, name | `AMM5` |",
+        "| RS-485 | [AMM5](amm5.md) | [`complete_reply`](amm5/rs485.md#layout-complete_reply) | 88 | low byte first |",
+        "| [AMM5](amm5.md) | Singleturn resolution | 17, 21, 23 | bits |",
+        "| [AMM5](amm5.md) | low byte first | [11h to 17h Preset](amm5/biss.md#register-preset) |",
+        "| [AMM5](amm5.md) | AMM5A and AMM5B absolute kit encoders | `AMM5{A,B}{17,21,23}/{1,65K}{BG1,SC1,JP1}` |",
+        "| SSI | [AMM5](amm5.md) | Code | binary |",
         "| RS-485 | [SMA21](sma21.md) | Port | 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control |",
     ],
 )
@@ -55,6 +60,12 @@ def test_interfaces_stand_together(pages: Files) -> None:
 
 
 def test_the_index_leads_to_them(pages: Files) -> None:
-    for name in ("which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"):
+    for name in (
+        "which-encoder.md",
+        "registers-by-address.md",
+        "alarms-and-leds.md",
+        "all-errata.md",
+        "glossary-of-terms.md",
+    ):
         assert f"({name})" in pages["docs/README.md"]
         assert "(README.md)" in pages[f"docs/{name}"]
