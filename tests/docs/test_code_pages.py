@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from itertools import product, zip_longest
 
 import pytest
 from codewheel.build.load import load_sound
@@ -11,6 +12,8 @@ from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.reference.applied import applied
 from codewheel.targets import Library
+from codewheel.targets.docs.by_code import page_names
+from codewheel.targets.docs.patterns import patterns
 
 Files = Mapping[str, str]
 
@@ -25,6 +28,11 @@ def page_of(files: Files, code: str) -> str:
     return files[f"docs/{found[0]}"]
 
 
+def of_codes(files: Files) -> Files:
+    """The pages of order codes: those whose names are not all in small letters."""
+    return {name: made for name, made in files.items() if re.fullmatch(r"docs/[^/]+/.*[A-Z].*\.md", name)}
+
+
 def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: Library, pages: Files) -> None:
     for device in library.devices:
         for variant in device.variants:
@@ -34,23 +42,22 @@ def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: 
 
 
 def test_there_is_no_page_beside_them(library: Library, pages: Files) -> None:
-    linked = set(re.findall(r"\]\(([^)]+/[^)]+\.md)\)", pages["docs/README.md"]))
-    assert linked == {name.removeprefix("docs/") for name in pages if re.fullmatch(r"docs/[^/]+/[^/]+\.md", name)}
+    linked = set(re.findall(r"\[`[^]]*\]\(([^)]+/[^)]+\.md)\)", pages["docs/README.md"]))
+    assert linked == {name.removeprefix("docs/") for name in of_codes(pages)}
 
 
 def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
-    for name, page in pages.items():
-        if re.fullmatch(r"docs/[^/]+/[^/]+\.md", name):
-            before = page.partition('<a id="quantities"></a>')[0]
-            spans = [span for line in before.splitlines() for span in line.split("`")[1::2]]
-            assert [span for span in spans if _OPEN.search(span)] == [], name
+    for name, page in of_codes(pages).items():
+        before = page.partition('<a id="quantities"></a>')[0]
+        spans = [span for line in before.splitlines() for span in line.split("`")[1::2]]
+        assert [span for span in spans if _OPEN.search(span)] == [], name
 
 
 @pytest.mark.parametrize(
     ("code", "rows"),
     [
         # AMM5 6.2.1 p.32 and 6.4: the position of 37 bits above nE, nW and 6 bits of CRC; its preset from bit 12 on.
-        ("AMM5A21/65KSC1", ["| `multiturn` | bits 44:29 | 16 |", "| `error`<br>Error, nE, it: Errore | bit 7 | 1 |"]),
+        ("AMM5A21/65KSC1", ["| `multiturn` | bits 44:29 | 16 |", "| `error`<br>Error, nE | bit 7 | 1 |"]),
         ("AMM5A21/65KSC1", ["| `multiturn` | bits 48:33 | 16 |", "| `singleturn` | bits 32:12 | 21 |"]),
         ("AMM5B17/1SC1", ["| `singleturn` | bits 24:8 | 17 |", "| `singleturn` | bits 32:16 | 17 |"]),
         # AM36 5.2: 16 + 12 bits, 19 + 12 bits; 5.3: 100 kHz to 3 MHz.
@@ -62,12 +69,52 @@ def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
 )
 def test_the_numbers_are_those_of_the_manual(pages: Files, code: str, rows: list[str]) -> None:
     page = page_of(pages, code)
-    assert [row for row in rows if row not in page.replace("<br>it: Posizione", "")] == []
+    assert [row for row in rows if row not in page] == []
 
 
 def test_a_field_without_bits_has_no_row(pages: Files) -> None:
     assert "`multiturn`" not in page_of(pages, "AMM5A17/1SC1").partition("## Errata")[0].partition("## Frames")[2]
     assert "`zero_below_multiturn`" not in page_of(pages, "AMM5A21/65KSC1")
+
+
+@pytest.mark.parametrize(
+    ("codes", "names"),
+    [
+        (["A/B", "A-B", "A B"], ["A-B", "A-B-2", "A-B-3"]),
+        (["ab1", "AB1", "aB1"], ["ab1", "AB1-2", "aB1-3"]),
+        (["A-2", "A/2", "A-2-2"], ["A-2", "A-2-2", "A-2-2-2"]),
+        (["Timing", "register"], ["Timing-2", "register-2"]),
+    ],
+)
+def test_no_two_pages_have_one_name(codes: list[str], names: list[str]) -> None:
+    assert page_names(codes) == names
+
+
+def test_the_name_of_a_page_is_not_too_long() -> None:
+    names = page_names(["X" * 300, "X" * 301, "Y"])
+    assert names == ["X" * 80, "X" * 78 + "-2", "Y"]
+
+
+def test_many_order_codes_stand_as_patterns_and_nothing_else_fits_them(library: Library) -> None:
+    for device in library.devices:
+        for part in device.interfaces:
+            listed = [item.code for item in device.variants if item.interface == part.name]
+            found = [spelled for pattern in patterns(device, listed[1:]) for spelled in expanded(pattern)]
+            assert sorted(found) == sorted(listed[1:])
+
+
+def expanded(pattern: str) -> list[str]:
+    parts = [part.split(",") for part in re.split(r"\{([^}]*)\}", pattern)[1::2]]
+    return [
+        "".join(piece for pair in zip_longest(re.split(r"\{[^}]*\}", pattern), chosen, fillvalue="") for piece in pair)
+        for chosen in product(*parts)
+    ]
+
+
+def test_patterns_as_the_manuals_have_their_order_codes(pages: Files) -> None:
+    """AMM5 p.7 and 5 p.27; SMA21 cover: outputs, 5 V or 5 to 30 V, and five resolutions."""
+    assert "`AMM5{A,B}{17,21,23}/{1,65K}BG1`" in pages["docs/README.md"]
+    assert "`SMA21-{GG,G1}{1,4}-{0050,0010,0005,0002,0001}`" in pages["docs/sma21-masters.md"]
 
 
 def device(name: str) -> Device:

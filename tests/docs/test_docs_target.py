@@ -15,6 +15,7 @@ from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import read_xml
 from codewheel.model import Biss, Device, Rs485
 from codewheel.say.markdown import cited, code, text
+from codewheel.say.name import heading
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate
 
@@ -33,6 +34,12 @@ def files(pages: Files) -> Files:
 @pytest.fixture(scope="module")
 def hostile_files(hostile: Library) -> Files:
     return generate(hostile)
+
+
+def of_family(files: Files, name: str) -> str:
+    """The pages of a family but those of order codes, one after the other, and what the index says of it."""
+    found = [made for path, made in files.items() if re.fullmatch(rf"docs/{name}(/[a-z0-9]+)?\.md", path)]
+    return "\n".join(found)
 
 
 def broken_links(files: Files) -> list[str]:
@@ -75,8 +82,8 @@ def test_anchors_are_unique(files: Files) -> None:
 
 def test_everything_is_named(library: Library, files: Files) -> None:
     for device in library.devices:
-        page = files[f"docs/{device.name}.md"]
-        missing = [name for name in names(device) if f"`{name}`" not in page]
+        page = of_family(files, device.name)
+        missing = [name for name in names(device) if f"`{name}`" not in page and f"### {heading(name)}\n" not in page]
         assert missing == []
         missing_sources = [source for source in sources(device) if source not in page]
         assert missing_sources == []
@@ -160,7 +167,7 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
 
 
 def test_what_a_flag_makes_of_the_position(files: Files) -> None:
-    page = files["docs/sma21.md"]
+    page = files["docs/sma21/rs485.md"]
     (alarm,) = [line for line in page.splitlines() if line.startswith("| `status_alarm`")]
     assert (
         "<br>Sums up `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position is usable, "
@@ -175,7 +182,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
 def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Files) -> None:
     """Names in every language, meanings, notes, signals, cells of tables: nothing that show --json prints is lost."""
     for device in library.devices:
-        page = " ".join(files[f"docs/{device.name}.md"].split())
+        page = " ".join(of_family(files, device.name).split())
         missing = {
             (key, value) for key, value in leaves(device_dump(device)) if key not in WORDS and not shown(value, page)
         }
@@ -192,8 +199,11 @@ def shown(value: str, page: str) -> bool:
 
 def test_every_erratum_is_named_where_it_matters(library: Library, files: Files) -> None:
     for device in library.devices:
-        before = files[f"docs/{device.name}.md"].partition('<a id="errata"></a>')[0]
-        assert [item.name for item in device.errata if item.affects and f"(#erratum-{item.name})" not in before] == []
+        others = {name: made for name, made in files.items() if name != f"docs/{device.name}/errata.md"}
+        told = of_family(others, device.name)
+        assert [
+            item.name for item in device.errata if item.affects and f"errata.md#erratum-{item.name})" not in told
+        ] == []
 
 
 def names(device: Device) -> list[str]:
@@ -326,7 +336,7 @@ def test_pictures_are_well_formed_and_nothing_leaves_the_card(files: Files) -> N
 
 
 def test_places_as_worked_out_by_hand(files: Files) -> None:
-    page = files["docs/amm5.md"]
+    page = of_family(files, "amm5")
     assert "| `AMM5A21/65KSC1`, `AMM5B21/65KSC1` | 45 | 44:29 | 28:8 |" in page
     assert "| `AMM5A17/1SC1`, `AMM5B17/1SC1` | – | 48:33 | 32:16 | 15:0 |" in page
     assert f"| with its top bit | {code('0x43')} = 67 = {code('1000011b')} |" in page
@@ -338,8 +348,8 @@ def test_places_as_worked_out_by_hand(files: Files) -> None:
 
 def test_a_printed_time_out_stands_there_once(files: Files) -> None:
     """ASC85 6.5 p.32: 0.35 µs at 10 MHz without a rule; AMM5 6.5 p.40: 1.5 clock periods, worked out for three."""
-    assert files["docs/asc85.md"].count("350 ns at 10 MHz") == 1
-    assert "1.5 clock periods (30 µs at 50 kHz; 7.5 µs at 200 kHz; 150 ns at 10 MHz)" in files["docs/amm5.md"]
+    assert "| Time-out | follows the clock, 350 ns at 10 MHz |" in files["docs/asc85/biss.md"]
+    assert "1.5 clock periods (30 µs at 50 kHz; 7.5 µs at 200 kHz; 150 ns at 10 MHz)" in files["docs/amm5/biss.md"]
 
 
 def test_labels_of_another_edition_are_on_the_page(files: Files) -> None:
@@ -366,7 +376,7 @@ def page_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
     )
     devices, report = load_library([tmp_path])
     assert not report.problems, report.problems[0].format()
-    return generate(Library(devices))["docs/minimal.md"]
+    return of_family(generate(Library(devices)), "minimal")
 
 
 def test_no_table_is_empty(files: Files, tmp_path: Path) -> None:
@@ -400,23 +410,23 @@ def test_a_quantity_without_a_unit_is_a_number(tmp_path: Path) -> None:
 
 
 def test_profile_ids_stay_hexadecimal(files: Files) -> None:
-    assert "`profile_id` = 2814h" in files["docs/sma21.md"]
+    assert "| 2814h |" in files["docs/sma21/biss.md"]
 
 
 def test_the_bank_stands_in_the_table_of_registers(files: Files) -> None:
     """TV62, 4.2 and 4.3: 00h to 03h is the preset in bank 1, and 00h and 01h the upper limit in bank 2."""
     banked, _ = load_library([Path(__file__).parents[2] / "docs" / "example"])
-    page = generate(Library(banked))["docs/tv62.md"]
+    page = generate(Library(banked))["docs/tv62/biss.md"]
     assert "| Bank | Address | Register |" in page
     assert "| 1 | 00h to 03h | [`preset`]" in page
     assert "| 2 | 00h to 01h | [`upper_limit`]" in page
     assert "|  | 40h | [`bank`]" in page
-    assert "| Bank |" not in files["docs/amm5.md"]
+    assert "| Bank |" not in files["docs/amm5/biss.md"]
 
 
 def test_one_of_a_thing_is_no_plural(files: Files) -> None:
     """ASC85 has no turns, and prints one time-out."""
-    page = files["docs/asc85.md"]
+    page = of_family(files, "asc85")
     assert ", 1 revolution |" in page
     assert not re.search(r"\b1 revolutions\b", page)
     assert "| Time-out | follows the clock, 350 ns at 10 MHz |" in page

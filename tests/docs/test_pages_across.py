@@ -19,7 +19,9 @@ def test_every_register_is_listed_by_its_address(library: Library, pages: Files)
     for device in library.devices:
         for register in device.registers:
             found = rows(page, f"{register.address:02X}h")
-            assert any(f"({device.name}.md#register-{register.name})" in row for row in found), register.name
+            assert any(f"({device.name}/{register.interface}.md#register-{register.name})" in row for row in found), (
+                register.name
+            )
     places = [line[2:4] for line in page.splitlines() if line[4:5] == "h" and line.startswith("| ")]
     assert places == sorted(places)
 
@@ -27,18 +29,23 @@ def test_every_register_is_listed_by_its_address(library: Library, pages: Files)
 def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
     page = pages["docs/alarms-and-leds.md"]
     for device in library.devices:
-        assert [item.name for item in device.alarms if f"({device.name}.md#alarm-{item.name})" not in page] == []
+        assert [item.name for item in device.alarms if f".md#alarm-{item.name})" not in page] == []
         assert [item.title for item in device.leds if not rows(page, item.title)] == []
 
 
 @pytest.mark.parametrize(
     "row",
     [
-        # AM36 6.5 p.31 and 6.6 p.32; AMM5 6.2.1 p.32 and 6.4 p.39; SMA21 7.1 p.37.
-        "| [AM36](am36.md) | [55h](am36.md#register-device_type) | Device type | `02h` |",
+        # AM36 6.5 p.31 and 6.6 p.32; AMM5 p.7, 5.2 p.28, 6.2.1 p.32, 6.4 p.35 and p.39; SMA21 7.1 p.37.
+        "| [AM36](am36.md) | [55h](am36/biss.md#register-device_type) | Device type | `02h` |",
         "| BiSS C-mode | [AM36](am36.md) | Clock | 200 kHz to 10 MHz |",
-        "| BiSS C-mode | [AMM5](amm5.md) | [`single_cycle_data`](amm5.md#layout-single_cycle_data) | 25 to 47 |",
-        "| [AMM5](amm5.md) | [78h to 7Dh](amm5.md#register-device_id) | Device ID, name | `AMM5` |",
+        "| BiSS C-mode | [AMM5](amm5.md) | [`single_cycle_data`](amm5/biss.md#layout-single_cycle_data) | 25 to 47 |",
+        "| [AMM5](amm5.md) | [78h to 7Dh](amm5/biss.md#register-device_id) | Device ID, name | `AMM5` |",
+        "| RS-485 | [AMM5](amm5.md) | [`complete_reply`](amm5/rs485.md#layout-complete_reply) | 88 | low byte first |",
+        "| [AMM5](amm5.md) | Singleturn resolution | 17, 21, 23 | bits |",
+        "| [AMM5](amm5.md) | low byte first | [11h to 17h Preset](amm5/biss.md#register-preset) |",
+        "| [AMM5](amm5.md) | AMM5A and AMM5B absolute kit encoders | `AMM5{A,B}{17,21,23}/{1,65K}{BG1,SC1,JP1}` |",
+        "| SSI | [AMM5](amm5.md) | Code | binary |",
         "| RS-485 | [SMA21](sma21.md) | Port | 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control |",
     ],
 )
@@ -53,6 +60,12 @@ def test_interfaces_stand_together(pages: Files) -> None:
 
 
 def test_the_index_leads_to_them(pages: Files) -> None:
-    for name in ("which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"):
+    for name in (
+        "which-encoder.md",
+        "registers-by-address.md",
+        "alarms-and-leds.md",
+        "all-errata.md",
+        "glossary-of-terms.md",
+    ):
         assert f"({name})" in pages["docs/README.md"]
         assert "(README.md)" in pages[f"docs/{name}"]

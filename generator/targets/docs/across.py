@@ -6,25 +6,32 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Device, Field, Interface, Register, Supply, Variant
+from ...reference.parameters import run_time_names
 from ...say import register as say_register
+from ...say.crc import sent
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.name import title, words
+from ...say.parameter import value
 from ...say.place import addresses
 from ...say.words import volts
+from .patterns import patterns
+from .places import to_alarm, to_layout, to_register
 
 #: No family can be called so.
 WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
 Row = tuple[str, ...]
 #: What a comparison has of each interface, by the labels of what is said of it.
-_COMPARED = ("Clock", "Time-out", "Port")
+_COMPARED = ("Clock", "Alignment", "Code", "Time-out", "Port")
 
 
 class WhichPage(TypedDict):
-    label_rows: Annotated[list[Row], "family, pattern of its order codes, interfaces, quantities"]
+    label_rows: Annotated[list[Row], "family, what it is, patterns of its order codes, interfaces, supply"]
     told_rows: Annotated[list[Row], "family, register that tells it, what it holds, source"]
     compared_rows: Annotated[list[Row], "interface of a family, fact, value, source"]
-    frame_rows: Annotated[list[Row], "frames that carry a position: family, frame, bits, CRC, flags"]
+    resolution_rows: Annotated[list[Row], "the quantities that order codes set: family, quantity, values, unit"]
+    frame_rows: Annotated[list[Row], "frames that carry a position: interface, family, frame, bits, order, CRC"]
+    byte_order_rows: Annotated[list[Row], "registers of several bytes: family, which byte comes first, registers"]
 
 
 class RegistersPage(TypedDict):
@@ -40,6 +47,8 @@ def which(devices: Sequence[Device]) -> WhichPage:
     return {
         "label_rows": [_label_row(item) for item in devices],
         "told_rows": [row for item in devices for row in _told(item)],
+        "resolution_rows": [row for item in devices for row in _resolutions(item)],
+        "byte_order_rows": [row for item in devices for row in _byte_orders(item)],
         "compared_rows": _side_by_side(row for item in devices for row in _compared(item)),
         "frame_rows": _side_by_side(row for item in devices for row in _frames(item)),
     }
@@ -60,7 +69,8 @@ def _family(device: Device) -> str:
 def _label_row(device: Device) -> Row:
     titles = joined((item.title for item in device.interfaces), ", ")
     supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
-    return _family(device), text(device.title), code(device.order_code.pattern), titles, joined(map(_volts, supplies))
+    labels = joined(map(code, patterns(device, [item.code for item in device.variants])))
+    return _family(device), text(device.title), labels, titles, joined(map(_volts, supplies))
 
 
 def _volts(supply: Supply) -> str:
@@ -70,7 +80,7 @@ def _volts(supply: Supply) -> str:
 def _told(device: Device) -> Iterator[Row]:
     """The registers that hold the same in every encoder of the family, or follow from the order code."""
     for register, field in device.identity:
-        where = link(addresses(register), f"{device.name}.md#register-{register.name}")
+        where = to_register(device, register, addresses(register))
         name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
         yield _family(device), where, text(name), _held(field), cited(field.source or register.source)
 
@@ -102,11 +112,33 @@ def _frames(device: Device) -> Iterator[Row]:
             yield (
                 interface.title,
                 _family(device),
-                link(code(layout.name), f"{device.name}.md#layout-{layout.name}"),
+                to_layout(device, layout, code(layout.name)),
                 f"{lengths[0]}" if len(lengths) == 1 else f"{lengths[0]} to {lengths[-1]}",
                 layout.byte_order.replace("_", " ") if layout.in_bytes else "most significant bit first",
-                text(crc.polynomial) if crc is not None else "none",
+                text(f"{crc.polynomial}, {sent(crc)}") if crc is not None else "none",
             )
+
+
+def _resolutions(device: Device) -> Iterator[Row]:
+    """How fine and how far the position counts, by order code."""
+    held = run_time_names(device)
+    for item in device.set_parameters:
+        if not item.unit or item.name in held:
+            continue
+        found = sorted({one.parameters[item.name] for one in device.variants if item.name in one.parameters})
+        values = ", ".join(value(item, count) for count in found)
+        yield _family(device), text(item.meaning), values, text(item.unit), cited(item.source)
+
+
+def _byte_orders(device: Device) -> Iterator[Row]:
+    """Which byte of a register comes first, where it has several."""
+    found: dict[str, list[Register]] = {}
+    for item in device.registers:
+        if item.length > 1:
+            found.setdefault(item.byte_order, []).append(item)
+    for order, those in found.items():
+        links = (to_register(device, item, f"{addresses(item)} {text(title(item))}") for item in those)
+        yield _family(device), order.replace("_", " "), ", ".join(links)
 
 
 def _variants(device: Device, interface: Interface) -> Iterator[Variant]:
@@ -124,7 +156,7 @@ def _register_row(register: Register, device: Device) -> Row:
     return (
         addresses(register),
         "" if register.bank is None else f"{register.bank}",
-        link(code(register.name), f"{device.name}.md#register-{register.name}"),
+        to_register(device, register, code(register.name)),
         _family(device),
         say_register.access(register),
         code(data.hex(" ").upper()) if data is not None else "",
@@ -152,6 +184,6 @@ def _by_name(pair: tuple[Alarm, Device]) -> tuple[str, str]:
 
 
 def _alarm_row(alarm: Alarm, device: Device) -> Row:
-    name = link(text(title(alarm)), f"{device.name}.md#alarm-{alarm.name}")
+    name = to_alarm(device, alarm, text(title(alarm)))
     meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
     return name, _family(device), meaning, text(alarm.remedy), cited(alarm.source)

@@ -3,94 +3,123 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, TypedDict
+from functools import cached_property
+from itertools import chain, count
+from typing import Annotated
 
-from ...model import Device, Erratum, Interface, Parameter, Supply, Variant
+from ...model import INTERFACES, Device, Interface, Parameter, Variant
 from ...reference.applied import applied
-from ...reference.parameters import follows_registers, parameters_of, run_time_names
+from ...reference.parameters import parameters_of, run_time_names
 from ...reference.parts import for_codes
-from ...say.erratum import erratum
-from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.measurement import measurement
+from ...say.markdown import cited, code, joined, link, text
 from ...say.parameter import value
 from ...say.place import field_at
-from ...say.text import Said
-from ...say.words import volts
-from . import facts
-from .waves import wave
+from .over import OverValues, over_values
+from .sections import Sections, sections
+from .shown import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
 _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
+_LONGEST = 80
+#: What else lies in the folder of a family: pages, and pictures by the first word of their names.
+_TAKEN = (*INTERFACES, "errata", "hardware", "manual", "register", "timing")
 
 
-class CodeValues(TypedDict):
-    """What a page of an order code has beside what the page of its family has."""
+class CodePage(Sections, OverValues):
+    """What a page of an order code has beside what the page of its interface has."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ in mechanics or supply alone"]
-    interface: Annotated[Interface, "the interface that they have"]
-    has_masters: Annotated[bool, "whether there is a page of master settings"]
-    short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
     quantity_rows: Annotated[list[Row], "quantity, value, meaning, source: what follows from the order code"]
-    timing_text: Annotated[str, "what the picture of the interface in time shows; empty where there is none"]
-    delivered: Annotated[Sequence[str], "the frames whose places or code registers decide"]
-    short_errata: Annotated[list[tuple[Erratum, Said]], "the errata that concern this order code"]
 
 
 @dataclass(frozen=True)
 class Alike:
-    """Order codes that are the same to a program, and the family as they have it."""
+    """Order codes that are the same to a program, and the family as they have it; ``name`` is that of their page."""
 
     family: Device
     variants: tuple[Variant, ...]
     here: Device
-
-    @property
-    def name(self) -> str:
-        """What their page is called: the first order code, with a hyphen for what no file name may have."""
-        return _NO_PART_OF_A_NAME.sub("-", self.variants[0].code)
+    name: str
 
     @property
     def interface(self) -> Interface:
         return self.here.interface(self.variants[0].interface)
 
+    @cached_property
+    def pictures(self) -> Pictures:
+        """Those in which these order codes differ from the family."""
+        return of_codes(self.family, [item.code for item in self.variants], self.name)
 
-def all_alike(device: Device) -> Iterator[Alike]:
+
+@dataclass(frozen=True)
+class Codes:
     """The order codes of a family, those with the same interface and quantities together."""
-    found: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
-    for item in device.variants:
-        found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
-    for variants in found.values():
-        here = for_codes(device, [item.code for item in variants])
-        yield Alike(device, tuple(variants), applied(here, variants[0]))
+
+    device: Device
+
+    @cached_property
+    def alike(self) -> tuple[Alike, ...]:
+        found: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
+        for item in self.device.variants:
+            found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
+        names = page_names(variants[0].code for variants in found.values())
+        return tuple(
+            Alike(self.device, tuple(variants), applied(_only(self.device, variants), variants[0]), name)
+            for variants, name in zip(found.values(), names, strict=True)
+        )
+
+    @cached_property
+    def pictures(self) -> Pictures:
+        """Those of the family."""
+        return of_family(self.device)
+
+    @cached_property
+    def links(self) -> dict[str, str]:
+        """Each order code with a link to its page, for a page beside the folder of the family."""
+        return self._links(f"{self.device.name}/")
+
+    @cached_property
+    def links_beside(self) -> dict[str, str]:
+        """The same for a page in the folder."""
+        return self._links("")
+
+    def _links(self, folder: str) -> dict[str, str]:
+        return {
+            item.code: link(code(item.code), f"{folder}{alike.name}.md")
+            for alike in self.alike
+            for item in alike.variants
+        }
 
 
-def values(alike: Alike, has_masters: bool) -> CodeValues:
-    shown = wave(alike.family, alike.interface)
+def _only(device: Device, variants: Iterable[Variant]) -> Device:
+    return for_codes(device, [item.code for item in variants])
+
+
+def page_names(order_codes: Iterable[str]) -> list[str]:
+    """What the page of each is called, also where upper and lower case are the same; numbered where that is needed.
+
+    What no file name may have is a hyphen.
+    """
+    taken, names = set(_TAKEN), list[str]()
+    for order_code in order_codes:
+        plain = _NO_PART_OF_A_NAME.sub("-", order_code)
+        numbers = chain([""], (f"-{number}" for number in count(2)))
+        numbered = (f"{plain[: _LONGEST - len(number)]}{number}" for number in numbers)
+        names.append(next(name for name in numbered if name.casefold() not in taken))
+        taken.add(names[-1].casefold())
+    return names
+
+
+def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
+    """``pictures`` are those of the family; the page has its own where it differs."""
     return {
+        **sections(alike.here),
+        **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),
         "codes": [item.code for item in alike.variants],
-        "interface": alike.interface,
-        "has_masters": has_masters,
-        "short_rows": list(_short_rows(alike)),
         "quantity_rows": list(_quantity_rows(alike)),
-        "timing_text": shown.told if shown is not None else "",
-        "delivered": [
-            item.name
-            for item in alike.family.interface(alike.interface.name).layouts
-            if follows_registers(alike.family, item)
-        ],
-        "short_errata": [(item, erratum(item, whole=True)) for item in alike.here.errata if _concerns(item)],
     }
-
-
-#: What the page of the family is about, not that of an order code.
-_OF_THE_FAMILY = ("order_code", "parameters", "manual")
-
-
-def _concerns(item: Erratum) -> bool:
-    """Whether an erratum is about something on the page."""
-    return any(path.partition(".")[0] not in _OF_THE_FAMILY for path in item.affects)
 
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:
@@ -101,38 +130,9 @@ def _quantity_rows(alike: Alike) -> Iterator[Row]:
             yield _quantity(alike, item, item.name in later)
 
 
-def _short_rows(alike: Alike) -> Iterator[Row]:
-    """What the position counts, the supply, and what the manual says of the interface."""
-    counted = alike.here.measurement_of(alike.interface.name)
-    if counted is not None:
-        yield "Position", STYLE.phrase(measurement(counted)), cited(counted.source)
-    for voltage, codes in _supplies(alike).items():
-        whose = f" ({', '.join(map(code, codes))})" if len(codes) < len(alike.variants) else ""
-        yield f"Supply{whose}", f"{volts(voltage.min_mv)} to {volts(voltage.max_mv)}", cited(voltage.source)
-    yield from facts.interface_rows(alike.here, alike.interface)
-
-
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     shown = value(item, alike.variants[0].parameters[item.name])
     unit = f" {text(item.unit)}" if item.unit else ""
     held = f"as delivered; held by {text(field_at(alike.family, item.read_from))}" if item.read_from else ""
     held = held or ("as delivered; registers decide it" if is_held else "")
     return code(item.name), shown + unit, joined([text(item.meaning), held]), cited(item.source)
-
-
-def _supplies(alike: Alike) -> dict[Supply, list[str]]:
-    found: dict[Supply, list[str]] = {}
-    for item in alike.variants:
-        needed = alike.family.supply_of(item)
-        if needed is not None:
-            found.setdefault(needed, []).append(item.code)
-    return found
-
-
-def links(device: Device, folder: str) -> dict[str, str]:
-    """Each order code with a link to its page, for a page beside the ``folder`` of the family."""
-    return {
-        item.code: link(code(item.code), f"{folder}{alike.name}.md")
-        for alike in all_alike(device)
-        for item in alike.variants
-    }

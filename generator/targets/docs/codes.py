@@ -7,14 +7,13 @@ from typing import Any
 
 from ...model import Alternative, Answer, Device, Interface, Parameter
 from ...reference.parameters import parameters_of, run_time_names
-from ...say.erratum import errata, erratum
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.measurement import measurement
 from ...say.name import heading
 from ...say.order_code import open_values
 from ...say.parameter import origin
 from ...say.parameter import value as parameter_value
-from ...say.words import counted
+from .places import style_beside
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -51,31 +50,33 @@ def _only_with(combined: Any) -> str:
     return "; ".join(f"only with {code(name)} {', '.join(map(code, values))}" for name, values in combined.items())
 
 
-def parameter_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """The quantities that follow from an order code: name, meaning, unit, interfaces, what it equals, source."""
+def parameter_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
+    """The quantities over an interface that follow from an order code: name, meaning, unit, what it equals, source."""
     names = run_time_names(device)
-    for item in device.parameters:
+    for item in parameters_of(device, kind):
         if item.name not in names and not item.alternative:
             yield (
                 code(item.name),
                 text(item.meaning),
                 text(item.unit),
-                _over(device, item),
                 STYLE.number(item.equals) if item.equals is not None else "",
                 cited(item.source),
             )
 
 
-def run_time_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """The quantities that follow from registers: name, meaning, origin, value as delivered, source."""
+def run_time_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
+    """The quantities over an interface that follow from registers, be they of another one.
+
+    Name, meaning, origin, value as delivered, source.
+    """
     names = run_time_names(device)
-    for item in device.parameters:
+    for item in parameters_of(device, kind):
         if item.name in names:
             unit = f"unit: {text(item.unit)}" if item.unit else ""
             yield (
                 code(item.name),
-                joined([text(item.meaning), unit, f"over {_over(device, item)}"]),
-                STYLE.paragraph(origin(device, item)),
+                joined([text(item.meaning), unit]),
+                style_beside(device).paragraph(origin(device, item)),
                 _delivered(device, item),
                 cited(item.source),
             )
@@ -85,26 +86,14 @@ def _kinds(device: Device, parameter: Parameter) -> list[str]:
     return [item.name for item in device.interfaces if parameter in parameters_of(device, item.name)]
 
 
-def _over(device: Device, parameter: Parameter) -> str:
-    return ", ".join(device.interface(kind).title for kind in _kinds(device, parameter))
-
-
 def _delivered(device: Device, parameter: Parameter) -> str:
     kinds = _kinds(device, parameter)
     found = next((item.parameters[parameter.name] for item in device.variants if item.interface in kinds), None)
     return parameter_value(parameter, found) if found is not None else ""
 
 
-def code_tables(device: Device, links: Mapping[str, str]) -> list[dict[str, Any]]:
-    """For each interface its order codes, as links to their pages, with the quantities that follow from them."""
-    return [
-        _code_table(device, item, links)
-        for item in device.interfaces
-        if any(variant.interface == item.name for variant in device.variants)
-    ]
-
-
-def _code_table(device: Device, interface: Interface, links: Mapping[str, str]) -> dict[str, Any]:
+def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -> dict[str, Any]:
+    """The order codes of an interface, as links to their pages, with the quantities that follow from them."""
     names = run_time_names(device)
     shown = (item for item in parameters_of(device, interface.name) if item.name not in names)
     parameters = [item for item in shown if not item.alternative]
@@ -114,11 +103,7 @@ def _code_table(device: Device, interface: Interface, links: Mapping[str, str]) 
         for item in variants
     ]
     head = ["Order code", *(code(item.name) for item in parameters)]
-    return {
-        "title": f"{interface.title}: {counted(len(variants), 'order code')}",
-        "head": head,
-        "rows": rows,
-    }
+    return {"head": head, "rows": rows}
 
 
 def alternatives(device: Device) -> list[dict[str, Any]]:
@@ -128,7 +113,6 @@ def alternatives(device: Device) -> list[dict[str, Any]]:
             "alternative": item,
             "title": heading(item.name),
             "rows": [_answer_row(device, item, one) for one in item.answers],
-            "reasons": [erratum(one) for one in errata(device, f"alternatives.{item.name}")],
             "frames": [
                 link(code(layout.name), f"#layout-{layout.name}")
                 for _, layout in device.layouts()

@@ -23,6 +23,7 @@ from ...model import (
 )
 from ...say.changed import change_in_words
 from ...say.crc import sent
+from ...say.erratum import errata
 from ...say.field import value
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
@@ -30,7 +31,8 @@ from ...say.place import hexadecimal
 from ...say.procedure import step
 from ...say.timing import bounds
 from ...say.words import counted, number
-from .layouts import errata_links, named
+from .layouts import named
+from .places import ERRATA
 
 _SEVERITY = {
     "wrong_data": "wrong bytes or bits on the wire",
@@ -82,12 +84,10 @@ def _yes(value: bool) -> str:
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
     yield from ((fact, said) for fact, said in _worked(example) if said)
-    links = [
-        link(code(example.erratum), f"#erratum-{example.erratum}") if example.erratum else "",
-        errata_links(device, f"examples.{example.name}"),
-    ]
-    if any(links):
-        yield "Errata", ", ".join(dict.fromkeys(", ".join(filter(None, links)).split(", ")))
+    if example.erratum and example.erratum not in {
+        item.name for item in errata(device, f"examples.{example.name}", wording=True)
+    }:
+        yield "Erratum", link(code(example.erratum), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
         yield "Note", text(example.note)
     yield "Source", cited(example.source)

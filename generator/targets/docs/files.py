@@ -1,132 +1,91 @@
-"""The documentation: a Markdown page for each device with pictures of its layouts, and an index."""
+"""The documentation: pages of a family, of its interfaces and of its order codes, pages across families, an index."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from functools import partial
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, TypedDict
 
-from ...masters.sheet import shipped_masters
-from ...model import Biss, Device, FieldGroup, Interface, Layout, Manual, Register, Rs485, Table, TimesRead
-from ...reference.parameters import follows_registers
+from ...masters.sheet import Master, shipped_masters
 from ...reference.parts import for_interface
 from ...render import Templates, our_templates
-from ...say import alarm, hardware_input, markdown
-from ...say import layout as say_layout
-from ...say import procedure as say_procedure
-from ...say import register as say_register
-from ...say.alternative import needs
-from ...say.markdown import cited, code, joined, link, text
-from ...say.name import full_title, heading, title, words
-from ...say.origin import origin, other_editions
+from ...say import markdown
+from ...say.markdown import code, link, text
+from ...say.name import heading, title
 from ...say.place import addresses
-from ...say.text import Code, Said
-from ...say.words import language, sentence
+from ...say.words import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from . import across, by_code, changes, codes, evidence, facts, layouts, shown, usable, waves
+from . import across, bites, by_code, changes, facts, family, glossary, over, places, usable, waves
 from . import masters as masters_page
-
-#: Rows of a table; its cells are Markdown.
-Rows = list[tuple[str, ...]]
-#: A section of a page, by what the template calls its parts.
-Section = dict[str, Any]
+from .patterns import patterns
+from .sections import Rows, Section
 
 
 class Index(TypedDict):
     rows: Annotated[Rows, "a row for each family"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
-    pattern_rows: Annotated[Rows, "a row for each interface of a family, with its order codes"]
+    order_codes: Annotated[list[Section], "for each interface of a family: label, interface, patterns, counted, links"]
     trademarks: Annotated[list[str], "notices on trademarks"]
 
 
-class Codes(TypedDict):
-    manual_rows: Annotated[Rows, "the manual: title, revision, language, publisher"]
-    part_rows: Annotated[Rows, "the parts of an order code and what each value stands for"]
-    spelling_rows: Annotated[Rows, "labels that are written otherwise"]
-    parameter_rows: Annotated[Rows, "the quantities that follow from an order code"]
-    run_time_rows: Annotated[Rows, "the quantities that registers hold"]
-    code_tables: Annotated[list[Section], "the listed order codes: title, head, rows"]
-    measurement_rows: Annotated[Rows, "what a position counts"]
-
-
-class Wiring(TypedDict):
-    inputs: Annotated[list[Section], "the inputs: input, title, rows"]
-    connectors: Annotated[list[Section], "connectors and cables: connector, interfaces, head, rows"]
-    led_rows: Annotated[Rows, "the LEDs and what each state means"]
-    characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
-
-
-class Parts(Wiring, evidence.Evidence):
-    device: Annotated[Device, "the family"]
-    origin: Annotated[list[Said], "what the family is beside what its manual says: overlays, another edition"]
-    usable_page: Annotated[str, "the page that says whether a position is usable"]
-    alternatives: Annotated[list[Section], "what the manual leaves open: alternative, title, rows, reasons, frames"]
-    errata_links: Annotated[Callable[..., str], "links to the errata of a path into the spec, or of several paths"]
-    interfaces: Annotated[list[Section], "the interfaces with their layouts, data IDs, cables and control frames"]
-    crcs: Annotated[list[Section], "the CRCs: crc, rows"]
-    registers: Annotated[list[Section], "the registers with their fields, values and facts"]
-    register_rows: Annotated[Rows, "the registers in short"]
-    procedures: Annotated[list[Section], "the procedures: procedure, interface, rows, arguments"]
-    alarms: Annotated[list[Section], "errors and warnings: alarm, title, rows"]
-
-
-class DevicePage(Parts, Codes):
-    contents: Annotated[list[tuple[str, str]], "title and anchor of each section"]
-    has_masters: Annotated[bool, "whether there is a page of master settings"]
-    pictures: Annotated[shown.Pictures, "pictures by what they show, such as `register-preset`: name, text"]
-
-
-class CodePage(Parts, by_code.CodeValues):
-    pictures: Annotated[shown.Pictures, "pictures by what they show, such as `register-preset`: name, text"]
-
-
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """``docs/README.md``, and pages across families: usable or not, which encoder, registers by address, alarms.
+    """``docs/README.md``, and pages across families: usable or not, which encoder, registers, alarms, errata, glossary.
 
-    For each device ``docs/<device>.md``, its pictures, ``docs/<device>-masters.md`` and ``docs/<device>-changes.md``,
-    and a page for each order code in ``docs/<device>/``.
+    For each device ``docs/<device>.md`` with its master settings and its changes beside it, and in ``docs/<device>/``
+    a page for each interface and each order code, for hardware, errata and manual, and the pictures.
     """
     try:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    files = {"docs/README.md": _index(library), f"docs/{usable.PAGE}": _usable(library), **_across(library)}
-    for device in library.devices:
-        own, pictures = library.own_templates, shown.of_family(device)
-        has_masters = masters_page.has_masters(device)
-        page: DevicePage = {
-            **_parts(device),
-            **_identity(device),
-            "contents": _contents(device),
-            "has_masters": has_masters,
-            "pictures": pictures,
-        }
-        files[f"docs/{device.name}.md"] = _tidy(TEMPLATES.render("device.md.jinja", page, own))
-        files |= _by_code(device, pictures, own)
-        if has_masters:
-            values = masters_page.page_values(device, masters)
-            files[f"docs/{device.name}-masters.md"] = _tidy(TEMPLATES.render("masters.md.jinja", values, own))
-        told = changes.page_values(device)
-        files[f"docs/{changes.page(device)}"] = _tidy(TEMPLATES.render("changes.md.jinja", told, own))
-        files |= {f"docs/{device.name}/{item.name}": item.drawn for item in pictures.values()}
-        files |= _timing(device)
-    return files
+    families = [by_code.Codes(item) for item in library.devices]
+    pages: dict[str, tuple[str, Mapping[str, Any]]] = {
+        "README.md": ("index.md.jinja", _index(library, families)),
+        usable.PAGE: ("usable.md.jinja", usable.page_values(library.devices)),
+        across.WHICH: (f"{across.WHICH}.jinja", across.which(library.devices)),
+        across.REGISTERS: (f"{across.REGISTERS}.jinja", across.registers(library.devices)),
+        across.ALARMS: (f"{across.ALARMS}.jinja", across.alarms(library.devices)),
+        bites.ALL: (f"{bites.ALL}.jinja", bites.all_values(library.devices)),
+        glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
+    }
+    files: dict[str, str] = {}
+    for item in families:
+        pages |= _of_family(item, masters)
+        files |= {f"docs/{item.device.name}/{name}": picture for name, picture in _pictures(item)}
+    return files | {
+        f"docs/{name}": _tidy(TEMPLATES.render(template, values, library.own_templates))
+        for name, (template, values) in pages.items()
+    }
 
 
-def _by_code(device: Device, pictures: shown.Pictures, own: Path | None) -> Iterator[tuple[str, str]]:
-    """A page for each order code with its pictures; those that are the same to a program share one."""
+def _of_family(
+    codes: by_code.Codes, masters: tuple[Master, ...]
+) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
+    """Each page with its template and values."""
+    device, folder = codes.device, codes.device.name
     taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
-    for alike in by_code.all_alike(device):
-        drawn = shown.of_codes(device, [item.code for item in alike.variants], alike.name)
-        page: CodePage = {
-            **_parts(alike.here),
-            **by_code.values(alike, alike.interface.name in taken),
-            "pictures": {**pictures, **drawn},
-        }
-        yield f"docs/{device.name}/{alike.name}.md", _tidy(TEMPLATES.render("code.md.jinja", page, own))
-        for picture in drawn.values():
-            yield f"docs/{device.name}/{picture.name}", picture.drawn
+    yield f"{folder}.md", ("device.md.jinja", family.index_values(codes, bool(taken)))
+    for item in device.interfaces:
+        values = over.page_values(device, item.name, codes.links_beside, item.name in taken, codes.pictures)
+        yield f"{folder}/{item.name}.md", ("interface.md.jinja", values)
+    for alike in codes.alike:
+        one = by_code.page_values(alike, alike.interface.name in taken, codes.pictures)
+        yield f"{folder}/{alike.name}.md", ("code.md.jinja", one)
+    yield f"{folder}/hardware.md", ("hardware.md.jinja", family.hardware_values(device))
+    yield f"{folder}/{places.ERRATA}", ("errata.md.jinja", bites.page_values(device))
+    yield f"{folder}/manual.md", ("manual.md.jinja", family.manual_values(device))
+    if taken:
+        yield f"{folder}-masters.md", ("masters.md.jinja", masters_page.page_values(device, masters))
+    yield changes.page(device), ("changes.md.jinja", changes.page_values(device))
+
+
+def _pictures(codes: by_code.Codes) -> Iterator[tuple[str, str]]:
+    """File name and picture."""
+    for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
+        yield from ((item.name, item.drawn) for item in group.values())
+    for interface in codes.device.interfaces:
+        shown = waves.wave(codes.device, interface)
+        if shown is not None:
+            yield f"timing-{interface.name}.svg", waves.drawn(shown)
 
 
 def _tidy(made: str) -> str:
@@ -138,306 +97,49 @@ def _tidy(made: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _index(library: Library) -> str:
+def _index(library: Library, families: list[by_code.Codes]) -> Index:
     rows: Rows = []
     for device in library.devices:
         page, maker = link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title)
-        titles = ", ".join(item.title for item in device.interfaces)
+        titles = ", ".join(link(item.title, f"{device.name}/{item.name}.md") for item in device.interfaces)
         masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
-        manual = f"{text(device.manual.title)}, revision {_revision(device.manual)}"
+        manual = f"{text(device.manual.title)}, revision {family.revision(device.manual)}"
         rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
-    patterns: Rows = [
-        (
-            ", ".join(codes_of[item.code] for item in device.variants if item.interface == part.name),
-            link(part.title, f"{device.name}.md#interface-{part.name}"),
-        )
-        for device in library.devices
-        for codes_of in [by_code.links(device, f"{device.name}/")]
+    found: list[Section] = [
+        {
+            "label": f"{device.name.upper()}, {part.title}",
+            "patterns": ", ".join(map(code, patterns(device, of_part))),
+            "counted": counted(len(of_part), "order code"),
+            "interface": link(f"{device.name.upper()}, {part.title}", f"{device.name}/{part.name}.md"),
+            "links": [item.links[one] for one in of_part],
+        }
+        for item in families
+        for device in [item.device]
         for part in device.interfaces
+        if (of_part := [one.code for one in device.variants if one.interface == part.name])
     ]
     trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
-    values: Index = {"rows": rows, "usable_page": usable.PAGE, "pattern_rows": patterns, "trademarks": trademarks}
-    return _tidy(TEMPLATES.render("index.md.jinja", values, library.own_templates))
-
-
-def _usable(library: Library) -> str:
-    return _tidy(TEMPLATES.render("usable.md.jinja", usable.page_values(library.devices), library.own_templates))
-
-
-def _across(library: Library) -> dict[str, str]:
-    pages: dict[str, Mapping[str, Any]] = {
-        across.WHICH: across.which(library.devices),
-        across.REGISTERS: across.registers(library.devices),
-        across.ALARMS: across.alarms(library.devices),
-    }
-    return {
-        f"docs/{name}": _tidy(TEMPLATES.render(f"{name}.jinja", values, library.own_templates))
-        for name, values in pages.items()
-    }
-
-
-def _revision(manual: Manual) -> str:
-    return text(manual.revision) + (f" of {manual.date}" if manual.date else "")
-
-
-def _timing(device: Device) -> dict[str, str]:
-    waves_of = ((item.name, waves.wave(device, item)) for item in device.interfaces)
-    return {f"docs/{device.name}/timing-{name}.svg": waves.drawn(item) for name, item in waves_of if item is not None}
-
-
-def _parts(device: Device) -> Parts:
-    return {
-        "device": device,
-        "origin": [*origin(device), *other_editions(device)],
-        "usable_page": usable.PAGE,
-        "alternatives": codes.alternatives(device),
-        "errata_links": partial(layouts.errata_links, device),
-        "interfaces": [_interface(device, item) for item in device.interfaces],
-        "crcs": [{"crc": item, "rows": facts.crc_rows(item)} for item in device.crcs],
-        "registers": [_register(device, item) for item in device.registers],
-        "register_rows": [_register_row(device, item) for item in device.registers],
-        "procedures": [
-            {
-                "procedure": item,
-                "interface": device.interface(item.interface).title,
-                "about": list(say_procedure.about(item)),
-                "rows": facts.step_rows(device, item),
-                "arguments": [(part.name, say_procedure.argument(device, part)) for part in item.arguments],
-            }
-            for item in device.procedures
-        ],
-        "alarms": [
-            {"alarm": item, "title": full_title(item), "facts": alarm.facts(device, item)} for item in device.alarms
-        ],
-        **_wiring(device),
-        **evidence.evidence(device),
-    }
-
-
-def _table_rows(table: Table) -> Rows:
-    """The rows of a table of the manual."""
-    return [tuple(map(text, row)) for row in table.rows]
-
-
-def _contents(device: Device) -> list[tuple[str, str]]:
-    parts: list[tuple[str, str, object]] = [
-        ("Order codes", "order-codes", True),
-        ("What the manual leaves open", "alternatives", device.alternatives),
-        *((item.title, f"interface-{item.name}", True) for item in device.interfaces),
-        ("CRCs", "crcs", device.crcs),
-        ("Registers", "registers", device.registers),
-        ("Procedures", "procedures", device.procedures),
-        ("Errors and warnings", "alarms", device.alarms),
-        ("Times of the device", "timings", device.timings),
-        ("Inputs", "inputs", device.inputs),
-        ("Connectors and cables", "connectors", device.connectors),
-        ("LEDs", "leds", device.leds),
-        ("Characteristics, mounting, safety", "characteristics", device.characteristics),
-        *((item.title, f"table-{item.name}", True) for item in device.tables),
-        ("Worked examples", "examples", device.examples),
-        ("Editions of the manual", "editions", device.editions),
-        ("Errata", "errata", device.errata),
-        ("Figures that were not available", "lost-figures", device.lost_figures),
-        ("Sources", "documents", True),
-    ]
-    return [(title, name) for title, name, there in parts if there]
-
-
-def _identity(device: Device) -> Codes:
-    manual = device.manual
-    rows = [
-        ("Manual", text(manual.title)),
-        ("Revision", _revision(manual)),
-        ("Language", text(language(manual.language))),
-        ("Publisher", text(manual.publisher)),
-        ("Read", _times_read(device.times_read)),
-        ("Manufacturer", text(device.manufacturer.title)),
-    ]
-    for item in manual.editions:
-        about = [text(language(item.language)), text(item.title), f"revision {text(item.revision)}", item.date]
-        rows.append(("Other edition", joined(about, ", ")))
-    rows.append(("Version", f"{text(device.manufacturer.version)}, {link('what each changed', changes.page(device))}"))
-    return {
-        "manual_rows": [row for row in rows if row[1]],
-        "part_rows": list(codes.part_rows(device)),
-        "spelling_rows": list(codes.spelling_rows(device)),
-        "parameter_rows": list(codes.parameter_rows(device)),
-        "run_time_rows": list(codes.run_time_rows(device)),
-        "code_tables": codes.code_tables(device, by_code.links(device, f"{device.name}/")),
-        "measurement_rows": list(codes.measurement_rows(device)),
-    }
-
-
-def _times_read(counts: TimesRead | None) -> str:
-    """How many facts a second reader found alike; empty where there was none."""
-    if counts is None:
-        return ""
-    every = counts.twice + counts.explained + counts.once
-    otherwise = f", {counts.explained} otherwise for reasons that the errata give" if counts.explained else ""
-    return f"Twice, and settled by the manual: {counts.twice} of {every} facts are alike in both readings{otherwise}"
-
-
-#: What an interface says of itself, by which its errata are found.
-_FACTS = (
-    "clock",
-    "cable_lengths",
-    "timeout",
-    "network",
-    "port",
-    "profile",
-    "alignment",
-    "output_code",
-    "signals",
-    "description_file",
-)
-
-
-def _interface(device: Device, interface: Interface) -> Section:
-    groups = {item.name: item for item in device.field_groups}
-    place = f"interfaces.{interface.name}"
-    return {
-        "interface": interface,
-        "rows": list(facts.interface_rows(device, interface)),
-        "paths": [f"{place}.{name}" for name in _FACTS],
-        "timing_paths": [f"{place}.{item.name}" for item in interface.timings] + [f"{place}.timings"],
-        "data_id_rows": _data_id_rows(interface) if isinstance(interface, Rs485) else [],
-        "layouts": [_layout(device, interface, item) for item in interface.layouts],
-        "groups": [
-            {
-                "group": groups[name],
-                "title": _group_title(groups[name]),
-                "frames": layouts.frames_with(interface, name),
-                "rows": layouts.group_rows(device, name),
-            }
-            for name in layouts.used_groups(interface)
-        ],
-        "memory_rows": _memory_rows(interface) if isinstance(interface, Rs485) else [],
-        "control_rows": list(facts.control_rows(interface)) if isinstance(interface, Biss) else [],
-    }
-
-
-def _data_id_rows(interface: Rs485) -> Rows:
-    return [
-        (
-            f"{item.id:X}",
-            code(item.name),
-            f"`{item.control:02X}h`",
-            text(item.purpose),
-            text(item.meaning),
-            cited(item.source),
-        )
-        for item in interface.data_ids
-    ]
-
-
-def _memory_rows(interface: Rs485) -> Rows:
-    return [
-        (
-            text(item.access),
-            f"{item.busy}",
-            text(item.address),
-            text(item.data),
-            text(item.meaning),
-            cited(item.source),
-        )
-        for item in interface.memory_access
-    ]
-
-
-def _group_title(group: FieldGroup) -> str:
-    """Our name, and in parentheses the manual's own in each language."""
-    own = [group.printed_name, *(f"{key}: {name}" for key, name in group.names.items())]
-    return words(group.name).capitalize() + (f" ({', '.join(filter(None, own))})" if any(own) else "")
-
-
-def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
-    return {
-        "layout": layout,
-        "head": say_layout.head(interface, layout, title(layout)),
-        "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
-        "rows": list(layouts.field_rows(device, layout)),
-        "placements": layouts.placement_table(device, layout, interface.name),
-        "delivered": follows_registers(device, layout),
-    }
-
-
-def _register(device: Device, register: Register) -> Section:
-    fields = register.layout.fields
-    rows = list(layouts.field_rows(device, register.layout))
-    is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
-    return {
-        "register": register,
-        "title": full_title(register),
-        "head": say_register.head(device, register, Code(register.name)),
-        "facts": say_register.facts(device, register),
-        "rows": [] if is_plain else rows,
-        "value_tables": [
-            {"field": code(item.name), "rows": list(layouts.value_rows(item)), "alone": len(fields) == 1}
-            for item in fields
-            if layouts.has_value_table(item)
-        ],
-        "joins": say_layout.joins(register.layout),
-        "placements": layouts.placement_table(device, register.layout, register.interface),
-    }
-
-
-def _register_row(device: Device, register: Register) -> tuple[str, ...]:
-    data = register.default_bytes()
-    return (
-        "" if register.bank is None else f"{register.bank}",
-        addresses(register),
-        link(code(register.name), f"#register-{register.name}"),
-        say_register.access(register),
-        f"`{data.hex(' ').upper()}`" if data is not None else "",
-        device.interface(register.interface).title,
-        cited(register.source),
-    )
-
-
-def _wiring(device: Device) -> Wiring:
-    titles = {item.name: item.title for item in device.interfaces}
-    return {
-        "inputs": [
-            {"input": item, "title": full_title(item), "facts": hardware_input.facts(device, item)}
-            for item in device.inputs
-        ],
-        "connectors": [
-            {
-                "connector": item,
-                "interfaces": ", ".join(titles.get(kind, kind) for kind in item.interfaces) or "all interfaces",
-                "head": {"cable": "Wire"}.get(item.kind, "Pin"),
-                "rows": [(text(part.contact), text(part.signal), code(part.only)) for part in item.contacts],
-            }
-            for item in device.connectors
-        ],
-        "led_rows": [
-            (
-                text(item.title) if index == 0 else "",
-                text(state.state),
-                text(state.meaning),
-                cited(item.source) if index == 0 else "",
-            )
-            for item in device.leds
-            for index, state in enumerate(item.states)
-        ],
-        "characteristic_rows": [
-            (code(item.name), text(item.value), code(item.only), cited(item.source)) for item in device.characteristics
-        ],
-    }
+    return {"rows": rows, "usable_page": usable.PAGE, "order_codes": found, "trademarks": trademarks}
 
 
 TEMPLATES = Templates(
     our_templates("docs"),
     values={
         "index.md.jinja": Index,
-        "device.md.jinja": DevicePage,
-        "code.md.jinja": CodePage,
+        "device.md.jinja": family.FamilyPage,
+        "interface.md.jinja": over.InterfacePage,
+        "code.md.jinja": by_code.CodePage,
+        "hardware.md.jinja": family.HardwarePage,
+        "errata.md.jinja": bites.ErrataPage,
+        "manual.md.jinja": family.ManualPage,
         "masters.md.jinja": masters_page.MastersPage,
         "changes.md.jinja": changes.ChangesPage,
         "usable.md.jinja": usable.UsablePage,
         f"{across.WHICH}.jinja": across.WhichPage,
         f"{across.REGISTERS}.jinja": across.RegistersPage,
         f"{across.ALARMS}.jinja": across.AlarmsPage,
+        f"{bites.ALL}.jinja": bites.AllErrataPage,
+        f"{glossary.PAGE}.jinja": glossary.GlossaryPage,
     },
     filters={
         "md": markdown.text,
@@ -451,7 +153,7 @@ TEMPLATES = Templates(
         "addresses": addresses,
         "said": markdown.STYLE.sentence,
     },
-    functions={"table": markdown.table, "timing_rows": facts.timing_rows, "table_rows": _table_rows},
+    functions={"table": markdown.table, "timing_rows": facts.timing_rows, "table_rows": family.table_rows},
 )
 TARGET = Target(
     name="docs",

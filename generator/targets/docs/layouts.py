@@ -9,13 +9,12 @@ from types import MappingProxyType
 from ...model import Alternative, Answer, Device, Field, FieldGroup, Interface, Layout, PlacedLayout, Register
 from ...model.expressions import Expression
 from ...say.alternative import choices, names
-from ...say.erratum import errata
-from ...say.erratum import reference as erratum_ref
 from ...say.field import rules, value
-from ...say.markdown import STYLE, cited, code, joined, link, reference, table, text
-from ...say.name import Named, own_names
+from ...say.markdown import STYLE, cited, code, joined, link, table, text
+from ...say.name import Named
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Said, parted, said, told
+from .patterns import order_codes
 from .pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
 
 #: More named values than this are listed in a table of their own.
@@ -50,16 +49,8 @@ def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int
 
 
 def named(item: Named) -> str:
-    """A name as code, and the manual's own names below it."""
-    return joined([code(item.name), text(own_names(item))])
-
-
-def errata_links(device: Device, *paths: str) -> str:
-    """The errata that are about exactly this, or about something inside it; those that are open say so."""
-    return ", ".join(
-        reference(erratum_ref(item)) + (" (open)" if item.status == "open" else "")
-        for item in errata(device, *paths, wording=True)
-    )
+    """A name as code, and the manual's own below it."""
+    return joined([code(item.name), text(item.printed_name)])
 
 
 def field_cell(device: Device, item: Field, in_register: bool = False) -> str:
@@ -101,7 +92,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
                 parts = [item for item in layout.fields if item.group == field.group]
                 low = _first_bit(parts, _first_answers(device))
                 group = groups[field.group]
-                name = joined([link(code(group.name), f"#group-{group.name}"), text(own_names(group))])
+                name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
                 where = frame_bytes(layout, layout.widest, low + group.bits - 1, low)
                 yield name, where, f"{group.bits}", "several fields, see there", ""
             continue
@@ -186,7 +177,7 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
             below = item.low if item is not None and field.name in within else 0
             cells.append("–" if item is None else bit_range(item.high - below, item.low - below))
         total = [f"{shape.placed.bits}"] if not layout.bits.is_constant else [""]
-        rows.append([", ".join(map(code, shape.codes)), *total, *cells])
+        rows.append([order_codes(device, shape.codes), *total, *cells])
     return table(
         [
             "Order codes",

@@ -11,8 +11,10 @@ from ...masters.record import NoRecord, Record, record
 from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
 from ...masters.text import bound, facts, legend, mark
 from ...model import Device, Interface
-from ...say.markdown import code, link, text
+from ...say.markdown import code, text
 from .facts import document_rows
+from .patterns import order_codes
+from .places import to_erratum
 
 Row = tuple[str, ...]
 Table = dict[str, Any]
@@ -22,12 +24,9 @@ Table = dict[str, Any]
 class Group:
     """Order codes that are the same to every master."""
 
+    device: Device
     codes: tuple[str, ...]
     record: Record
-
-    @property
-    def label(self) -> str:
-        return ", ".join(map(code, self.codes))
 
 
 #: Groups, each with its rows by key.
@@ -66,7 +65,7 @@ def _groups(device: Device, interface: Interface) -> list[Group]:
     found: dict[str, list[Record]] = {}
     for item in _records(device, interface):
         found.setdefault(repr(replace(item, code="")), []).append(item)
-    return [Group(tuple(item.code for item in alike), alike[0]) for alike in found.values()]
+    return [Group(device, tuple(item.code for item in alike), alike[0]) for alike in found.values()]
 
 
 def _records(device: Device, interface: Interface) -> Iterator[Record]:
@@ -82,15 +81,13 @@ def _interface(
     same, tables = _split(
         [(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups]
     )
-    codes = [] if tables else [("Order codes", ", ".join(group.label for group in groups))]
+    codes = [] if tables else [("Order codes", _label(groups))]
     return {
         "title": interface.title,
         "anchor": interface.name,
         "facts": [*codes, *((text(name), value) for name, value in same)],
         "tables": tables,
-        "cable_errata": ", ".join(
-            link(code(name), f"{device.name}.md#erratum-{name}") for name in groups[0].record.cables.errata
-        ),
+        "cable_errata": ", ".join(to_erratum(device, name) for name in groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
         "masters": [_master(master, sheets) for master, sheets in told if interface.name in master.takes],
         "silent": [text(master.title) for master, _ in told if interface.name not in master.takes],
@@ -128,10 +125,15 @@ def _follows_supply(key: Any, columns: Sequence[tuple[Group, dict[Any, Row]]]) -
 def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]]) -> Table:
     """The heads, and a row for all groups with the same values."""
     heads = [next(rows[key][0] for _, rows in columns if key in rows) for key in keys]
-    found: dict[Row, list[str]] = {}
+    found: dict[Row, list[Group]] = {}
     for group, rows in columns:
-        found.setdefault(tuple(rows[key][1] if key in rows else "–" for key in keys), []).append(group.label)
-    return {"head": ["Order codes", *heads], "rows": [[", ".join(labels), *cells] for cells, labels in found.items()]}
+        found.setdefault(tuple(rows[key][1] if key in rows else "–" for key in keys), []).append(group)
+    return {"head": ["Order codes", *heads], "rows": [[_label(groups), *cells] for cells, groups in found.items()]}
+
+
+def _label(groups: Sequence[Group]) -> str:
+    """The order codes of all of them."""
+    return order_codes(groups[0].device, [item for group in groups for item in group.codes])
 
 
 def _master(master: Master, sheets: Told) -> dict[str, Any]:
@@ -173,21 +175,21 @@ def _row_notes(columns: Columns, same: set[str]) -> list[str]:
 
 def _notes(taken: Told) -> Iterator[str]:
     """What else is to be known; a note that is not about all order codes names its own."""
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[Group]] = {}
     for group, item in taken:
         for note in item.notes:
-            found.setdefault(text(note), []).append(group.label)
-    for note, labels in found.items():
-        yield note if len(labels) == len(taken) else f"{', '.join(labels)}: {note}"
+            found.setdefault(text(note), []).append(group)
+    for note, groups in found.items():
+        yield note if len(groups) == len(taken) else f"{_label(groups)}: {note}"
 
 
 def _refused(sheets: Told) -> Iterator[str]:
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[Group]] = {}
     for group, item in sheets:
         if item.refusals:
             reasons = " ".join(
                 f"{text(reason.reason)}{_mark(reason)} \\[{text(reason.source)}\\]" for reason in item.refusals
             )
-            found.setdefault(reasons, []).append(group.label)
-    for reasons, labels in found.items():
-        yield f"{', '.join(labels)}: {reasons}"
+            found.setdefault(reasons, []).append(group)
+    for reasons, groups in found.items():
+        yield f"{_label(groups)}: {reasons}"

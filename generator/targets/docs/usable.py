@@ -12,6 +12,7 @@ from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import Code, listed, said
+from .places import to_erratum, to_layout
 
 #: No family can be called so.
 PAGE = "usable-or-not.md"
@@ -109,7 +110,7 @@ def _cited(device: Device, field: Field) -> str:
 
 
 def _links(device: Device, layouts: Sequence[Layout]) -> str:
-    return ", ".join(link(code(item.name), f"{device.name}.md#layout-{item.name}") for item in layouts)
+    return ", ".join(to_layout(device, item, code(item.name)) for item in layouts)
 
 
 def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
@@ -119,4 +120,4 @@ def _errata(device: Device, interface: Interface, layout: Layout, field: Field) 
         paths.add(f"field_groups.{field.group}")
     about = (item for item in device.errata if not item.edition and not paths.isdisjoint(item.affects))
     found = (item.name for item in about if item.severity != "wording")
-    return ", ".join(link(code(name), f"{device.name}.md#erratum-{name}") for name in found)
+    return ", ".join(to_erratum(device, name) for name in found)

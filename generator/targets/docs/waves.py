@@ -6,19 +6,23 @@ protocol description. Widths are not to scale.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from ...model import Biss, Constant, CrcValue, Device, Flag, Interface, Layout, Rs485, Ssi, assert_never
+from ...model import Biss, Constant, CrcValue, Device, Flag, Interface, Layout, Rs485, SendStep, Ssi, assert_never
+from ...say.name import words
 from ...say.timing import bounds
-from ...say.words import counted, timeout_words
+from ...say.words import counted, microseconds, timeout_words
 from .svg import card, number, rect, text, width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
+#: How wide a clock pulse is, low and high together.
+_PERIOD = 24.0
+_MANUAL = "the words of the manual"
 
 
-class Level(Enum):
+class Trace(Enum):
     """What a line does for a while."""
 
     UP = "up"
@@ -30,9 +34,9 @@ class Level(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of a line: a level or so many clock pulses, or a box of data with the ``fill`` of its kind."""
+    """A part of a line: a level, clock pulses all along, or a box of data with the ``fill`` of its kind."""
 
-    what: Level
+    what: Trace
     wide: float
     label: str = ""
     fill: str = ""
@@ -49,12 +53,16 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """Lines one under the other, and times below them; ``told`` is the same in words."""
+    """Lines one under the other, and times below them.
+
+    ``told`` is the same in words; ``drawn_from`` says whose words the picture follows.
+    """
 
     title: str
     lines: tuple[tuple[str, tuple[Part, ...]], ...]
     spans: tuple[Span, ...]
     told: str
+    drawn_from: str = _MANUAL
 
 
 def wave(device: Device, interface: Interface) -> Wave | None:
@@ -67,7 +75,7 @@ def wave(device: Device, interface: Interface) -> Wave | None:
         case Biss():
             return _biss(device, interface)
         case Rs485():
-            return _rs485(interface)
+            return _rs485(device, interface)
         case _:
             assert_never(interface)
 
@@ -79,22 +87,22 @@ def _time(interface: Interface, symbol: str) -> str:
 
 def _ssi(interface: Ssi) -> Wave:
     """The word with the clocks that shift it out; the data line stays low after it and then goes high."""
-    up, down = Level.UP, Level.DOWN
+    up, down = Trace.UP, Trace.DOWN
     first = "most significant bit" if interface.alignment.end == "msb_left" else "zeros, then the position"
     clock = (
         Part(up, 40),
-        Part(Level.CLOCK, 72, "3"),
-        Part(Level.GAP, 40),
-        Part(Level.CLOCK, 72, "3"),
+        Part(Trace.CLOCK, 3 * _PERIOD),
+        Part(Trace.GAP, 40),
+        Part(Trace.CLOCK, 3 * _PERIOD),
         Part(up, 150),
-        Part(Level.CLOCK, 48, "2"),
+        Part(Trace.CLOCK, 2 * _PERIOD),
     )
     # From the first rising edge on, up to the last.
     data = (
         Part(up, 52),
-        Part(Level.EITHER, 64, "first bit", "data"),
-        Part(Level.EITHER, 32, "…", "data"),
-        Part(Level.EITHER, 64, "last bit", "data"),
+        Part(Trace.EITHER, 64, "first bit", "data"),
+        Part(Trace.EITHER, 32, "…", "data"),
+        Part(Trace.EITHER, 64, "last bit", "data"),
         Part(down, 60),
         Part(up, 150),
     )
@@ -111,27 +119,27 @@ def _ssi(interface: Ssi) -> Wave:
 
 def _biss(device: Device, interface: Biss) -> Wave:
     """A frame: acknowledge, start, CDS, the fields of the single cycle data, time-out."""
-    layout = interface.layouts[0]
-    fields = list(_fields(layout))
-    boxes = [Part(Level.EITHER, max(34.0, width(name, 11) + 10), name, fill) for name, fill in fields]
+    fields = list(_fields(interface.layouts[0], device.position_names(interface.name)))
+    boxes = [Part(Trace.EITHER, max(34.0, width(name, 11) + 10), name, fill) for name, fill in fields]
     data = (
-        Part(Level.UP, 76),  # up to the second rising edge of MA
-        Part(Level.DOWN, 60, "Ack"),
-        Part(Level.UP, 36, "Start"),
-        Part(Level.EITHER, 36, "CDS", "choice"),
+        Part(Trace.UP, 76),  # up to the second rising edge of MA
+        Part(Trace.DOWN, 60, "Ack"),
+        Part(Trace.UP, 36, "Start"),
+        Part(Trace.EITHER, 36, "CDS", "choice"),
         *boxes,
-        Part(Level.DOWN, 90, "stop"),
-        Part(Level.UP, 46),
+        Part(Trace.DOWN, 90, "stop"),
+        Part(Trace.UP, 46),
     )
     total = sum(part.wide for part in data)
     end = total - 136
+    clocks = (end - 176) // _PERIOD * _PERIOD
     clock = (
-        Part(Level.UP, 40),
-        Part(Level.CLOCK, 96, "4"),
-        Part(Level.GAP, 40),
-        Part(Level.CLOCK, end - 176, f"{round((end - 176) / 24)}"),
-        Part(Level.EITHER, 90, "not CDM", "choice"),
-        Part(Level.UP, 46),
+        Part(Trace.UP, 40),
+        Part(Trace.CLOCK, 4 * _PERIOD),
+        Part(Trace.GAP, end - 136 - clocks),
+        Part(Trace.CLOCK, clocks),
+        Part(Trace.EITHER, 90, "not CDM", "choice"),
+        Part(Trace.UP, 46),
     )
     timeout = timeout_words(interface.timeout) if interface.timeout is not None else "not said by the manual"
     names = ", ".join(name for name, _ in fields)
@@ -142,64 +150,61 @@ def _biss(device: Device, interface: Biss) -> Wave:
         "MA and SLO are high between frames. From the second rising edge of MA on SLO is low (acknowledge), until the "
         f"start bit, which is high; then the CDS bit, {names}, and a stop bit, low, until the time-out ({timeout}). "
         "During the time-out MA has the inverse of the CDM bit.",
+        f"{_MANUAL} and the public protocol description of BiSS C-mode",
     )
 
 
-def _fields(layout: Layout) -> Iterator[tuple[str, str]]:
+def _fields(layout: Layout, position: Container[str]) -> Iterator[tuple[str, str]]:
     """Name and kind of what stands in the single cycle data, the parts of the position as one."""
-    position = [name for item in layout.joins for name in item.fields]
     done = False
     for field in layout.fields:
         match field.kind:
             case Constant():
                 continue
             case Flag():
-                yield field.name.replace("_", " "), "flag"
+                yield words(field.name), "flag"
             case CrcValue():
                 yield "CRC", "check"
             case _:
                 if field.name not in position:
-                    yield field.name.replace("_", " "), "data"
+                    yield words(field.name), "data"
                 elif not done:
                     done = True
                     yield "position", "data"
 
 
-def _rs485(interface: Rs485) -> Wave:
+def _rs485(device: Device, interface: Rs485) -> Wave:
     """A request and its reply, and a request that is repeated."""
-    request, reply = _shortest(interface.layouts, "master"), _longest(interface.layouts, "encoder")
-    master = (
-        Part(Level.UP, 40),
-        Part(Level.EITHER, 90, f"request, {counted(request, 'byte')}", "choice"),
-        Part(Level.UP, 270),
-        Part(Level.EITHER, 60, "1st", "choice"),
-        Part(Level.UP, 60),
-        Part(Level.EITHER, 60, "2nd", "choice"),
-        Part(Level.GAP, 40),
-    )
-    encoder = (
-        Part(Level.UP, 170),
-        Part(Level.EITHER, 170, f"reply, up to {counted(reply, 'byte')}", "data"),
-        Part(Level.UP, 280),
-    )
-    between = next((item for item in interface.timings if item.name == "reset_interval"), None)
-    spans = (Span(460, 520, f"between the requests of a reset: {bounds(between)}"),) if between is not None else ()
-    repeated = f" Requests of a reset are repeated, {bounds(between)} apart." if between is not None else ""
-    return Wave(
-        "RS-485: requests and replies",
-        (("Master", master), ("Encoder", encoder)),
-        spans,
-        f"The master sends a request of {counted(request, 'byte')}; the encoder answers with up to "
-        f"{counted(reply, 'byte')}.{repeated}",
-    )
+    request, reply = _lengths(interface, "master"), _lengths(interface, "encoder")
+    asked = f"{'at least ' if len(request) > 1 else ''}{counted(request[0], 'byte')}"
+    label = f"request, {asked}"
+    answered = f"{'up to ' if len(reply) > 1 else ''}{counted(reply[-1], 'byte')}"
+    master = [Part(Trace.UP, 40), Part(Trace.EITHER, width(label, 11) + 12, label, "choice")]
+    asking = sum(part.wide for part in master)
+    encoder = [Part(Trace.UP, asking + 40), Part(Trace.EITHER, 170, f"reply, {answered}", "data"), Part(Trace.UP, 40)]
+    told = f"The master sends a request of {asked}; the encoder answers with {answered}."
+    spans: tuple[Span, ...] = ()
+    if again := _between_requests(device, interface):
+        box, first = 60.0, asking + 270
+        between = f"between requests that are repeated: at least {microseconds(again)}"
+        repeated = [Part(Trace.EITHER, box, name, "choice") for name in ("1st", "2nd")]
+        master += [Part(Trace.UP, 270), repeated[0], Part(Trace.UP, box), repeated[1], Part(Trace.GAP, 40)]
+        encoder.append(Part(Trace.UP, 240))
+        spans = (Span(first + box, first + 2 * box, between),)
+        told += f" {between.capitalize()}."
+    lines = (("Master", tuple(master)), ("Encoder", tuple(encoder)))
+    return Wave("RS-485: requests and replies", lines, spans, told)
 
 
-def _shortest(layouts: Sequence[Layout], sender: str) -> int:
-    return min((item.widest // 8 for item in layouts if item.sender == sender), default=1)
+def _between_requests(device: Device, interface: Interface) -> int:
+    """The microseconds between requests that a procedure repeats; 0 where none does."""
+    steps = (step for item in device.procedures if item.interface == interface.name for step in item.steps)
+    return max((step.microseconds for step in steps if isinstance(step, SendStep)), default=0)
 
 
-def _longest(layouts: Sequence[Layout], sender: str) -> int:
-    return max((item.widest // 8 for item in layouts if item.sender == sender), default=1)
+def _lengths(interface: Interface, sender: str) -> list[int]:
+    """How many bytes the frames of one side have, each number once, the smallest first."""
+    return sorted({item.widest // 8 for item in interface.layouts if item.sender == sender}) or [1]
 
 
 def drawn(item: Wave) -> str:
@@ -226,17 +231,17 @@ def _line(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
     path: list[str] = []
     for part in parts:
         match part.what:
-            case Level.UP | Level.DOWN:
-                y = top if part.what is Level.UP else top + _HIGH
+            case Trace.UP | Trace.DOWN:
+                y = top if part.what is Trace.UP else top + _HIGH
                 path.append(f"{'L' if path else 'M'}{number(left)} {number(y)}H{number(left + part.wide)}")
                 if part.label:
                     yield text(left + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
-            case Level.CLOCK:
+            case Trace.CLOCK:
                 path += _pulses(left, top, part, starts=not path)
-            case Level.GAP:
+            case Trace.GAP:
                 yield text(left + part.wide / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
                 path.append(f"M{number(left + part.wide)} {number(top)}")
-            case Level.EITHER:
+            case Trace.EITHER:
                 yield rect(left, top, part.wide, _HIGH, part.fill)
                 yield text(left + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle")
                 path.append(f"M{number(left + part.wide)} {number(top)}")
@@ -247,8 +252,8 @@ def _line(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
 
 
 def _pulses(left: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
-    """So many pulses, each low first and then high."""
-    count = int(part.label)
+    """Pulses side by side, each low first and then high."""
+    count = round(part.wide / _PERIOD)
     half = part.wide / count / 2
     if starts:
         yield f"M{number(left)} {number(top)}"

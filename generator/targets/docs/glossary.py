@@ -1,0 +1,77 @@
+"""The glossary: the words of manuals and interfaces, with links to where they matter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import Annotated, TypedDict
+
+from ...model import Device, Interface, Ssi
+from ...reference.parts import for_interface
+from ...say.markdown import link, text
+from ...say.name import Titled
+from ...say.terms import TERMS, Term
+from .places import interface_page
+
+#: No family can be called so.
+PAGE = "glossary-of-terms.md"
+
+
+class GlossaryPage(TypedDict):
+    term_rows: Annotated[list[tuple[str, str, str]], "the terms that these families use: term, meaning, links"]
+
+
+def page_values(devices: Sequence[Device]) -> GlossaryPage:
+    parts = [(for_interface(device, item.name), item) for device in devices for item in device.interfaces]
+    terms = sorted(TERMS, key=lambda item: item.name.casefold())
+    found = ((term, [one for part in parts if (one := _link(term, *part))]) for term in terms)
+    return {"term_rows": [(text(term.name), text(term.meaning), ", ".join(links)) for term, links in found if links]}
+
+
+def _link(term: Term, here: Device, interface: Interface) -> str:
+    """To where the page of an interface is about the term; empty where it is not."""
+    if term.over is not None:
+        section = term.section if isinstance(interface, term.over) and _has(here, interface, term.section) else ""
+    else:
+        places = list(_places(here, interface))
+        exactly = (place for name, place in places if name in term.spelled)
+        within = (place for name, place in places if any(f" {word} " in f" {name} " for word in term.spelled))
+        section = next(chain(exactly, within), "")
+    title = f"{here.name.upper()} {interface.short}"
+    return link(text(title), f"{interface_page(here, interface)}#{section}") if section else ""
+
+
+def _has(here: Device, interface: Interface, section: str) -> bool:
+    """Whether the page of the interface has the section; those of frames and times are on every page."""
+    there = {
+        "control-data": bool(getattr(interface, "control_data", ())),
+        "procedures": bool(here.procedures),
+        "wiring": bool(here.connectors),
+    }
+    return there.get(section, True)
+
+
+def _places(here: Device, interface: Interface) -> Iterator[tuple[str, str]]:
+    """The names on the page of an interface, in small letters, each with its place; what is about a thing first."""
+    for register in here.registers:
+        yield from _names(register, f"register-{register.name}")
+    for group in here.field_groups:
+        yield from _names(group, f"group-{group.name}")
+    for crc in here.crcs:
+        yield "crc", f"crc-{crc.name}"
+    if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
+        yield "gray", "frames"
+    for timing in interface.timings:
+        yield timing.symbol.casefold(), "timings"
+    for layout in interface.layouts:
+        for item in layout.fields:
+            yield from _names(item, f"group-{item.group}" if item.group else f"layout-{layout.name}")
+        yield from ((join.name, f"layout-{layout.name}") for join in layout.joins)
+    for register in here.registers:
+        for item in register.layout.fields:
+            yield from _names(item, f"register-{register.name}")
+
+
+def _names(item: Titled, place: str) -> Iterator[tuple[str, str]]:
+    yield item.name.replace("_", " "), place
+    yield item.printed_name.casefold(), place

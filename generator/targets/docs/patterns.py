@@ -1,0 +1,55 @@
+"""Many order codes in few words: ``SMA21-{BG1,BG4}-{0050,0100}``."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+
+from ...model import Device
+from ...reference.order_codes import filled
+from ...say.markdown import code
+
+#: So many order codes are listed by patterns, fewer one by one.
+MANY = 12
+#: The text of each part of an order code, in the order of the parts.
+_Parts = tuple[str, ...]
+
+
+def order_codes(device: Device, codes: Sequence[str]) -> str:
+    """The order codes one by one, or as patterns where they are many."""
+    return ", ".join(map(code, codes if len(codes) < MANY else patterns(device, codes)))
+
+
+def patterns(device: Device, codes: Collection[str]) -> list[str]:
+    """The order codes with what differs in braces; together they stand for exactly these."""
+    names = [item.name for item in device.order_code.parts]
+    rows = [tuple(item.parts.get(name, "") for name in names) for item in device.variants if item.code in codes]
+
+    def spelled(box: Sequence[Sequence[str]]) -> str:
+        texts = {
+            name: texts[0] if len(texts) == 1 else f"{{{','.join(texts)}}}"
+            for name, texts in zip(names, box, strict=True)
+        }
+        return filled(device.order_code.pattern, texts)
+
+    return [spelled(box) for box in _boxes(rows)]
+
+
+def _boxes(rows: Sequence[_Parts]) -> Iterator[list[list[str]]]:
+    """The rows as products of texts, part by part; they are divided where a part goes with some of the others only."""
+    divided = [found for index in range(len(rows[0])) if len(found := _divided(rows, index)) > 1]
+    if not divided:
+        yield [list(dict.fromkeys(texts)) for texts in zip(*rows, strict=True)]
+        return
+    for part in min(divided, key=len):
+        yield from _boxes(part)
+
+
+def _divided(rows: Sequence[_Parts], index: int) -> list[list[_Parts]]:
+    """The rows by the texts of one part; texts that go with the same of all other parts are one."""
+    rests: dict[str, set[_Parts]] = {}
+    for row in rows:
+        rests.setdefault(row[index], set()).add(row[:index] + row[index + 1 :])
+    found: dict[frozenset[_Parts], list[_Parts]] = {}
+    for row in rows:
+        found.setdefault(frozenset(rests[row[index]]), []).append(row)
+    return list(found.values())

@@ -1,0 +1,51 @@
+"""On which page what stands, for pages beside that of the family."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...model import Alarm, Device, Interface, Layout, Procedure, Register
+from ...reference.parts import for_interface
+from ...say.markdown import STYLE, code, link, reference
+from ...say.text import Ref, Style
+
+#: The page of all errata of a family, in its folder.
+ERRATA = "errata.md"
+
+
+def interface_page(device: Device, interface: Interface) -> str:
+    return f"{device.name}/{interface.name}.md"
+
+
+def to_register(device: Device, item: Register, label: str) -> str:
+    return link(label, f"{interface_page(device, device.interface(item.interface))}#register-{item.name}")
+
+
+def to_layout(device: Device, item: Layout, label: str) -> str:
+    over = next(interface for interface, layout in device.layouts() if layout.name == item.name)
+    return link(label, f"{interface_page(device, over)}#layout-{item.name}")
+
+
+def to_alarm(device: Device, item: Alarm, label: str) -> str:
+    """The first interface that has it."""
+    over = next(one for one in device.interfaces if item in for_interface(device, one.name).alarms)
+    return link(label, f"{interface_page(device, over)}#alarm-{item.name}")
+
+
+def to_procedure(device: Device, item: Procedure) -> str:
+    over = device.interface(item.interface)
+    return link(over.title, f"{interface_page(device, over)}#procedure-{item.name}")
+
+
+def to_erratum(device: Device, name: str) -> str:
+    return link(code(name), f"{device.name}/{ERRATA}#erratum-{name}")
+
+
+def style_beside(device: Device) -> Style:
+    """How a page in the folder of the family writes statements: registers are on the page of their interface."""
+
+    def written(ref: Ref) -> str:
+        found = next((item for item in device.registers if ref.anchor == f"register-{item.name}"), None)
+        return reference(ref) if found is None else link(code(ref.name), f"{found.interface}.md#{ref.anchor}")
+
+    return replace(STYLE, ref=written)

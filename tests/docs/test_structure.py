@@ -1,0 +1,95 @@
+"""How pages hang together: where one is, what stands where it bites, and what a person does by hand."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import pytest
+from codewheel.targets import Library
+from codewheel.targets.docs.by_hand import steps_of
+
+Files = Mapping[str, str]
+
+
+def test_every_page_says_where_one_is_and_leads_back(pages: Files) -> None:
+    for name, page in pages.items():
+        if name.endswith(".md") and name != "docs/README.md":
+            up = "../" * (name.count("/") - 1)
+            (way,) = [line for line in page.splitlines() if line.startswith("[Encoders](") and " › " in line]
+            assert way.startswith(f"[Encoders]({up}README.md) › "), name
+            assert page.index(way) < page.index("\n# "), name
+
+
+def test_a_page_of_a_family_leads_to_all_of_it(library: Library, pages: Files) -> None:
+    for device in library.devices:
+        index = pages[f"docs/{device.name}.md"]
+        links = set(re.findall(r"\]\(([^)#]+)", index))
+        own = {name.removeprefix("docs/") for name in pages if name.startswith(f"docs/{device.name}/")}
+        assert {name for name in own if name.endswith(".md")} <= links
+        assert all(f"#procedure-{item.name})" in index for item in device.procedures)
+        assert len(index) < 12_000, "an index is no page to read"
+
+
+def test_what_belongs_to_an_interface_is_on_its_page(library: Library, pages: Files) -> None:
+    for device in library.devices:
+        for part in device.interfaces:
+            page = pages[f"docs/{device.name}/{part.name}.md"]
+            names = [f"layout-{item.name}" for item in part.layouts]
+            names += [f"register-{item.name}" for item in device.registers if item.interface == part.name]
+            names += [f"procedure-{item.name}" for item in device.procedures if item.interface == part.name]
+            names += [f"connector-{item.name}" for item in device.connectors if part.name in item.interfaces]
+            assert [name for name in names if f'<a id="{name}"></a>' not in page] == []
+
+
+def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(pages: Files) -> None:
+    """AMM5 7.5 p.46: which bit is MEM BUSY is open; it bites in four frames."""
+    page = pages["docs/amm5/rs485.md"]
+    told = [line for line in page.splitlines() if "`mem_busy_position`" in line]
+    assert told[0].startswith(
+        '- <a id="erratum-mem_busy_position"></a>⚠ **open** `mem_busy_position`: Printed: MEM BUSY'
+    )
+    assert set(told[1:]) == {"- ⚠ **open** [`mem_busy_position`](#erratum-mem_busy_position), told above"}
+    frame = page.partition('<a id="layout-eeprom_write_request"></a>')[2].partition('<a id="layout-')[0]
+    assert told[0] in frame
+
+
+def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files) -> None:
+    for device in library.devices:
+        for item in device.errata:
+            heads = [name for name, page in pages.items() if f" (`{item.name}`)\n" in page and device.name in name]
+            assert heads == [f"docs/{device.name}/errata.md"]
+
+
+def test_open_errata_of_all_families_come_first(library: Library, pages: Files) -> None:
+    opened, settled = pages["docs/all-errata.md"].split('<a id="settled"></a>')
+    for device in library.devices:
+        for item in device.errata:
+            if not item.edition:
+                link = f"]({device.name}/errata.md#erratum-{item.name})"
+                assert (link in opened, link in settled) == (item.status == "open", item.status == "settled")
+
+
+def test_a_battery_is_changed_step_by_step(pages: Files) -> None:
+    """AMM5 4.3.1 p.23 has 8 steps, 4.3.2 p.24 has 21."""
+    page = pages["docs/amm5/hardware.md"]
+    for name, count in (("without", 8), ("with", 21)):
+        part = page.partition(f'<a id="by-hand-battery_replacement_{name}_error"></a>')[2].partition("<a id=")[0]
+        numbers = [int(item) for item in re.findall(r"(?m)^(\d+)\. ", part)]
+        assert numbers == list(range(1, count + 1))
+    assert "14. Short-circuit the battery terminals (white and blue wires)" in page
+    assert "(amm5/hardware.md#by-hand-battery_replacement_with_error)" in pages["docs/amm5.md"]
+
+
+@pytest.mark.parametrize(
+    ("value", "steps"),
+    [
+        ("First. 1. Stop. 2. Go on. 3. Start at 3.5 V.", ("First.", "Stop.", "Go on.", "Start at 3.5 V.")),
+        ("1. Stop. 2. Go on.", ("", "Stop.", "Go on.")),
+        ("As in Figure 1. Fixed with SSI.", ("As in Figure", "Fixed with SSI.")),
+        ("1. See Figure 4. 2. Go on.", ("1. See Figure 4. 2. Go on.",)),
+        ("Ø 24 mm; M3 × 3", ("Ø 24 mm; M3 × 3",)),
+    ],
+)
+def test_steps_are_counted_from_one(value: str, steps: tuple[str, ...]) -> None:
+    assert steps_of(value) == steps
