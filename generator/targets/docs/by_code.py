@@ -17,6 +17,7 @@ from ...say.markdown import cited, code, joined, link, text
 from ...say.parameter import value
 from ...say.place import bit_range, field_at
 from .over import OverValues, over_values
+from .patterns import patterns
 from .pictures import bit_strip, draw
 from .sections import Sections, sections
 
@@ -43,6 +44,10 @@ class Alike:
     variants: tuple[Variant, ...]
     here: Device
     name: str
+
+    @property
+    def codes(self) -> list[str]:
+        return [item.code for item in self.variants]
 
     @property
     def interface(self) -> Interface:
@@ -75,6 +80,14 @@ class Codes:
     def links_beside(self) -> dict[str, str]:
         """The same for a page in the folder."""
         return self._links("")
+
+    def page_links(self, kind: str) -> list[str]:
+        """A link to each page of an interface, by the patterns of its order codes, for a page beside the folder."""
+        return [
+            link(", ".join(map(code, patterns(self.device, item.codes))), f"{self.device.name}/{item.name}.md")
+            for item in self.alike
+            if item.interface.name == kind
+        ]
 
     def _links(self, folder: str) -> dict[str, str]:
         return {
@@ -114,7 +127,7 @@ def page_values(alike: Alike, has_masters: bool) -> CodePage:
     return {
         **sections(alike.here),
         **own,
-        "codes": [item.code for item in alike.variants],
+        "codes": alike.codes,
         "quantity_rows": list(_quantity_rows(alike)),
     }
 
