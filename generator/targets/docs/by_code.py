@@ -17,6 +17,7 @@ from ...say.markdown import cited, code, joined, link, text
 from ...say.parameter import value
 from ...say.place import field_at
 from .over import OverValues, over_values
+from .patterns import patterns
 from .sections import Sections, sections
 from .shown import Pictures, of_codes, of_family
 
@@ -44,13 +45,17 @@ class Alike:
     name: str
 
     @property
+    def codes(self) -> list[str]:
+        return [item.code for item in self.variants]
+
+    @property
     def interface(self) -> Interface:
         return self.here.interface(self.variants[0].interface)
 
     @cached_property
     def pictures(self) -> Pictures:
         """Those in which these order codes differ from the family."""
-        return of_codes(self.family, [item.code for item in self.variants], self.name)
+        return of_codes(self.family, self.codes, self.name)
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,14 @@ class Codes:
         """The same for a page in the folder."""
         return self._links("")
 
+    def page_links(self, kind: str) -> list[str]:
+        """A link to each page of an interface, by the patterns of its order codes, for a page beside the folder."""
+        return [
+            link(", ".join(map(code, patterns(self.device, item.codes))), f"{self.device.name}/{item.name}.md")
+            for item in self.alike
+            if item.interface.name == kind
+        ]
+
     def _links(self, folder: str) -> dict[str, str]:
         return {
             item.code: link(code(item.code), f"{folder}{alike.name}.md")
@@ -117,7 +130,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
     return {
         **sections(alike.here),
         **over_values(alike.family, alike.here, alike.variants, has_masters, {**pictures, **alike.pictures}),
-        "codes": [item.code for item in alike.variants],
+        "codes": alike.codes,
         "quantity_rows": list(_quantity_rows(alike)),
     }
 

@@ -9,21 +9,20 @@ from ...masters.sheet import Master, shipped_masters
 from ...reference.parts import for_interface
 from ...render import Templates, our_templates
 from ...say import markdown
-from ...say.markdown import code, link, text
+from ...say.markdown import link, text
 from ...say.name import heading, title
 from ...say.place import addresses
 from ...say.words import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from . import across, bites, by_code, changes, facts, family, glossary, over, places, usable, waves
 from . import masters as masters_page
-from .patterns import patterns
 from .sections import Rows, Section
 
 
 class Index(TypedDict):
     rows: Annotated[Rows, "a row for each family"]
     usable_page: Annotated[str, "the page that says whether a position is usable"]
-    order_codes: Annotated[list[Section], "for each interface of a family: label, interface, patterns, counted, links"]
+    order_codes: Annotated[list[Section], "for each interface of a family: interface, pages, counted, links"]
     trademarks: Annotated[list[str], "notices on trademarks"]
 
 
@@ -107,8 +106,7 @@ def _index(library: Library, families: list[by_code.Codes]) -> Index:
         rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
     found: list[Section] = [
         {
-            "label": f"{device.name.upper()}, {part.title}",
-            "patterns": ", ".join(map(code, patterns(device, of_part))),
+            "pages": item.page_links(part.name),
             "counted": counted(len(of_part), "order code"),
             "interface": link(f"{device.name.upper()}, {part.title}", f"{device.name}/{part.name}.md"),
             "links": [item.links[one] for one in of_part],
