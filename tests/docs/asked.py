@@ -307,7 +307,7 @@ def _about_procedure(procedure: Raw) -> Iterator[Asked]:
 
 
 def _about_alarm(reading: Reading, alarm: Raw) -> Iterator[Asked]:
-    where = (("Errors and warnings",), (alarm["printed_name"], alarm["name"]))
+    where = (("Errors and warnings",), _labels(alarm))
     interface = "rs485" if "group" in alarm else "biss"
     assert interface in reading.facts["interfaces"]
     for name in alarm.get("cleared_by", []):

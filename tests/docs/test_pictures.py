@@ -92,6 +92,15 @@ def test_the_bytes_of_a_reply_in_the_order_of_the_line(pages: Files) -> None:
     assert rows["byte 9"] == ["alarm field"]
 
 
+def test_bytes_that_an_encoder_has_no_use_for_are_zeros(pages: Files) -> None:
+    """AMM5 7.4 p.43: high bits that are not used are 0; a singleturn model uses none of ABM0 to ABM2."""
+    rows = rows_of(pages, "amm5/AMM5A21-1JP1-complete_reply")
+    assert [rows[f"byte {number}"][0] for number in (5, 6, 7, 8, 9)] == ["encoder id", "0", "0", "0", "alarm field"]
+    assert "byte 6: always 0 7:0" in desc(pages, "amm5/AMM5A21-1JP1-complete_reply")
+    page = pages["docs/amm5/AMM5A21-1JP1.md"]
+    assert "| bytes 6 to 8 | 24 | always zero." in page.partition('id="layout-complete_reply"')[2]
+
+
 def rows_of(pages: Files, name: str) -> dict[str, list[str]]:
     """What stands in the boxes of each row, by the label of the row."""
     root = ElementTree.fromstring(pages[f"docs/{name}.svg"])

@@ -85,6 +85,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
     """Field, place, width, meaning, source; a group of fields is one row that leads to its own table."""
     done: set[str] = set()
     groups = {group.name: group for group in device.field_groups}
+    there = {field.name for field in layout.fields}
     for field in layout.fields:
         if field.group:
             if field.group not in done:
@@ -96,7 +97,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
                 where = frame_bytes(layout, layout.widest, low + group.bits - 1, low)
                 yield name, where, f"{group.bits}", "several fields, see there", ""
             continue
-        if field.padding_of:
+        if field.padding_of in there:
             continue  # told with the field itself
         yield (
             named(field),

@@ -152,7 +152,8 @@ def _by_bits(runs: Sequence[_Run]) -> str:
 
 
 def _named(name: str, place: str, active_low: bool) -> str:
-    return " ".join(filter(None, (name, place, "(0 = active)" if active_low else "")))
+    said = f"always {name}" if name.isdecimal() else name
+    return " ".join(filter(None, (said, place, "(0 = active)" if active_low else "")))
 
 
 def _runs(placed: PlacedLayout) -> list[_Run]:
@@ -163,10 +164,12 @@ def _runs(placed: PlacedLayout) -> list[_Run]:
 
 
 def _whole(placed: PlacedLayout) -> list[_Run]:
-    """As ``_runs``, with the parts of a group as one, and a field with its padding."""
+    """As ``_runs``, with the parts of a group as one, and a field with its padding, if the encoder has it."""
+    there = {item.name for item in placed.fields}
     found: dict[str, list[_Run]] = {}
     for item in placed.fields:
-        whole = item.field.group or item.field.padding_of or item.field.name
+        padded = item.field.padding_of if item.field.padding_of in there else ""
+        whole = item.field.group or padded or item.field.name
         found.setdefault(whole, []).append(_run(item.field, item.high, item.low))
     runs = []
     for whole, parts in found.items():

@@ -46,15 +46,12 @@ def of_family(device: Device) -> Pictures:
 
 
 def of_codes(device: Device, codes: Sequence[str], page: str) -> Pictures:
-    """Those of the page of order codes that are the same to a program, where the family as a whole has others.
-
-    A frame of bytes is the same for the whole family.
-    """
+    """Those of the page of order codes that are the same to a program, where the family as a whole has others."""
     here = for_codes(device, codes)
     found: Pictures = {}
     for interface, layout in here.layouts():
-        if not layout.in_bytes:
-            stacks = _uncaptioned(layouts.layout_stacks(here, interface, layout))
+        stacks = _uncaptioned(layouts.layout_stacks(here, interface, layout))
+        if not layout.in_bytes or stacks != layouts.layout_stacks(device, interface, layout):
             found[_frame(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
     for item in here.registers:
         differs = len(layouts.register_stacks(device, item)) > 1
