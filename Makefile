@@ -5,7 +5,7 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate lint quick test verify bench bench-python house mutants check spec-page templates-page clean
+.PHONY: generate lint quick test verify bench bench-python house mutants check spec-page templates-page site clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -28,7 +28,7 @@ test: .venv/.installed tools
 	@$(PY) -m pytest -n auto --dist worksteal
 
 # The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
-verify: .venv/.installed tools bench-packages engines
+verify: .venv/.installed tools bench-packages engines axe
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
 
 verify-%: .venv/.installed tools
@@ -41,6 +41,8 @@ verify-python: .venv/.installed tools
 verify-footprint: bench-packages
 
 verify-stream: engines
+
+verify-site: axe
 
 # Size and speed of the C headers beside hand-written decoders and other generators; BENCH=--write writes docs/footprint.md too.
 bench: .venv/.installed tools bench-packages
@@ -62,6 +64,10 @@ mutants: .venv/.installed
 check: .venv/.installed
 	@$(PY) -m codewheel check specs
 
+# The pages as a static site in build/site, to be opened as files or put on any server.
+site: .venv/.installed
+	@$(PY) docs/site/build_site.py
+
 spec-page: .venv/.installed
 	@$(PY) -m codewheel.spec.language_page docs/spec-language.md
 
@@ -75,6 +81,11 @@ bench-packages: .venv/.installed
 .PHONY: engines
 engines: .venv/.installed
 	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[engines]' || echo "make: the packages of the extra 'engines' cannot be had; Dask and DuckDB are not shown"
+
+# The script alone: the package brings a browser of its own, which nothing here needs.
+.PHONY: axe
+axe: .venv/.installed
+	@[ -d build/axe ] || $(PY) -m pip install --quiet --disable-pip-version-check --no-deps --target build/axe 'axe-playwright-python==0.1.8' || echo "make: axe-core cannot be had; the site is not looked through by it"
 
 .PHONY: tools
 tools:

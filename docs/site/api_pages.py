@@ -1,2 +1,82 @@
-def api_pages(root):
-    return []
+"""The pages of the C and Python APIs: what the headers and modules declare, with the comment that stands there."""
+
+from __future__ import annotations
+
+import ast
+import re
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+from codewheel.say.markdown import code, text
+
+HEADERS = "generated/c/include/lika"
+MODULES = "generated/python/lika_encoders"
+#: A comment of documentation with the declaration below it, up to its body.
+_DECLARED = re.compile(
+    r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n(?P<what>(?:static inline|typedef) (?:(?!\n\n|\n})[^;{])*)", re.DOTALL
+)
+_NAME = re.compile(r"(\w+)\s*(?:\(|$)")
+
+
+def api_pages(root: Path) -> Iterator[tuple[str, str]]:
+    """Path and text of each page."""
+    headers, modules = sorted((root / HEADERS).glob("*.h")), sorted((root / MODULES).glob("[!_]*.py"))
+    yield "api/c.md", _index("C headers", "generated/c", headers)
+    yield "api/python.md", _index("Python package", "generated/python", modules)
+    for path in headers:
+        yield f"api/c/{path.stem}.md", _page(f"lika/{path.name}", "c", c_entries(path.read_text(encoding="utf-8")))
+    for path in modules:
+        found = python_entries(ast.parse(path.read_text(encoding="utf-8")))
+        yield f"api/python/{path.stem}.md", _page(f"lika_encoders.{path.stem}", "python", found)
+
+
+def _index(title: str, folder: str, files: list[Path]) -> str:
+    kind = "c" if files and files[0].suffix == ".h" else "python"
+    rows = "".join(f"- [{code(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
+    return (
+        f"# {title}: reference\n\nWhat each file declares, in its own words. How to begin: [README](../{folder}/README.md).\n"
+        f"A frame that decodes is not yet a usable position: look at its verdict before you use it.\n\n{rows}"
+    )
+
+
+def _page(title: str, language: str, entries: Iterator[tuple[str, str, str]]) -> str:
+    parts = [
+        f"## {text(name)}\n\n```{language}\n{declared}\n```\n\n{comment}\n" for name, declared, comment in entries
+    ]
+    return f"# {title.replace('_', chr(92) + '_')}\n\n" + "\n".join(parts)
+
+
+def c_entries(header: str) -> Iterator[tuple[str, str, str]]:
+    """Name, declaration and comment of each function and type that has a comment."""
+    for found in _DECLARED.finditer(header):
+        declared = " ".join(found["what"].split()).removeprefix("static inline ").removeprefix("typedef ")
+        names = _NAME.findall(declared)
+        if names:
+            lines = [line.strip().removeprefix("*").strip() for line in found["comment"].splitlines()]
+            yield names[0], "\n".join(textwrap.wrap(declared, 90)), _paragraph(" ".join(lines))
+
+
+def python_entries(module: ast.Module) -> Iterator[tuple[str, str, str]]:
+    """The same of the public classes and functions of a module, and of the methods of its classes."""
+    for item in module.body:
+        if isinstance(item, ast.ClassDef) and not item.name.startswith("_"):
+            yield item.name, f"class {item.name}", _documented(item)
+            for method in item.body:
+                if isinstance(method, ast.FunctionDef) and not method.name.startswith("_") and ast.get_docstring(method):
+                    yield f"{item.name}.{method.name}", _signature(method), _documented(method)
+        elif isinstance(item, ast.FunctionDef) and not item.name.startswith("_") and not item.decorator_list:
+            yield item.name, _signature(item), _documented(item)
+
+
+def _signature(item: ast.FunctionDef) -> str:
+    result = f" -> {ast.unparse(item.returns)}" if item.returns else ""
+    return "\n".join(textwrap.wrap(f"def {item.name}({ast.unparse(item.args)}){result}", 100))
+
+
+def _documented(item: ast.ClassDef | ast.FunctionDef) -> str:
+    return "\n\n".join(_paragraph(part) for part in (ast.get_docstring(item) or "").split("\n\n"))
+
+
+def _paragraph(words: str) -> str:
+    return text(" ".join(words.split()))

@@ -27,12 +27,14 @@ ROOT = HERE.parents[1]
 PAGES = (
     "*.md",
     "docs/*.md",
+    "docs/example/**/*.md",
     "generated/docs/**/*.md",
     "generated/*/*.md",
     "examples/*/README.md",
 )
 #: The script of the box that decodes a frame, where it has been generated.
-DECODER = "generated/browser/decode.js"
+DECODER = Path("generated/browser/decode.js")
+DECODER_PAGE = "decode"
 #: An entry of the contents: a page, or what to call it and the page.
 NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
 _LINK = re.compile(r"\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
@@ -66,7 +68,8 @@ def stage(root: Path, source: Path) -> None:
     for path in sorted(found):
         _write(source / path.relative_to(root), path.read_text(encoding="utf-8"))
     if (root / DECODER).exists():
-        _write(source / "decode.md", (HERE / "decode.md").read_text(encoding="utf-8"))
+        name = f"{DECODER_PAGE}.md"
+        _write(source / name, (HERE / name).read_text(encoding="utf-8"))
     for name, text in api_pages(root):
         _write(source / name, text)
     for folder in sorted(set(_linked_folders(root, source))):
@@ -101,8 +104,8 @@ def _listing(root: Path, folder: Path) -> str:
 
 
 def copy_linked(root: Path, source: Path, target: Path) -> None:
-    """Copies the files that links name and that are no pages."""
-    for path in linked(source):
+    """Copies the files that links name and that are no pages, and the script that decodes frames."""
+    for path in [DECODER, *linked(source)]:
         if path.suffix != ".md" and (root / path).is_file():
             (target / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(root / path, target / path)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from build_site import NAMED
+from build_site import DECODER_PAGE, NAMED
 from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
@@ -66,7 +66,7 @@ class Mirror(SphinxTransform):
         name = posixpath.normpath(posixpath.join(here, path)).removesuffix(".md")
         for page in (name, f"{name}/README", f"{name}/index"):
             if page in self.env.found_docs:
-                return posixpath.relpath(page, here or ".") + f".html{mark}{anchor}"
+                return posixpath.relpath(f"{page}.html", here or ".") + mark + anchor
         return target
 
 
@@ -98,15 +98,15 @@ def _parent(env: BuildEnvironment, page: str) -> str:
     return next((item for item in above if item in env.found_docs and item != page), "")
 
 
-def _order_code(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
-    """Tells the page of an order code which it is, where there is a box that decodes its frames."""
-    things = app.env.get_domain("encoder")
-    if "decode" in app.env.found_docs:
-        context["order_code"] = things.code_of(page)  # type: ignore[attr-defined]
+def _decoder(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:
+    """Tells a page whether it has the box that decodes frames, and for which order code."""
+    if DECODER_PAGE in app.env.found_docs:
+        context["order_code"] = app.env.get_domain("encoder").code_of(page)  # type: ignore[attr-defined]
+        context["decodes"] = context["order_code"] or page == DECODER_PAGE
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     app.add_transform(Mirror)
     app.connect("doctree-read", _add_children, priority=100)
-    app.connect("html-page-context", _order_code)
+    app.connect("html-page-context", _decoder)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from browser import CHROMIUM, Browser
-
-ROOT = Path(__file__).resolve().parents[2]
-BUILD = ROOT / "docs" / "site" / "build_site.py"
-
-
-def build(target: Path) -> None:
-    done = subprocess.run([sys.executable, str(BUILD), str(target)], capture_output=True, text=True, cwd=target.parent)
-    assert (done.returncode, done.stderr) == (0, "")
+from building import build
 
 
 @pytest.fixture(scope="session")

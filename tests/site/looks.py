@@ -1,0 +1,41 @@
+"""What is wrong with a page of the site as a browser shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from browser import Browser
+
+#: Width, and whether the reader prefers dark.
+LOOKS = [(375, False), (375, True), (1280, False), (1280, True)]
+#: What reaches over the right edge and does not scroll by itself, or is cut off where it stands.
+_CUT = """[...document.querySelectorAll("body *:not(.skip)")].filter(item => {
+  if (item.closest(".wide, pre, svg, .skip")) return false;
+  const style = getComputedStyle(item), box = item.getBoundingClientRect();
+  if (box.width === 0 || item.matches("input")) return false;
+  const hides = style.overflowX !== "visible" || style.overflowY !== "visible";
+  return box.right > %d + 1 || (hides && (item.scrollWidth > item.clientWidth + 1));
+}).map(item => item.tagName + " " + item.className + ": " + item.textContent.trim().slice(0, 60)).slice(0, 3)"""
+_AXE = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
+  .filter(item => item.impact === "serious" || item.impact === "critical")
+  .map(item => item.id + ": " + item.nodes[0].html.slice(0, 200)))"""
+
+
+def faults(browser: Browser, page: Path, width: int) -> Iterator[str]:
+    """What a reader sees or the browser says of a page."""
+    browser.open(page.as_uri())
+    wide = browser.run("document.documentElement.scrollWidth")
+    if wide > width:
+        yield f"the page is {wide} wide"
+    yield from browser.run(_CUT % width)
+    yield from browser.run('[...document.images].filter(item => !item.naturalWidth).map(item => "no picture: " + item.src)')
+    yield from browser.complaints
+
+
+def axe_finds(browser: Browser, page: Path, axe: str) -> list[str]:
+    """What axe-core calls serious or critical."""
+    browser.open(page.as_uri())
+    browser.run(f"{axe};0")
+    found: list[str] = browser.run(_AXE)
+    return found

@@ -1,0 +1,98 @@
+"""The site as a whole: every link and anchor, a sample of its pages in a browser, the box that decodes frames."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+from browser import Browser
+from looks import LOOKS, faults
+
+ROOT = Path(__file__).resolve().parents[2]
+#: One of each kind of page.
+SAMPLE = (
+    "index.html",
+    "README.html",
+    "CONTRIBUTING.html",
+    "docs/start-firmware.html",
+    "docs/spec-language.html",
+    "generated/docs/README.html",
+    "generated/docs/amm5.html",
+    "generated/docs/amm5-masters.html",
+    "generated/docs/registers-by-address.html",
+    "generated/docs/amm5/AMM5A21-65KSC1.html",
+    "generated/docs/sma21/SMA21-JP1-0050.html",
+    "search.html",
+)
+
+
+class Page(HTMLParser):
+    """The anchors of a page, what it links to, and what it loads."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.anchors: set[str] = set()
+        self.links: list[str] = []
+        self.loads: list[str] = []
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        named = dict(attributes)
+        self.anchors.add(named.get("id") or "")
+        if tag == "a" and named.get("href"):
+            self.links.append(named["href"] or "")
+        self.loads += [value for name in ("src", "href") if tag != "a" and (value := named.get(name))]
+
+
+def unresolved(site: Path) -> Iterator[str]:
+    pages = {path.relative_to(site).as_posix(): Page(path) for path in site.rglob("*.html")}
+    for name, page in pages.items():
+        for link in [*page.links, *page.loads]:
+            path, _, anchor = link.partition("?")[0].partition("#")
+            if re.match(r"[a-z]+:", link):
+                if link in page.loads:
+                    yield f"{name} loads {link}"
+                continue
+            target = posixpath.normpath(posixpath.join(posixpath.dirname(name), unquote(path))) if path else name
+            if target not in pages and not (site / target).is_file():
+                yield f"{name}: {link}"
+            elif anchor and target in pages and unquote(anchor) not in pages[target].anchors:
+                yield f"{name}: {link} (no such anchor)"
+
+
+@pytest.mark.slow
+def test_every_link_and_anchor(site: Path) -> None:
+    assert list(unresolved(site)) == []
+
+
+@pytest.mark.slow
+def test_every_page_leads_back_and_has_the_search(site: Path) -> None:
+    for path in site.rglob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        assert text.count('<input type="search" name="q"') == 1, path
+        assert path == site / "index.html" or '<nav class="crumbs"' in text, path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "dark"), [LOOKS[1], LOOKS[2]])
+def test_a_sample_in_the_browser(site: Path, browser: Browser, width: int, dark: bool) -> None:
+    browser.look(width, dark)
+    for name in SAMPLE:
+        assert list(faults(browser, site / name, width)) == [], name
+    assert browser.run("getComputedStyle(document.body).backgroundColor") == (
+        "rgb(20, 24, 29)" if dark else "rgb(255, 255, 255)"
+    )
+
+
+@pytest.mark.slow
+def test_the_box_that_decodes_is_there_where_its_script_is(site: Path) -> None:
+    page = (site / "generated/docs/amm5/AMM5A21-65KSC1.html").read_text(encoding="utf-8")
+    script = ROOT / "generated" / "browser" / "decode.js"
+    assert (site / "decode.html").exists() == script.exists()
+    assert ('class="codewheel-decode" data-code="AMM5A21/65KSC1"' in page) == script.exists()
+    assert ("generated/browser/decode.js" in page) == script.exists()

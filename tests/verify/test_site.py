@@ -1,0 +1,63 @@
+"""Every page of the site at both widths, light and dark; axe-core; and the same bytes when it is built again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from browser import CHROMIUM, Browser
+
+ROOT = Path(__file__).resolve().parents[2]
+from building import build
+from looks import LOOKS, axe_finds, faults
+
+AXE = ROOT / "build" / "axe" / "axe_playwright_python" / "axe.min.js"
+
+
+@pytest.fixture(scope="session")
+def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
+    pytest.importorskip("myst_parser", reason="the extra 'site' is not installed")
+    return made_once("site", lambda folder: build(folder / "site")) / "site"
+
+
+def pages(site: Path) -> list[Path]:
+    found = sorted(site.rglob("*.html"))
+    assert len(found) > 50
+    return found
+
+
+@pytest.fixture
+def browser(tmp_path: Path) -> Browser:
+    if CHROMIUM is None:
+        pytest.skip("chromium is not installed")
+    return Browser(tmp_path / "profile")
+
+
+@pytest.mark.parametrize(("width", "dark"), LOOKS)
+def test_every_page(site: Path, browser: Browser, width: int, dark: bool) -> None:
+    with browser:
+        browser.look(width, dark)
+        found = {str(page.relative_to(site)): list(faults(browser, page, width)) for page in pages(site)}
+    assert {page: said for page, said in found.items() if said} == {}
+
+
+@pytest.mark.parametrize(("width", "dark"), [LOOKS[1], LOOKS[2]])
+def test_axe_finds_nothing_serious(site: Path, browser: Browser, width: int, dark: bool) -> None:
+    if not AXE.exists():
+        pytest.skip("axe-core is not there; make axe fetches it")
+    with browser:
+        browser.look(width, dark)
+        script = AXE.read_text(encoding="utf-8")
+        found = {str(page.relative_to(site)): axe_finds(browser, page, script) for page in pages(site)}
+    assert {page: said for page, said in found.items() if said} == {}
+
+
+def test_built_again_it_is_the_same(site: Path, tmp_path: Path) -> None:
+    build(tmp_path / "again")
+    first, second = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        for folder in (site, tmp_path / "again")
+    )
+    assert first.keys() == second.keys()
+    assert [path for path, data in first.items() if second[path] != data] == []
