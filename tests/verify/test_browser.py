@@ -92,6 +92,6 @@ def test_frames_and_registers(family: str, package: Any, tmp_path: Path) -> None
             in_python = is_listed and case.layout.sender == "encoder"
             encoder = package.lookup(case.variant.code) if in_python else None
             items.append(item_of(case, count // len(found), random_, encoder, kinds))
-    answers = ask("compared", items)
+    answers = ask("compared", items, timeout=1800)
     assert [wrong for one in answers for wrong in one][:5] == []
     assert kinds.keys() >= {"sound", "length"}
