@@ -114,7 +114,7 @@ def listing() -> str:
     """All targets with their options, for ``--help``."""
     targets = {name: _or_fault(name) for name in target_names()}
     indent = " " * (max(map(len, targets)) + 4)
-    lines = [f"targets, of which {listed(BUILT_IN)} run where --target names none:"]
+    lines = [f"targets, of which {listed(BUILT_IN)} run by default:"]
     for name, found in targets.items():
         lead = f"  {name}".ljust(len(indent))
         lines += _filled(found.summary if isinstance(found, Target) else found, lead, indent)

@@ -114,12 +114,17 @@ def cases(device: Device) -> Iterator[list[Case]]:
         yield [Case(device, item, layout.place(item.parameters), register) for item in variants.values()]
 
 
-def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
-    """So many frames, sound and disturbed, and of each a CRC-32 of what the reference says."""
+def drawn(case: Case, count: int, random_: random.Random) -> Iterator[tuple[int, int]]:
+    """So many numbers, sound and disturbed; a part of the frames gets some bits more or fewer."""
     size = 8 if case.layout.in_bytes else 1
     others = [0] * 8 + ([-size, size] if case.placed.bits > size else [size])
-    wanted = [(number, random_.choice(others)) for number in numbers(case, max(count, _LEAST), random_)]
-    wanted = [(number, 0 if case.register is not None else other) for number, other in wanted]
+    for number in numbers(case, max(count, _LEAST), random_):
+        yield number, random_.choice(others) if case.register is None else 0
+
+
+def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
+    """So many frames, and of each a CRC-32 of what the reference says."""
+    wanted = [*drawn(case, count, random_)]
     said = (case.said(case.decoded(*item)) for item in wanted)
     expected = [f"{zlib.crc32(text.encode()):08x}" for text in said]
     return {**case.data, "frames": [case.text(*item) for item in wanted], "expected": expected}

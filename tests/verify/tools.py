@@ -27,6 +27,7 @@ PACKAGES = {
     "cmake": "apt-get install cmake",
     "doxygen": "apt-get install doxygen",
     "pkg-config": "apt-get install pkg-config",
+    "chromium": "apt-get install chromium",
 }
 
 

@@ -74,11 +74,11 @@ def table(library: Library) -> Data:
 TEMPLATES = Templates(
     our_templates("browser"),
     values=dict.fromkeys(("README.md.jinja", "decode.html.jinja", "decode.js.jinja"), Page),
-    filters={"script_json": script_json, "markdown": text},
+    filters={"script_json": script_json, "md": text},
 )
 TARGET = Target(
     name="browser",
-    summary="a page that decodes frames and registers without a server, for all families",
+    summary="a page that decodes frames without a server",
     files=generate,
     templates=TEMPLATES,
 )

@@ -1,0 +1,97 @@
+"""The page in a real browser on a hundred thousand frames of each layout, sound and disturbed: fields, fault, verdict
+and reports are those of the reference codec, and of the generated Python package for each order code as delivered.
+
+Registers are read from a tenth as many contents. ``CODEWHEEL_FRAMES`` lowers the number.
+"""
+
+from __future__ import annotations
+
+import importlib
+import random
+import sys
+import zlib
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser_harness import Asker, Case, cases, drawn
+from codewheel.reference import codec
+from codewheel.reference.findings import findings
+from codewheel.targets import Library
+from codewheel.targets.browser.files import generate
+from tools import tool
+from tree import generated_tree, library, number_from_environment
+
+FRAMES = min(number_from_environment("CODEWHEEL_FRAMES", 100_000), 100_000)
+KINDS = {"LengthError": "length", "CrcError": "crc", "ConstantError": "constant", "RangeError": "range"}
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    folder = generated_tree(tmp_path_factory.mktemp("tree"))
+    sys.path.insert(0, str(folder / "python"))
+    return importlib.import_module("lika_encoders")
+
+
+def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds: Counter[str]) -> dict[str, Any]:
+    """Frames of a case with a CRC-32 of what the reference says of each; Python is held against it on the way."""
+    texts, expected = [], []
+    for number, other in drawn(case, count, random_):
+        decoded = case.decoded(number, other)
+        texts.append(case.text(number, other))
+        expected.append(f"{zlib.crc32(case.said(decoded).encode()):08x}")
+        kinds[decoded.problems[0].fault.value if decoded.problems else "sound"] += 1
+        if encoder is not None:
+            same_in_python(case, encoder, texts[-1], decoded)
+    return {**case.data, "frames": texts, "expected": expected}
+
+
+def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) -> None:
+    if decoded.layout is not None and case.device.alternatives_of(decoded.layout.layout):
+        return  # Python wants an answer; those with one are held against the reference elsewhere.
+    try:
+        found = encoder.decode(given(case, text))
+    except ValueError as error:
+        assert decoded.problems, text
+        assert KINDS[type(error).__name__] == decoded.problems[0].fault.value, text
+        return
+    said = findings(case.device, case.variant, decoded)
+    assert not decoded.problems, text
+    verdict = getattr(found, "verdict", None)
+    assert (verdict and verdict.value) == (said.verdict and said.verdict.value), text
+    assert sorted(item.meaning for item in found.reports) == sorted(item.meaning for item in said.reports), text
+    layout = decoded.layout.layout if decoded.layout is not None else case.layout
+    names = {item.name for item in layout.fields if item.carries_data} | {item.name for item in layout.joins}
+    for item in decoded.fields:
+        if item.name in names and hasattr(found, item.name):
+            value = getattr(found, item.name)
+            assert item.value == (
+                value.name.lower() if isinstance(item.value, str) and hasattr(value, "name") else value
+            )
+
+
+def given(case: Case, text: str) -> bytes | int | str:
+    """What Python takes for the text of a frame."""
+    if case.layout.in_bytes:
+        return bytes.fromhex(text)
+    return text[2:] if text.startswith("0b") else int(text, 16)
+
+
+@pytest.mark.parametrize("family", sorted(library()))
+def test_frames_and_registers(family: str, package: Any, tmp_path: Path) -> None:
+    device = library()[family]
+    program = tool("chromium")
+    ask = Asker(tmp_path, generate(Library((device,)))["browser/decode.js"], program)
+    random_, items, kinds = random.Random(family), [], Counter[str]()
+    delivered = {item.code: item.parameters for item in device.variants}
+    for found in cases(device):
+        count = FRAMES if found[0].register is None else FRAMES // 10
+        for case in found:
+            is_listed = delivered.get(case.variant.code) == case.variant.parameters
+            in_python = is_listed and case.layout.sender == "encoder"
+            encoder = package.lookup(case.variant.code) if in_python else None
+            items.append(item_of(case, count // len(found), random_, encoder, kinds))
+    answers = ask("compared", items, timeout=1800)
+    assert [wrong for one in answers for wrong in one][:5] == []
+    assert kinds.keys() >= {"sound", "length"}
