@@ -56,6 +56,9 @@ class ModelSlave:
     _now: int = 0
     _ready: int = 0
 
+    def held(self, address: int) -> int:
+        return self.registers[address]
+
     def run(self) -> Bits:
         cdm = yield 0
         while True:

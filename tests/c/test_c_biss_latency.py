@@ -9,146 +9,21 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from biss_models import ModelMaster, ModelSlave
-from c_harness import GCC, MadeOnce, compile_c
+from biss_driver import OUTCOMES, Master, ModelLine, SlaveInC, accesses, built
+from biss_models import ModelSlave
+from c_harness import MadeOnce
 
-OUTCOMES = ("IDLE", "RUNNING", "DONE", "REFUSED", "NO_ANSWER", "BUSY", "BAD_CRC", "BAD_ECHO", "ABORTED")
 ACCESSES = 20_000
-
-LIBRARY = r"""
-#include "lika/biss.h"
-
-static lika_biss_master master;
-static lika_biss_slave slave;
-static uint8_t into[64];
-static uint8_t from[64];
-static uint8_t registers[128];
-
-void master_init(void);
-void master_init(void) { lika_biss_master_init(&master); }
-int master_read(int address, int count, int limit);
-int master_read(int address, int count, int limit)
-{
-    return (int)lika_biss_master_read(&master, 0U, (uint8_t)address, into, (size_t)count, (uint16_t)limit);
-}
-int master_write(int address, const uint8_t *data, int count, int limit);
-int master_write(int address, const uint8_t *data, int count, int limit)
-{
-    int at;
-    for (at = 0; at < count; at++) {
-        from[at] = data[at];
-    }
-    return (int)lika_biss_master_write(&master, 0U, (uint8_t)address, from, (size_t)count, (uint16_t)limit);
-}
-int master_next(int cds, int late);
-int master_next(int cds, int late)
-{
-    const bool bit = cds != 0;
-    return (int)((late != 0) ? lika_biss_master_next_late(&master, bit) : lika_biss_master_next(&master, bit));
-}
-int master_outcome(void);
-int master_outcome(void) { return (int)master.outcome; }
-int master_done(void);
-int master_done(void) { return (int)master.done; }
-int master_byte(int at);
-int master_byte(int at) { return into[at]; }
-
-void slave_init(int readable, int writable);
-void slave_init(int readable, int writable)
-{
-    size_t at;
-    lika_biss_slave_init(&slave);
-    (void)(lika_biss_slave_allow(&slave, 0U, (size_t)readable, true, false) == LIKA_OK);
-    (void)(lika_biss_slave_allow(&slave, 0U, (size_t)writable, readable >= writable, true) == LIKA_OK);
-    for (at = 0U; at < 128U; at++) {
-        registers[at] = (uint8_t)(7U * at);
-    }
-}
-int slave_next(int cdm);
-int slave_next(int cdm)
-{
-    const bool cds = lika_biss_slave_next(&slave, cdm != 0, false);
-    if (slave.wants == LIKA_BISS_WANTS_BYTE) {
-        lika_biss_slave_give(&slave, registers[slave.address]);
-    } else if (slave.wants == LIKA_BISS_WANTS_STORE) {
-        registers[slave.address] = slave.value;
-        lika_biss_slave_stored(&slave);
-    }
-    return (int)cds;
-}
-int slave_register(int address);
-int slave_register(int address) { return registers[address]; }
-"""
 
 
 @pytest.fixture(scope="session")
 def library(include: Path, made_once: MadeOnce) -> ctypes.CDLL:
-    command = [*GCC, "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
-    folder = made_once("biss_latency", lambda place: compile_c(command, LIBRARY, place, include))
-    return ctypes.CDLL(str(folder / "program"))
-
-
-class Master:
-    """The master in C on a line with the slave of the model."""
-
-    def __init__(self, library: ctypes.CDLL, slave: ModelSlave, late: bool) -> None:
-        self.library, self.late = library, int(late)
-        self.slave = slave.run()
-        self.cds = next(self.slave)
-        self.waiting = 0
-        self.frames = 0
-        library.master_init()
-
-    def run(self, frames: int = 6000) -> str:
-        """Frames until the access is over. A CDM bit that comes late goes out in the next frame."""
-        outcome, next_bit = self.library.master_outcome, self.library.master_next
-        for _ in range(frames):
-            self.frames += 1
-            if self.late:
-                sent = self.waiting
-                self.waiting = next_bit(self.cds, 1)
-            else:
-                sent = next_bit(self.cds, 0)
-            self.cds = self.slave.send(sent)
-            if outcome() != 1:
-                break
-        return OUTCOMES[outcome()]
-
-    def read(self, address: int, count: int, limit: int) -> tuple[str, bytes]:
-        assert self.library.master_read(address, count, limit) == 0
-        outcome = self.run()
-        return outcome, bytes(self.library.master_byte(at) for at in range(self.library.master_done()))
-
-    def write(self, address: int, data: bytes, limit: int) -> str:
-        assert self.library.master_write(address, data, len(data), limit) == 0
-        return self.run()
+    return ctypes.CDLL(str(made_once("biss_latency", lambda place: built(place, include)) / "program"))
 
 
 def model(chance: random.Random, **times: tuple[int, int]) -> ModelSlave:
     registers = {address: chance.randrange(256) for address in range(128)}
     return ModelSlave(registers, frozenset(range(0x70)), frozenset(range(0x10, 0x60)), chance=chance, **times)
-
-
-def accesses(line: Master, slave: ModelSlave, chance: random.Random, count: int) -> None:
-    """Reads and writes of up to three registers anywhere; each has to come out as the registers of the slave say."""
-    for index in range(count):
-        address = chance.randrange(128)
-        size = min(chance.choice((1, 1, 1, 2, 3)), 64 - address % 64)
-        places = range(address, address + size)
-        if chance.random() < 0.5:
-            allowed = [place in slave.readable for place in places]
-            sound = allowed.index(False) if not all(allowed) else size
-            expected = bytes(slave.registers[place] for place in places[:sound])
-            found = line.read(address, size, 2000)
-            assert found == ("DONE" if all(allowed) else "REFUSED", expected), (index, address, size)
-        else:
-            allowed = [place in slave.writable for place in places]
-            sound = allowed.index(False) if not all(allowed) else size
-            data = bytes(chance.randrange(256) for _ in places)
-            slave.stored.clear()
-            assert line.write(address, data, 2000) == ("DONE" if all(allowed) else "REFUSED"), (index, address, size)
-            # A byte is stored once, and no other one is.
-            assert slave.stored == list(zip(places[:sound], data, strict=False)), (index, address, size)
 
 
 #: What a slave that was busy sees of the late master, as its comment says: S once more in place of DATA7 of a read; of
@@ -244,32 +119,5 @@ def test_a_slave_that_is_never_ready(library: ctypes.CDLL) -> None:
 @pytest.mark.parametrize("latency", [0, 1], ids=["in the same frame", "a frame later"])
 def test_the_slave_in_c_under_a_master_of_the_model(library: ctypes.CDLL, latency: int) -> None:
     """One that sends a whole control frame before it looks at what came: it loses nothing either."""
-    chance = random.Random(latency)
-    library.slave_init(0x70, 0x60)
-    held = [7 * address % 256 for address in range(128)]
-    master = ModelMaster(latency)
-    # With latency, what the master says now goes out in the next frame.
-    waiting, cds = [0] * latency, 0
-    for index in range(ACCESSES):
-        address, count = chance.randrange(128), 1 if chance.random() < 0.8 else 2
-        count = min(count, 64 - address % 64)
-        values = [chance.randrange(256) for _ in range(count)]
-        reads = chance.random() < 0.5
-        bits = master.access(address, count if reads else values)
-        bit = next(bits)
-        while True:
-            waiting.append(bit)
-            cds = library.slave_next(waiting.pop(0))
-            try:
-                bit = bits.send(cds)
-            except StopIteration:
-                break
-        allowed = all(place < (0x70 if reads else 0x60) for place in range(address, address + count))
-        assert master.outcome == ("done" if allowed else "refused"), (index, address, count, reads)
-        sound = [place for place in range(address, address + count) if place < (0x70 if reads else 0x60)]
-        if reads:
-            assert master.data == [held[place] for place in sound]
-        else:
-            for place, value in zip(sound, values, strict=False):
-                held[place] = value
-            assert [library.slave_register(place) for place in sound] == [held[place] for place in sound]
+    slave = SlaveInC(library)
+    accesses(ModelLine(slave, latency), slave, random.Random(latency), ACCESSES)

@@ -2,26 +2,11 @@
  * What libFuzzer calls. It comes after the text of the batch program (batch.py), with the calls of
  * the header's functions put in (fuzz.py).
  */
-#include <stdio.h>
-#include <stdlib.h>
+#include "fuzz.h"
 #include <string.h>
 
 static size_t feed(uint8_t *to, size_t count) { (void)to; (void)count; return 0U; }
 static void emit(const uint8_t *from, size_t count) { (void)from; (void)count; }
-
-static const uint8_t *input;
-static size_t left;
-
-static uint64_t take(size_t count)
-{
-    uint64_t value = 0U;
-    while (count > 0U && left > 0U) {
-        value = (value << 8U) | *input++;
-        left--;
-        count--;
-    }
-    return value;
-}
 
 static char *text(void)
 {
@@ -112,7 +97,7 @@ static const char *const bools[] = { @bools@ };
 
 #define CODECS (sizeof codecs / sizeof codecs[0])
 
-static void require(int holds, const char *what, size_t number)
+static void require_of(int holds, const char *what, size_t number)
 {
     if (!holds) {
         fprintf(stderr, "codec %lu: %s\n", (unsigned long)number, what);
@@ -147,15 +132,15 @@ static void check_codec(size_t number, const @prefix@_variant *variant)
         given[index] = (uint8_t)take(1U);
     }
     answer = answer_of(chosen, variant, given, length, as_bits[number]);
-    require((answer[0] & 0x80U) == 0U, "a fault changed the struct", number);
+    require_of((answer[0] & 0x80U) == 0U, "a fault changed the struct", number);
     if (answer[0] == 0U) {
         const uint8_t again = answer[1U + chosen->members];
         uint8_t *const encoded = &answer[2U + chosen->members];
-        require(again == 0U || (may_be_refused[number] && again == (uint8_t)@MAKER@_FAULT_RANGE), "what was decoded is not encoded", number);
+        require_of(again == 0U || (may_be_refused[number] && again == (uint8_t)@MAKER@_FAULT_RANGE), "what was decoded is not encoded", number);
         if (again == 0U) {
             uint8_t *const second = answer_of(chosen, variant, encoded, sent, as_bits[number]);
-            require(memcmp(answer, second, chosen->answer) == 0, "encoding and decoding again gives something else", number);
-            require(!exact[number] || (length == sent && memcmp(given, encoded, sent) == 0), "encoding again gives other bits", number);
+            require_of(memcmp(answer, second, chosen->answer) == 0, "encoding and decoding again gives something else", number);
+            require_of(!exact[number] || (length == sent && memcmp(given, encoded, sent) == 0), "encoding again gives other bits", number);
             free(second);
         }
     }
@@ -175,11 +160,11 @@ static void check_members(size_t number, const @prefix@_variant *variant)
     chosen->encode(variant, given, &encoded[1]);
     if (encoded[0] == 0U) {
         uint8_t *const answer = answer_of(chosen, variant, &encoded[1], chosen->encoded - 1U, as_bits[number]);
-        require(answer[0] == 0U && memcmp(&answer[1], given, chosen->members) == 0, "what was encoded is decoded as something else", number);
+        require_of(answer[0] == 0U && memcmp(&answer[1], given, chosen->members) == 0, "what was encoded is decoded as something else", number);
         free(answer);
     } else {
         for (index = 1U; index < chosen->encoded; index++) {
-            require(encoded[index] == 0U, "a fault changed the bytes", number);
+            require_of(encoded[index] == 0U, "a fault changed the bytes", number);
         }
     }
     free(encoded);
@@ -194,7 +179,7 @@ static void check_label(void)
     size_t count;
     const @prefix@_order_code *const codes = @prefix@_order_codes(&count);
     if (found != NULL) {
-        require(found >= codes && found < codes + count, "an order code that is not in the table", 0U);
+        require_of(found >= codes && found < codes + count, "an order code that is not in the table", 0U);
         /* A label may have blanks anywhere, and in a family with other spellings it need not look like the code. */
         if (unlisted == 0U && !@spelled@) {
             size_t at = 0U;
@@ -203,7 +188,7 @@ static void check_label(void)
                 while (label[at] == ' ') {
                     at++;
                 }
-                require(@maker@_capital(label[at]) == @maker@_capital(found->text[index]), "the label does not begin with the order code", at);
+                require_of(@maker@_capital(label[at]) == @maker@_capital(found->text[index]), "the label does not begin with the order code", at);
                 at++;
             }
         }

@@ -3,31 +3,7 @@
  * to each other over a line that the input disturbs, and words at random.
  */
 #include "@maker@/biss.h"
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-static const uint8_t *input;
-static size_t left;
-
-static uint32_t take(size_t count)
-{
-    uint32_t value = 0U;
-    while (count > 0U && left > 0U) {
-        value = (value << 8U) | *input++;
-        left--;
-        count--;
-    }
-    return value;
-}
-
-static void require(bool holds, const char *what)
-{
-    if (!holds) {
-        fprintf(stderr, "%s\n", what);
-        abort();
-    }
-}
+#include "fuzz.h"
 
 static void words(void)
 {

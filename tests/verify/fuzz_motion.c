@@ -4,31 +4,8 @@
  */
 #include "@maker@/angle.h"
 #include "@maker@/tracker.h"
-#include <stdio.h>
-#include <stdlib.h>
+#include "fuzz.h"
 #include <string.h>
-
-static const uint8_t *input;
-static size_t left;
-
-static uint64_t take(size_t count)
-{
-    uint64_t value = 0U;
-    while (count > 0U && left > 0U) {
-        value = (value << 8U) | *input++;
-        left--;
-        count--;
-    }
-    return value;
-}
-
-static void require(bool holds, const char *what)
-{
-    if (!holds) {
-        fprintf(stderr, "%s\n", what);
-        abort();
-    }
-}
 
 /* Whatever is sent: a frame that is refused changes nothing but its count. */
 static void anything(void)

@@ -3,31 +3,8 @@
  * size, lines that are drawn here and have to be read again, and a serial line with noise.
  */
 #include "@maker@/receive.h"
-#include <stdio.h>
-#include <stdlib.h>
+#include "fuzz.h"
 #include <string.h>
-
-static const uint8_t *input;
-static size_t left;
-
-static uint64_t take(size_t count)
-{
-    uint64_t value = 0U;
-    while (count > 0U && left > 0U) {
-        value = (value << 8U) | *input++;
-        left--;
-        count--;
-    }
-    return value;
-}
-
-static void require(bool holds, const char *what)
-{
-    if (!holds) {
-        fprintf(stderr, "%s\n", what);
-        abort();
-    }
-}
 
 static void anything(void)
 {

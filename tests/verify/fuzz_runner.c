@@ -4,31 +4,8 @@
  * and errors. Both have to do the same, in the same order, and to say the same.
  */
 #include "@maker@/runner.h"
-#include <stdio.h>
-#include <stdlib.h>
+#include "fuzz.h"
 #include <string.h>
-
-static const uint8_t *input;
-static size_t left;
-
-static uint64_t take(size_t count)
-{
-    uint64_t value = 0U;
-    while (count > 0U && left > 0U) {
-        value = (value << 8U) | *input++;
-        left--;
-        count--;
-    }
-    return value;
-}
-
-static void require(bool holds, const char *what)
-{
-    if (!holds) {
-        fprintf(stderr, "%s\n", what);
-        abort();
-    }
-}
 
 #define STEPS 6U
 #define LOG 4096U

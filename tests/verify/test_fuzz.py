@@ -83,6 +83,7 @@ def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> N
         "-g",
         *SANITIZERS,
         f"-I{include}",
+        f"-I{HERE}",
         *(crc_tables(include) if table else ()),
     ]
     if name in FAMILIES:

@@ -74,19 +74,71 @@ int main(void)
 """
 
 
-def wrong_millidegrees(include: Path, folder: Path) -> int:
-    program = compile_c([*GCC, "-O2"], EVERY, folder, include)
+#: Counts the angles that are not those of a division: of each position of three turns with few steps, and of positions
+#: and steps of any width, those beside a multiple of the steps among them.
+ANY_STEPS = """
+#include <stdio.h>
+#include "lika/angle.h"
+__extension__ typedef unsigned __int128 wide;
+static uint64_t state = 1U;
+static uint64_t any(void)
+{
+    state ^= state << 13U;
+    state ^= state >> 7U;
+    state ^= state << 17U;
+    return state;
+}
+static uint32_t differs(uint64_t position, uint64_t steps)
+{
+    const wide rest = position % steps;
+    return (lika_angle(position, steps) != (uint32_t)((rest << 32U) / steps)) ? 1U : 0U;
+}
+int main(void)
+{
+    uint64_t steps, position;
+    uint32_t wrong = 0U;
+    uint32_t at;
+    for (steps = 1U; steps <= 1000U; steps++) {
+        for (position = 0U; position < 3U * steps; position++) {
+            wrong += differs(position, steps);
+        }
+    }
+    for (at = 0U; at < 5000000U; at++) {
+        steps = (any() >> (1U + (any() % 63U))) | 1U;
+        position = any() >> (any() % 64U);
+        wrong += differs(position, steps);
+        position -= position % steps;
+        wrong += differs(position, steps) + differs(position - 1U, steps);
+    }
+    printf("%lu\\n", (unsigned long)wrong);
+    return 0;
+}
+"""
+
+
+def wrong_angles(text: str, include: Path, folder: Path) -> int:
+    program = compile_c([*GCC, "-O2"], text, folder, include)
     return int(subprocess.run(limited([str(program)]), capture_output=True, text=True, check=True).stdout)
 
 
 def test_thousandths_of_a_degree_of_all_angles(include: Path, tmp_path: Path) -> None:
     """A product of 52 bits is too hard for the checker, but 2^32 angles are soon gone through."""
-    assert wrong_millidegrees(include, tmp_path) == 0
+    assert wrong_angles(EVERY, include, tmp_path) == 0
 
 
 def test_a_wrong_thousandth_would_be_seen(include: Path, tmp_path: Path) -> None:
     broken = planted(include, "angle.h", "360000U) + 0x80000000U)", "360000U) + 0x7FFFFFFFU)", tmp_path)
-    assert wrong_millidegrees(broken, tmp_path) > 0
+    assert wrong_angles(EVERY, broken, tmp_path) > 0
+
+
+def test_angles_of_any_number_of_steps(include: Path, tmp_path: Path) -> None:
+    """A division by a number that is not known is too hard for the checker as well. Steps are below 2^63."""
+    assert wrong_angles(ANY_STEPS, include, tmp_path) == 0
+
+
+def test_a_wrong_angle_would_be_seen(include: Path, tmp_path: Path) -> None:
+    broken = planted(include, "angle.h", "if (rest >= steps) {", "if (rest > steps) {", tmp_path)
+    assert wrong_angles(ANY_STEPS, broken, tmp_path) > 0
 
 
 def symbols(core: str, include: Path, folder: Path, *options: str) -> Mapping[str, tuple[str, int]]:

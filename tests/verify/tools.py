@@ -24,6 +24,7 @@ PACKAGES = {
     "simavr": "apt-get install simavr",
     "cbmc": "tests/verify/get-cbmc .cbmc (and apt-get install cryptominisat)",
     "cryptominisat5": "apt-get install cryptominisat",
+    "verilator": "apt-get install verilator",
     "cmake": "apt-get install cmake",
     "doxygen": "apt-get install doxygen",
     "pkg-config": "apt-get install pkg-config",

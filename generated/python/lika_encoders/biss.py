@@ -28,6 +28,9 @@ start value 0, inverted, over CTS, ID and ADR, or over a byte of data. S, R, W, 
 * Where the S of a slave is lost on its way to the master, both go on one bit apart. What is read then fails its CRC.
   What is written is not stored, but the values whose CRC ends in 0, half of all, come back as if they were. Read back
   what you have written.
+* Zeros may complete a byte: where a write is given up within one, the slave can store what it was sent of it, followed
+  by zeros, if the CRC of that is 0 (one of 68 places and values). Write such a register again, and think twice where
+  any value starts something.
 
 Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. That CTS is in the CRC,
 the frame in which each answer comes, and P before a further S are as in masters that are published: lenzencoders/BISS-C
@@ -309,7 +312,7 @@ class Master:
         self._sending = head >> 15
 
     def abort(self) -> None:
-        """Gives an access up: zeros follow."""
+        """Gives an access up: zeros follow. A write may then have stored another value, see above."""
         if self.outcome is Outcome.RUNNING:
             self.outcome = Outcome.ABORTED
         self._phase = _Phase.WAIT

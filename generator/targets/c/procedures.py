@@ -248,6 +248,10 @@ class ProcedureCode:
                 yield FilledRows(at, filled, note)
             elif not item.pieces:
                 raise TargetError(f"'{_place(item)}' moves with the order code; the C target cannot reach it alone")
+            elif isinstance(item, Polls) and len(item.pieces) > 1:
+                # Each byte would be right at a time of its own, and never the whole.
+                lies = f"'{_place(item)}' lies in {len(item.pieces)} bytes"
+                raise TargetError(f"{lies}, which the C target would wait for one after the other")
             else:
                 for index, piece in enumerate(item.pieces):
                     address, mask = item.register.address + piece.byte, piece.mask << piece.right

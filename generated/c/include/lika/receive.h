@@ -27,7 +27,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x6C7B9FA3U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
 #error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -106,12 +106,10 @@ static inline size_t lika_received_samples(
  *   1 1 ...      0 0 0 ...     1       CDS   D ... D nE nW CRC   0      0 or 1 ...
  *   rest, delay  acknowledge   start         the word            stop   not looked at
  *
- * Sample SLO at the rising edge of MA, which rests high: SPI mode 3. (Register access takes
- * another mode now and then, see lika/biss.h.) At least one bit of rest comes before the
- * acknowledge, and the whole word and its stop bit lie in the buffer; so the acknowledge is
- * bounded by its length. Leave the time-out before the next frame, since a master that clocks on
- * sees SLO rise without a frame, and no pause so long between two bytes, since that ends the
- * frame.
+ * Sample SLO at the rising edge of MA, which rests high: SPI mode 3, or 2. At least one bit of rest
+ * comes before the acknowledge, and the whole word and its stop bit lie in the buffer; so the
+ * acknowledge is bounded by its length. Leave the time-out before the next frame: a master that
+ * clocks on sees SLO rise without a frame.
  *   LINE_LOW   the first bit is 0: a short, or the time-out of the frame before is not over
  *   LINE_HIGH  no 0 at all: no encoder, no supply, or no clock
  *   NO_START   no 1 after the acknowledge: it lasts longer than the buffer
@@ -154,9 +152,8 @@ static inline lika_result lika_biss_receive(
 }
 
 /**
- * The CDS bit, for register access by lika/biss.h. Take it from each frame, also from one whose
- * CRC is bad: the slave goes on by a bit with every frame. LENGTH: there is no frame; give up what
- * is under way.
+ * The CDS bit of a frame in which lika_biss_receive found its word, for register access by
+ * lika/biss.h. LENGTH: there is no frame.
  */
 LIKA_NODISCARD
 static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
@@ -184,10 +181,9 @@ static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, 
  *   stored   the word   after  not looked at
  *
  * The first edge of the clock stores the position, the next one brings the most significant bit: a
- * word of n bits takes n + 1 clocks, and one more here for the 0 after it. Sample at the rising
- * edge of a clock that rests high, SPI mode 3, or at the falling one, mode 2. There is no CRC, and
- * no start bit that would show a delay: keep the cable's delay below a clock, in mode 2 below
- * half.
+ * word of n bits takes n + 1 clocks, and one more here for the 0 after it. Sample at the rising or
+ * the falling edge of a clock that rests high: SPI mode 3 or 2. There is no CRC, and no start bit
+ * that would show a delay: keep the cable's delay below half a clock.
  *   LENGTH     the bits do not fit into the buffer
  *   LINE_LOW   the first bit is 0: a short, or the pause before the clock was too short
  *   LINE_HIGH  all bits are 1: no encoder, no supply, or no clock

@@ -1,0 +1,82 @@
+"""No function is defined that nothing calls: what neither headers nor the self-test call is for users, by its name."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+
+import pytest
+from c_harness import devices_of
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.c.files import generate
+
+#: What users call of the shared headers.
+SHARED = {
+    "angle": "electrical q31 q15 degrees radians millidegrees",
+    "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late slave_init"
+    " slave_allow slave_give slave_stored slave_next request_encode",
+    "encoder": "step_send step_poll",
+    "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats ask take resume late",
+    "runner": "start next done",
+    "tracker": "start restart add speed",
+}
+#: And of a family's: frames and registers by what is done with them, numbers of an order code and of an interface.
+FAMILY = re.compile(
+    r"find_order_code|next_candidate|report_text|(read|write|take)_\w+|\w+_(encode|decode|is_expected|verdict|reports|set_\w+)"
+    r"|(\w+_)?(turns|degrees|micrometres|millimetres|position_difference)|\w+_(clock_limit_hz|timeout_ns)"
+    r"|rs485_(request_frame|reply_frame|frame_length)|reg_\w+_(mask|shift|max)"
+)
+
+
+def uncalled(files: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Each function that occurs only where it is defined, comments left out, and the stem of its header."""
+    code = {path: re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) for path, text in files.items()}
+    words = Counter(word for text in code.values() for word in re.findall(r"\w+", text))
+    return [
+        (path.split("/")[-1].removesuffix(".h"), name)
+        for path, text in code.items()
+        if path.endswith(".h")
+        for name in re.findall(r"^static inline [\w *]*?(\w+)\(", text, re.MULTILINE)
+        if words[name] == 1
+    ]
+
+
+def for_nobody(devices: tuple[Device, ...], files: Mapping[str, str]) -> list[str]:
+    """Those of them that are no user's either."""
+    families = {device.name: device for device in devices}
+    left = []
+    for header, name in uncalled(files):
+        short = name.split("_", 1)[1]
+        if header in families:
+            short = short.removeprefix(f"{header}_")
+            device = families[header]
+            named = {item.name for item in (*device.procedures, *device.parameters)}
+            wanted = FAMILY.fullmatch(short) or short in named
+        else:
+            wanted = any(short.endswith(item) for item in SHARED[header].split())
+        left += [] if wanted else [name]
+    return left
+
+
+@pytest.fixture(scope="module")
+def code() -> tuple[tuple[Device, ...], dict[str, str]]:
+    devices = devices_of()
+    files = generate(Library(devices))
+    return devices, {path: text for path, text in files.items() if "/include/" in path or "/selftest/" in path}
+
+
+@pytest.mark.slow
+def test_what_nothing_calls_is_for_users(code: tuple[tuple[Device, ...], dict[str, str]]) -> None:
+    devices, files = code
+    assert len(uncalled(files)) > 100
+    assert for_nobody(devices, files) == []
+
+
+@pytest.mark.slow
+def test_a_function_without_a_caller_is_found(code: tuple[tuple[Device, ...], dict[str, str]]) -> None:
+    devices, files = code
+    path = next(path for path in files if path.endswith("/amm5.h"))
+    planted = files[path] + "static inline uint32_t lika_amm5_left_over(uint32_t value)\n{\n    return value;\n}\n"
+    assert for_nobody(devices, files | {path: planted}) == ["lika_amm5_left_over"]

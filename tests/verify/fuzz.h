@@ -1,0 +1,34 @@
+/* What all that libFuzzer calls have in common: the input, taken from its beginning, and what has to hold. */
+#ifndef FUZZ_H
+#define FUZZ_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const uint8_t *input;
+static size_t left;
+
+/* So many bytes as a number, or as many as are left. */
+static inline uint64_t take(size_t count)
+{
+    uint64_t value = 0U;
+    while (count > 0U && left > 0U) {
+        value = (value << 8U) | *input++;
+        left--;
+        count--;
+    }
+    return value;
+}
+
+static inline void require(bool holds, const char *what)
+{
+    if (!holds) {
+        fprintf(stderr, "%s\n", what);
+        abort();
+    }
+}
+
+#endif
