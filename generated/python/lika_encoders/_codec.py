@@ -28,6 +28,8 @@ Words: TypeAlias = Any
 _Answer = TypeVar("_Answer", bound=Enum)
 _Choice = TypeVar("_Choice", bound=IntEnum)
 _Kind = TypeVar("_Kind")
+#: What the methods of every tuple are called on; which values it has, is nothing to them.
+_TUPLE: Final[Any] = tuple
 
 
 class Interface(Enum):
@@ -142,17 +144,17 @@ def by_class(kind: type[_Kind]) -> type[_Kind]:
     """Makes objects equal only to those of their own class; a NamedTuple alone equals every tuple of its values."""
 
     def __eq__(self: tuple[object, ...], other: object) -> object:
-        if not isinstance(other, tuple):
-            return NotImplemented
-        return self.__class__ is other.__class__ and tuple.__eq__(self, other)
+        if self.__class__ is other.__class__:
+            return _TUPLE.__eq__(self, other)
+        return False if isinstance(other, tuple) else NotImplemented
 
     def __ne__(self: tuple[object, ...], other: object) -> object:
-        if not isinstance(other, tuple):
-            return NotImplemented
-        return self.__class__ is not other.__class__ or tuple.__ne__(self, other)
+        if self.__class__ is other.__class__:
+            return _TUPLE.__ne__(self, other)
+        return True if isinstance(other, tuple) else NotImplemented
 
     def __hash__(self: tuple[object, ...]) -> int:
-        return hash((self.__class__, tuple.__hash__(self)))
+        return hash((self.__class__, _TUPLE.__hash__(self)))
 
     for method in (__eq__, __ne__, __hash__):
         setattr(kind, method.__name__, method)
@@ -164,7 +166,7 @@ class _Made(Protocol):
 
 
 #: ``made(kind, values)`` is ``kind(*values)`` for a NamedTuple, in half the time.
-made: Final = cast(_Made, tuple.__new__)
+made: Final = cast(_Made, _TUPLE.__new__)
 
 
 class BitField(NamedTuple):

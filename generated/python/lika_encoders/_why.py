@@ -36,7 +36,7 @@ def _is_sound(decode: Callable[[object], object], frame: object) -> bool:
 
 def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
     if isinstance(frame, (bytes, bytearray, memoryview)):
-        data = bytes(frame)
+        data = bytes(cast(bytes, frame))
         yield "with all bits inverted: are the two wires of the line swapped?", bytes(byte ^ 0xFF for byte in data)
         yield "with its bytes in the other order", data[::-1]
         turned = bytes(int(f"{byte:08b}"[::-1], 2) for byte in data)
