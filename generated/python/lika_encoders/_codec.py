@@ -9,7 +9,7 @@ from enum import Enum, IntEnum
 from functools import lru_cache
 from importlib import import_module
 from operator import index
-from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast
+from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast, get_args
 
 from ._reports import Family
 
@@ -221,6 +221,14 @@ def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
     return answer
 
 
+def check_kind(kind: object, kinds: object) -> None:
+    """Raises :class:`TypeError` unless ``kind`` is one of ``kinds``: a union of classes, or one alone."""
+    known: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
+    if kind not in known:
+        names = ", ".join(item.__name__ for item in known)
+        raise TypeError(f"{shown(kind)} is no kind of frame that this encoder sends; there are {names}")
+
+
 def whole_number(name: str, value: SupportsIndex) -> int:
     """``value`` as an int, whatever kind of whole number it is. A truth value is none."""
     if not isinstance(value, bool):
@@ -243,7 +251,7 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
         if set(text) - {"0", "1"}:
             part = frame if len(frame) <= 80 else f"{frame[:80]}..."
-            raise RangeError("the frame", part, "a string of the bits 0 and 1")
+            raise RangeError("the frame", part, "a string of the bits 0 and 1; hexadecimal text is int(text, 16)")
         if bits is not None and bits != len(text):
             raise LengthError(bits, len(text), "bits")
         frame, bits = int(text or "0", 2), len(text)
@@ -266,7 +274,8 @@ def as_bytes(data: Data) -> bytes:
     try:
         view = memoryview(data)
     except TypeError:
-        raise TypeError(f"{shown(data)} is not made of bytes: give bytes, or another buffer of bytes") from None
+        wanted = "bytes.fromhex(text)" if isinstance(data, str) else "bytes, or another buffer of bytes"
+        raise TypeError(f"{shown(data)} is not made of bytes: give {wanted}") from None
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"a buffer of {shape} of the format '{view.format}' is no row of bytes: give bytes")

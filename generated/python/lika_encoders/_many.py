@@ -9,6 +9,7 @@ from functools import lru_cache, reduce
 from importlib import import_module
 from typing import Any, Final, cast
 
+from ._codec import as_bytes, whole_number
 from ._encoder import Encoder
 from ._reports import Verdict
 from ._shape import Check, Column, CrcOf, Shape, kinds, late_fields, smallest, sound, unused_bits, unused_groups
@@ -117,7 +118,7 @@ def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
     """Frames as rows of bytes, and the places of those that have another length."""
     if isinstance(frames, (list, tuple)):
-        rows = [bytes(item) for item in cast(Iterable[Any], frames)]
+        rows = [as_bytes(item) for item in cast(Iterable[Any], frames)]
         wrong = [place for place, row in enumerate(rows) if len(row) != length]
         for place in wrong:
             rows[place] = bytes(length)
@@ -142,7 +143,7 @@ def _words_of(frames: Any) -> tuple[Any, Any]:
         return frames.astype(np.uint64, copy=False), ()
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames are numbers or packed bytes, not {type(frames).__name__}")
-    words = [int(item) for item in cast(list[Any], frames)]
+    words = [whole_number("a frame", item) for item in cast(list[Any], frames)]
     wrong = [place for place, word in enumerate(words) if not 0 <= word < 1 << 64]
     for place in wrong:
         words[place] = 0
