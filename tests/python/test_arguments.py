@@ -580,6 +580,22 @@ def test_the_examples_look_at_the_verdict_first(
         assert lines[lines.index(look) + 1].startswith("print(frame."), device.name
 
 
+def test_the_first_example_prints_no_position_of_a_frame_with_an_error(
+    generated_python: tuple[Path, ModuleType], capsys: pytest.CaptureFixture[str]
+) -> None:
+    readme = (generated_python[0] / "README.md").read_text(encoding="utf-8")
+    assert readme.index("pip install") < readme.index("```python") < readme.index("| `frame.verdict` |")
+    assert "**Nothing of it has been tried on an encoder.**" in readme[: readme.index("pip install")]
+    block = readme.split("```python\n")[1].partition("```")[0]
+    code = "\n".join(line[4:] for line in block.splitlines() if line.startswith((">>> ", "... ")))
+    exec(code, {})
+    assert capsys.readouterr().out == "42 1821973 89902357\n"
+    # The same frame with the error bit of BiSS active, which is 0 then, and the CRC of that.
+    assert "0x55bcd15e2" in code
+    exec(code.replace("0x55bcd15e2", "0x55bcd1564"), {})
+    assert capsys.readouterr().out == ""
+
+
 def test_the_examples_of_the_docstrings_run(
     lika: Any, devices: Mapping[str, Device], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -302,3 +302,29 @@ def test_arrow_takes_the_columns(families: dict[str, Family]) -> None:
     pytest.importorskip("pyarrow", reason="pyarrow is not installed: to_arrow is not tried")
     table = families["amm5"].module.lookup("AMM5A21/65KSC1").decode_many([0x55BCD15E2, 0x55BCD15E3])
     assert table.to_arrow().column("fault").to_pylist() == [0, 2]
+
+
+@pytest.mark.parametrize("family", ["amm5"], indirect=True)
+def test_what_is_no_frame_and_no_kind_is_refused(family: Family) -> None:
+    """A list that holds something else than frames is a slip in a program, and no frame with a fault."""
+    amm5 = family.module
+    bits, serial = amm5.lookup("AMM5A21/65KSC1"), amm5.lookup("AMM5A23/65KJP1")
+    for wrong in (["1"], [5.9], [True], [None]):
+        with pytest.raises(TypeError, match="it has to be a whole number"):
+            bits.decode_many(wrong)
+    for wrong in ([2, 0, 199], ["02 00 C7 D1 6A 7E"]):
+        with pytest.raises(TypeError, match="is not made of bytes"):
+            serial.decode_many(wrong, amm5.SingleturnReply)
+    kinds = "SingleturnReply, MultiturnReply, EncoderIdReply, CompleteReply, EepromWriteReply, EepromReadReply"
+    for kind in ("singleturn_reply", amm5.SsiWord, serial):
+        with pytest.raises(TypeError, match=f"no kind of frame that this encoder sends; there are {kinds}$"):
+            serial.decode_many(b"", kind)
+        with pytest.raises(TypeError, match=kinds):
+            serial.encode_many({}, kind)
+
+
+@pytest.mark.parametrize("family", ["amm5"], indirect=True)
+def test_nothing_explains_a_frame_that_cannot_be_told_from_another(family: Family) -> None:
+    """Every word of 39 bits is a sound one here, so that none of them being sound explains a word of 40."""
+    fault = family.module.lookup("AMM5A23/65KBG1").try_decode(1 << 39)
+    assert (type(fault).__name__, fault.hint) == ("LengthError", "")

@@ -227,7 +227,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         ValueError: No family has such a register.
     """
     codes: list[str] = []
-    errors = []
+    errors: list[ValueError] = []
     for family in ("am36", "amm5", "asc85", "sma21"):
         try:
             codes += import_module(f".{family}", __name__).identify(read)

@@ -161,7 +161,7 @@ for _kind, _name in ((_count, "count"), (_register, "ADDRESS=BYTE"), (_answer, "
 
 def _encoder_of(chosen: argparse.Namespace) -> Encoder:
     """The encoder that the arguments name. Raises :class:`ValueError` where there is none."""
-    encoder: Encoder = lookup(chosen.order_code)
+    encoder: Encoder = lookup(str(chosen.order_code))
     if chosen.interface is not None and encoder.interface.value != chosen.interface:
         raise ValueError(f"{encoder.code} is connected by {encoder.interface.value}, not by {chosen.interface}")
     if chosen.register:

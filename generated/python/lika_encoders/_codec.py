@@ -9,7 +9,7 @@ from enum import Enum, IntEnum
 from functools import lru_cache
 from importlib import import_module
 from operator import index
-from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast
+from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast, get_args
 
 from ._reports import Family
 
@@ -28,6 +28,8 @@ Words: TypeAlias = Any
 _Answer = TypeVar("_Answer", bound=Enum)
 _Choice = TypeVar("_Choice", bound=IntEnum)
 _Kind = TypeVar("_Kind")
+#: What the methods of every tuple are called on; which values it has, is nothing to them.
+_TUPLE: Final[Any] = tuple
 
 
 class Interface(Enum):
@@ -142,17 +144,17 @@ def by_class(kind: type[_Kind]) -> type[_Kind]:
     """Makes objects equal only to those of their own class; a NamedTuple alone equals every tuple of its values."""
 
     def __eq__(self: tuple[object, ...], other: object) -> object:
-        if not isinstance(other, tuple):
-            return NotImplemented
-        return self.__class__ is other.__class__ and tuple.__eq__(self, other)
+        if self.__class__ is other.__class__:
+            return _TUPLE.__eq__(self, other)
+        return False if isinstance(other, tuple) else NotImplemented
 
     def __ne__(self: tuple[object, ...], other: object) -> object:
-        if not isinstance(other, tuple):
-            return NotImplemented
-        return self.__class__ is not other.__class__ or tuple.__ne__(self, other)
+        if self.__class__ is other.__class__:
+            return _TUPLE.__ne__(self, other)
+        return True if isinstance(other, tuple) else NotImplemented
 
     def __hash__(self: tuple[object, ...]) -> int:
-        return hash((self.__class__, tuple.__hash__(self)))
+        return hash((self.__class__, _TUPLE.__hash__(self)))
 
     for method in (__eq__, __ne__, __hash__):
         setattr(kind, method.__name__, method)
@@ -164,7 +166,7 @@ class _Made(Protocol):
 
 
 #: ``made(kind, values)`` is ``kind(*values)`` for a NamedTuple, in half the time.
-made: Final = cast(_Made, tuple.__new__)
+made: Final = cast(_Made, _TUPLE.__new__)
 
 
 class BitField(NamedTuple):
@@ -219,6 +221,14 @@ def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
     return answer
 
 
+def check_kind(kind: object, kinds: object) -> None:
+    """Raises :class:`TypeError` unless ``kind`` is one of ``kinds``: a union of classes, or one alone."""
+    known: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
+    if kind not in known:
+        names = ", ".join(item.__name__ for item in known)
+        raise TypeError(f"{shown(kind)} is no kind of frame that this encoder sends; there are {names}")
+
+
 def whole_number(name: str, value: SupportsIndex) -> int:
     """``value`` as an int, whatever kind of whole number it is. A truth value is none."""
     if not isinstance(value, bool):
@@ -241,7 +251,7 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
         text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
         if set(text) - {"0", "1"}:
             part = frame if len(frame) <= 80 else f"{frame[:80]}..."
-            raise RangeError("the frame", part, "a string of the bits 0 and 1")
+            raise RangeError("the frame", part, "a string of the bits 0 and 1; hexadecimal text is int(text, 16)")
         if bits is not None and bits != len(text):
             raise LengthError(bits, len(text), "bits")
         frame, bits = int(text or "0", 2), len(text)
@@ -264,7 +274,8 @@ def as_bytes(data: Data) -> bytes:
     try:
         view = memoryview(data)
     except TypeError:
-        raise TypeError(f"{shown(data)} is not made of bytes: give bytes, or another buffer of bytes") from None
+        wanted = "bytes.fromhex(text)" if isinstance(data, str) else "bytes, or another buffer of bytes"
+        raise TypeError(f"{shown(data)} is not made of bytes: give {wanted}") from None
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"a buffer of {shape} of the format '{view.format}' is no row of bytes: give bytes")

@@ -7,8 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache, reduce
 from importlib import import_module
-from typing import Any, Final
+from typing import Any, Final, cast
 
+from ._codec import as_bytes, whole_number
 from ._encoder import Encoder
 from ._reports import Verdict
 from ._shape import Check, Column, CrcOf, Shape, kinds, late_fields, smallest, sound, unused_bits, unused_groups
@@ -114,17 +115,17 @@ def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
     return {name: columns[name] for name in wanted}
 
 
-def rows_of(frames: object, length: int) -> tuple[Any, Any]:
+def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
     """Frames as rows of bytes, and the places of those that have another length."""
     if isinstance(frames, (list, tuple)):
-        rows = [bytes(item) for item in frames]
+        rows = [as_bytes(item) for item in cast(Iterable[Any], frames)]
         wrong = [place for place, row in enumerate(rows) if len(row) != length]
         for place in wrong:
             rows[place] = bytes(length)
         return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong, np.intp)
-    found = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
+    found: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
     if not isinstance(found, np.ndarray) or found.dtype != np.uint8:
-        raise TypeError(f"frames of {length} bytes are rows of bytes, not {type(frames).__name__} of other items")
+        raise TypeError(f"frames of {length} bytes are rows of bytes, not {type(found).__name__} of other items")
     if found.ndim == 1 and len(found) % length == 0:
         found = found.reshape(-1, length)
     if found.ndim != 2 or found.shape[1] != length:
@@ -132,7 +133,7 @@ def rows_of(frames: object, length: int) -> tuple[Any, Any]:
     return found, ()
 
 
-def _words_of(frames: object) -> tuple[Any, Any]:
+def _words_of(frames: Any) -> tuple[Any, Any]:
     """Frames as numbers of 64 bits, and the places of those that have more."""
     if isinstance(frames, (bytes, bytearray, memoryview)):
         return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
@@ -142,7 +143,7 @@ def _words_of(frames: object) -> tuple[Any, Any]:
         return frames.astype(np.uint64, copy=False), ()
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames are numbers or packed bytes, not {type(frames).__name__}")
-    words = [int(item) for item in frames]
+    words = [whole_number("a frame", item) for item in cast(list[Any], frames)]
     wrong = [place for place, word in enumerate(words) if not 0 <= word < 1 << 64]
     for place in wrong:
         words[place] = 0
@@ -215,7 +216,7 @@ def _limbs(rows: Any, shape: Shape) -> list[Any]:
     kind = "<u8" if is_little else ">u8"
     if length < 8:
         return [_short(rows, kind, is_little)]
-    limbs = []
+    limbs: list[Any] = []
     for low in range(0, length, 8):
         over = max(low + 8 - length, 0)
         offset = low - over if is_little else length - low - 8 + over
@@ -303,7 +304,7 @@ def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
 def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
     """For each byte of a number what it changes in the difference; the first holds that of zeros as well."""
     none = differs(0)
-    tables = []
+    tables: list[Any] = []
     for low in range(0, bits, 8):
         table = np.array([none if low == 0 else 0], np.uint64)
         for place in range(low, low + 8):

@@ -192,7 +192,7 @@ class OrderCode(NamedTuple):
         return _joined(spelling.pattern, expressions) + then
 
     def _error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
-        found = []
+        found: list[tuple[int, Part, str]] = []
         for part in self.parts:
             match = re.fullmatch(f"{self._expression(part.name)}{_AFTER}", text, re.IGNORECASE)
             if match:

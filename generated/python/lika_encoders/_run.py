@@ -105,7 +105,7 @@ class _Run:
 
         Gives the registers of which that failed.
         """
-        failed = []
+        failed: list[str] = []
         for step in left:
             if isinstance(step, Write) and step.closes and step.address in self._written:
                 failed += self._tried(step.register, step.address, bytes([step.value]))

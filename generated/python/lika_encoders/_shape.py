@@ -173,7 +173,7 @@ def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
     found: dict[tuple[int, int], list[Unused]] = {}
     for item in shape.unused:
         found.setdefault((item.low - item.place, item.low // 8), []).append(item)
-    groups = []
+    groups: list[tuple[int, int, int, int]] = []
     for items in found.values():
         first = min(items)
         masks = [((1 << item.width) - 1 << item.low - first.low, item.low - first.low) for item in items]

@@ -47,7 +47,7 @@ def _texts(column: Any) -> list[str]:
 def arrow_columns(table: Table, names: tuple[str, ...]) -> dict[str, Any]:
     """Columns as arrays of Arrow; faults and verdicts are words."""
     pa: Any = import_module("pyarrow")
-    found = {}
+    found: dict[str, Any] = {}
     for name in names:
         column = table[name]
         if name in _WORDS:
@@ -60,7 +60,7 @@ def arrow_columns(table: Table, names: tuple[str, ...]) -> dict[str, Any]:
 def pandas_columns(table: Table, names: tuple[str, ...]) -> dict[str, Any]:
     """Columns as pandas has them; faults and verdicts are categories."""
     pd: Any = import_module("pandas")
-    found = {}
+    found: dict[str, Any] = {}
     for name in names:
         column = table[name]
         if name in _WORDS:

@@ -97,7 +97,7 @@ def kind_of(path: str) -> FileKind:
 
 
 @contextmanager
-def opened(path: str, stored: Stored, shape: Shape) -> Iterator[Source]:
+def opened(path: str, stored: Stored, shape: Shape) -> Generator[Source, None, None]:
     """The frames of a file, or for ``-`` those of standard input."""
     kind = stored.kind or kind_of(path)
     if not shape.length:
@@ -121,7 +121,7 @@ def opened(path: str, stored: Stored, shape: Shape) -> Iterator[Source]:
 
 
 @contextmanager
-def _closed(source: Source) -> Iterator[Source]:
+def _closed(source: Source) -> Generator[Source, None, None]:
     """Whoever reads may stop early: what reads for them has to end before its file is closed."""
     try:
         yield source
@@ -354,7 +354,7 @@ def _batches(file: Any, column: str, name: str, stored: Stored, shape: Shape) ->
 
 
 @contextmanager
-def _told(name: str) -> Iterator[None]:
+def _told(name: str) -> Generator[None, None, None]:
     """What pyarrow says of a file that it cannot read."""
     error: Any = import_module("pyarrow").lib.ArrowException
     try:
@@ -439,7 +439,7 @@ def of_bytes(items: Iterable[bytes], shape: Shape) -> list[Any]:
 
 
 def _each(items: Iterable[str], make: Callable[[str], int | bytes]) -> list[int | bytes]:
-    found = []
+    found: list[int | bytes] = []
     for row, item in enumerate(items):
         try:
             found.append(make(item))

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from enum import Enum
 from importlib import import_module
@@ -89,7 +89,7 @@ def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
     module = type(encoder).__module__.rpartition(".")[2]
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
     frames = getattr(import_module(f"{_PACKAGE}._shapes.{module}"), "FRAMES")
-    found = []
+    found: list[Layout] = []
     for (interface, sender), makers in sorted(frames.items(), key=lambda item: item[0][1]):
         for name, make in makers.items() if interface == encoder.interface.value else ():
             hints = get_type_hints(make)
@@ -256,7 +256,7 @@ def _chosen(table: Table, names: Sequence[str]) -> tuple[str, ...]:
 
 
 @contextmanager
-def _written(target: str, source: str | os.PathLike[str], force: bool) -> Iterator[Any]:
+def _written(target: str, source: str | os.PathLike[str], force: bool) -> Generator[Any, None, None]:
     """A file that takes its name when it is whole; until then it is a neighbour, and it goes if anything goes wrong."""
     if target == "-":
         yield None
@@ -336,7 +336,7 @@ def _of_arrow(part: Any, encoder: Encoder, shape: Shape, column: str, digits: Di
     kept = {name: part.column(place) for place, name in enumerate(names) if name != column}
     _apart(kept, made)
     found = {**kept, **made}
-    return type(part).from_arrays([*found.values()], names=[*found])
+    return part.__class__.from_arrays([*found.values()], names=[*found])
 
 
 def _of_pandas(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None) -> Any:
@@ -361,7 +361,8 @@ def _item(item: object, shape: Shape, digits: DigitKind | None) -> Any:
     if isinstance(item, str):
         return of_text(item, shape, digits)
     if isinstance(item, (bytes, bytearray, memoryview)):
-        return bytes(item) if shape.length else int.from_bytes(item, "big")
+        data = bytes(cast(bytes, item))
+        return data if shape.length else int.from_bytes(data, "big")
     if isinstance(item, int) and not shape.length:
         return item
     raise TypeError(f"{str(item)[:40]!r} is no frame of this encoder")

@@ -96,7 +96,7 @@ class Table(Mapping[str, Any]):
     @property
     def reports(self) -> dict[str, Any]:
         """By the name of each report that such frames can make, whether each frame is sound and makes it."""
-        made = {}
+        made: dict[str, Any] = {}
         for report, flag, mask in self._tells:
             unused: Any = self["unused"] if mask else None
             active = self[flag] if flag else unused & (mask & (1 << 8 * unused.itemsize) - 1) != 0

@@ -17,6 +17,8 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     A CRC of few bits is right by chance now and then, one of 6 bits in 1 of 64 cases. So look at several frames: the
     mistake that explains all of them is yours.
     """
+    if not _is_told_apart(encoder):
+        return ()
     return tuple(said for said, other in _others(encoder, frame) if _is_sound(encoder.decode, other))
 
 
@@ -24,6 +26,12 @@ def hint(encoder: Encoder, frame: object) -> str:
     """The same as one sentence."""
     found = why(encoder, frame)
     return f"The frame would be sound {'; or '.join(found)}" if found else ""
+
+
+def _is_told_apart(encoder: Encoder) -> bool:
+    """Whether some frames of the right length are none: else each is sound, and its being so explains nothing."""
+    bits = _bits_of(encoder)
+    return not bits or not all(_is_sound(encoder.decode, word) for word in (0, 1, (1 << bits) - 1))
 
 
 def _is_sound(decode: Callable[[object], object], frame: object) -> bool:
@@ -36,7 +44,7 @@ def _is_sound(decode: Callable[[object], object], frame: object) -> bool:
 
 def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
     if isinstance(frame, (bytes, bytearray, memoryview)):
-        data = bytes(frame)
+        data = bytes(cast(bytes, frame))
         yield "with all bits inverted: are the two wires of the line swapped?", bytes(byte ^ 0xFF for byte in data)
         yield "with its bytes in the other order", data[::-1]
         turned = bytes(int(f"{byte:08b}"[::-1], 2) for byte in data)

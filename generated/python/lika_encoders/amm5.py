@@ -68,6 +68,7 @@ from ._codec import (
     by_class,
     check_bits,
     check_encoder,
+    check_kind,
     check_limits,
     check_width,
     choice,
@@ -450,6 +451,7 @@ class Rs485Encoder(Variant):
 
     def decode_many(self, frames: Rows, kind: type[Reply], *, eeprom_address: EepromAddress | None = None) -> Table:
         """Many frames of one ``kind`` at once, as columns; a frame with a fault raises nothing. Needs NumPy."""
+        check_kind(kind, Reply)
         if kind is SingleturnReply:
             return SingleturnReply.decode_many(frames, self)
         if kind is MultiturnReply:
@@ -473,6 +475,7 @@ class Rs485Encoder(Variant):
         eeprom_address: EepromAddress | None = None,
     ) -> Any:
         """Many frames of one ``kind`` made of columns as ``decode_many`` gives them, as rows of bytes. Needs NumPy."""
+        check_kind(kind, Reply)
         if kind is SingleturnReply:
             return SingleturnReply.encode_many(columns, self)
         if kind is MultiturnReply:

@@ -62,6 +62,7 @@ from ._codec import (
     by_class,
     check_bits,
     check_encoder,
+    check_kind,
     check_limits,
     check_signed,
     check_width,
@@ -499,6 +500,7 @@ class Rs485Encoder(Variant):
 
     def decode_many(self, frames: Rows, kind: type[Reply]) -> Table:
         """Many frames of one ``kind`` at once, as columns; a frame with a fault raises nothing. Needs NumPy."""
+        check_kind(kind, Reply)
         if kind is PositionReply:
             return PositionReply.decode_many(frames, self)
         if kind is IdentificationReply:
@@ -510,6 +512,7 @@ class Rs485Encoder(Variant):
 
     def encode_many(self, columns: Mapping[str, Any], kind: type[Reply]) -> Any:
         """Many frames of one ``kind`` made of columns as ``decode_many`` gives them, as rows of bytes. Needs NumPy."""
+        check_kind(kind, Reply)
         if kind is PositionReply:
             return PositionReply.encode_many(columns, self)
         if kind is IdentificationReply:

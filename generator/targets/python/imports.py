@@ -103,6 +103,7 @@ def _of_variants(codes: Variants) -> Iterator[str]:
     yield _if(len(codes.sent) > 1, "Union")
     yield _if(True in carried, "Data Rows")
     yield _if(False in carried, "Word Words")
+    yield _if(any(kind.dispatch for kind in codes.frame_kinds), "check_kind")
     yield _if(any(kind.dispatch or kind.fast for kind in codes.frame_kinds), "Callable")
     fast = [item for kind in codes.frame_kinds for item in kind.fast]
     yield _if(any(item.tables for item in fast), "crc_tables")

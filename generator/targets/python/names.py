@@ -33,9 +33,9 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
     module: tuple(names.split())
     for module, names in {
         "._codec": """BitField ConstantError CrcError Data FrameError Interface LengthError RangeError Rows Word
-            Words as_bytes as_word by_class check_bits check_encoder check_limits check_power_of_two check_signed
-            check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
-            to_gray too_long unwrap whole_number wrong_encoder zero_for""",
+            Words as_bytes as_word by_class check_bits check_encoder check_kind check_limits check_power_of_two
+            check_signed check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed
+            text_number to_gray too_long unwrap whole_number wrong_encoder zero_for""",
         "._encoder": "Encoder fact",
         "._order_codes": "checked",
         "._registers": "Held agrees held_bytes held_parameters held_text whole",
