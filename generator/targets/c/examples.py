@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from ...model import Field, Interface, ModifyStep, Register, RegisterStep, Rs485, SendStep, Verdict, WriteStep, cite
+from ...plan.steps import Sends
 from ...reference import codec
 from ...say.name import title, words
 from ...say.words import WORTH
@@ -122,6 +123,15 @@ class ExampleCode:
         sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
         name = next(sent, "")
         return f"{self.view.PREFIX}_{self.interface.name}_CONTROL_{name}".upper() if name else ""
+
+    @property
+    def polls(self) -> bool:
+        """Whether a main loop can ask for the frame, and carry the procedure out by requests that are all answered."""
+        code = self.run.code if self.run is not None else None
+        if code is None or code.arguments or code.reads or not self.request:
+            return False
+        requests = [row.op for row in code.rows if isinstance(row.op, Sends)]
+        return bool(requests) and all(item.reply is not None for item in requests)
 
     @property
     def position(self) -> Positions | None:

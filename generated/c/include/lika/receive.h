@@ -27,7 +27,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x6C7B9FA3U)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x06F3CAFDU)
 #error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -214,9 +214,10 @@ static inline lika_result lika_ssi_receive(
 
 /**
  * Whether two positions, decoded from words that were read one right after the other, agree: they
- * differ by at_most counts, in either direction, at most. It is the only check that a word without
- * a CRC can have; it does not see what is wrong both times. Modulus is the family's _modulus(),
- * or 0 where the position does not start again.
+ * differ by at_most counts, in either direction, at most: what the axis can move from the one to
+ * the other, one word and one pause. It is the only check that a word without a CRC can have; it
+ * does not see what is wrong both times. The first two frames of BiSS may be compared in the same
+ * way. Modulus is the family's _modulus(), also of an axis that never gets that far; else 0.
  *   RANGE   a position is not below the modulus
  *   REPEAT  they do not agree: read again
  */
@@ -253,8 +254,9 @@ static inline lika_result lika_ssi_repeats(
  *   if (lika_rs485_late(&line, now_us)) {                      from time to time: ask again
  *
  * A reply begins with the control byte of its request; what comes before that is dropped. Where a
- * decoder refuses the bytes, _resume looks for the reply further on among them, so that a disturbed
- * byte before it costs nothing. One that was lost ends in a time-out.
+ * decoder refuses the bytes, _resume looks for the reply further on among them, so that a
+ * disturbed byte before it costs nothing. Without _resume a refused reply counts as whole, and no
+ * time-out ends it. examples/ has a program that polls, for each family with RS-485.
  */
 typedef struct lika_rs485_line {
     uint8_t bytes[LIKA_RECEIVE_RS485_BYTES]; /**< the reply, whole once _take says so */
@@ -322,8 +324,9 @@ static inline void lika_rs485_resume(lika_rs485_line *line)
 }
 
 /**
- * Whether the reply is not whole though its time is over. Let the line be quiet for as long as a
- * reply takes before you ask again, so that a late one is not taken for the next.
+ * Whether the reply is not whole though its time is over: none came, or none that was not refused;
+ * keep what the decoder said. Let the line be quiet for at_most_us before you ask again, so that a
+ * late reply is not taken for the next.
  */
 static inline bool lika_rs485_late(const lika_rs485_line *line, uint32_t now_us)
 {
