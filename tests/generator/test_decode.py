@@ -131,10 +131,7 @@ def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
     remedy = "Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or C"
     assert battery["remedy"] == remedy
     assert battery["makes_position"] == "usable_with_warning"
-    assert (
-        f"external battery below 3.15 V. {remedy}."
-        in text(capsys, "AMM5A23/65KJP1", frame)[1]
-    )
+    assert f"external battery below 3.15 V. {remedy}." in text(capsys, "AMM5A23/65KJP1", frame)[1]
 
 
 @pytest.mark.parametrize(
