@@ -15,7 +15,7 @@ from c_harness import GCC, SANITIZED, MadeOnce, compile_c, devices_of, write
 
 pytestmark = pytest.mark.slow
 
-#: Arguments: one of so many frames is lost (0: none), how many presets, the time at which the line is cut and for how long.
+#: Arguments: one of so many frames is lost (0: none), how many presets, when the line is cut, and for how long.
 ENCODER = r"""
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,7 +64,7 @@ static void draw(bool cds)
     }
 }
 
-/* One frame: seen by the encoder, and by the master; or by one, or by none. It takes a write at once, and is busy after it. */
+/* One frame: seen by the encoder and by the master, or by one, or by none. It takes a write at once. */
 static void frame(bool seen_there, bool seen_here)
 {
     bool cds = false;

@@ -40,9 +40,10 @@ PRINTED = {
     ],
     "amm5_rs485": [
         "singleturn: 7000519\n  report status_other_error: BUSY flag",
-        "  the position is not usable\nReset all errors\n",
-        "Reset all errors\n  send BA\n  wait 40 us\n  send BA\n",
-        "send BA\n  wait 2000 us\n",
+        "  the position is not usable\n1000 us: send 02\n1150 us: disturbed\n",
+        "1300 us: send 02\n1450 us: no reply\n1600 us: send 02\nSingleturn reply\n",
+        "Reset all errors\n3600 us: send BA\n3650 us: send BA\n",
+        "4050 us: send BA\n6060 us: done\n",
     ],
     "amm5_ssi": ["that is 90.000 degrees\n"],
     "asc85_biss": [
@@ -56,7 +57,7 @@ PRINTED = {
         "position: 123\n",
         "that is 6.150 mm\n",
     ],
-    "sma21_rs485": ["position: 5517840\n", "send DA\n"],
+    "sma21_rs485": ["position: 5517840\n", "4050 us: send DA\n4060 us: done\n"],
     **{f"{name}_biss_dma": [] for name in ("am36", "amm5", "asc85", "sma21")},
     "sma21_ssi": ["position: 1569\n", "that is 1.569 mm\n"],
 }

@@ -10,16 +10,33 @@
 #include <stdio.h>
 
 #include "lika/amm5.h"
+#include "lika/receive.h"
 
 /* The order code from the label, AMM5A23/65KBG1. The compiler works out where each bit is. */
 static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KBG1;
 
+/* Yours to set: counts that the axis can move from one word to the next. */
+#define AT_MOST 100U
+
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /* SSI word: what the encoder sends; made up, since the manual shows none: a quarter of a turn. */
-static uint64_t receive_word(void)
+static void spi_receive(uint8_t *buffer, size_t size)
 {
-    return UINT64_C(0x200000);
+    static const uint8_t sent[LIKA_AMM5_A23_65KBG1_SSI_RX_BYTES] = {
+        0x80U, 0x00U, 0x20U, 0x00U, 0x00U, 0x00U
+    };
+    size_t at;
+    for (at = 0U; at < size; at++) {
+        buffer[at] = sent[at];
+    }
+}
+
+static lika_result receive_word(uint64_t *word)
+{
+    uint8_t rx[LIKA_AMM5_A23_65KBG1_SSI_RX_BYTES];
+    spi_receive(rx, sizeof(rx));
+    return lika_ssi_receive(rx, sizeof(rx), LIKA_AMM5_A23_65KBG1_SSI_BITS, word);
 }
 
 /* -- what to do with it ------------------------------------------------------------------------ */
@@ -35,7 +52,23 @@ static lika_result show_frame(void)
         "nothing in this frame tells whether the position is usable"
     };
     lika_verdict verdict;
-    const lika_result result = lika_amm5_ssi_word_decode(&encoder, receive_word(), &frame);
+    lika_amm5_ssi_word again;
+    uint64_t word = 0U;
+    lika_result result = receive_word(&word);
+    if (result == LIKA_OK) {
+        result = lika_amm5_ssi_word_decode(&encoder, word, &frame);
+    }
+    /* No CRC protects such a word: the next one, right after it, has to agree. */
+    if (result == LIKA_OK) {
+        result = receive_word(&word);
+    }
+    if (result == LIKA_OK) {
+        result = lika_amm5_ssi_word_decode(&encoder, word, &again);
+    }
+    if (result == LIKA_OK) {
+        result = lika_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
+            lika_amm5_modulus(&encoder), AT_MOST);
+    }
     if (result != LIKA_OK) {
         return result;
     }

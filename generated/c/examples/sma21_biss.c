@@ -246,9 +246,9 @@ int main(void)
         printf("fault %d\n", (int)result);
     }
     /* Faults of the transport say where: the step of the procedure, and your own error number. */
-    if (result >= LIKA_FAULT_TRANSPORT) {
-        printf("step %lu, address %02X, error %ld\n", (unsigned long)failure.step,
-            (unsigned)failure.address, (long)failure.error);
+    if ((result == LIKA_FAULT_TRANSPORT) || (result == LIKA_FAULT_TIMEOUT)) {
+        printf("step %lu, address %02X, error %ld%s\n", (unsigned long)failure.step,
+            (unsigned)failure.address, (long)failure.error, failure.left_open ? ", left open" : "");
     }
     return (result == LIKA_OK) ? 0 : 1;
 }

@@ -23,9 +23,9 @@ static uint8_t rx[LIKA_SMA21_SC1_0001_BISS_RX_BYTES];
 /* Where the axis is. After a preset, lika_tracker_restart(&axis, now_us) lets it begin anew. */
 static lika_tracker axis;
 
-/* Counts in a second that your machine can reach: no frame that says more is believed. */
+/* Yours to set: counts in a second that your machine can reach. A faster axis is not followed. */
 #define MAX_SPEED 100000000U
-/* So many microseconds from the start on, a position of 0 may be an encoder that starts up. */
+/* Yours to set, as no manual has it: so long from the start on a 0 may be no position. */
 #define BOOT_US 100000U
 
 /* -- your SPI and DMA -------------------------------------------------------------------------- */
@@ -37,7 +37,7 @@ static bool spi_receive(uint8_t *buffer, size_t size)
 
 /* -- what to do with it ------------------------------------------------------------------------ */
 
-/* To be called when DMA has filled the buffer. Nothing in it waits. */
+/* To be called when DMA has filled the buffer, with the time at which the frame began. */
 static void spi_dma_done(uint32_t now_us)
 {
     lika_sma21_single_cycle_data frame;

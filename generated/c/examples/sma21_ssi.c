@@ -10,16 +10,33 @@
 #include <stdio.h>
 
 #include "lika/sma21.h"
+#include "lika/receive.h"
 
 /* The order code from the label, SMA21-BG1-0001. The compiler works out where each bit is. */
 static const lika_sma21_variant encoder = LIKA_SMA21_BG1_0001;
 
+/* Yours to set: counts that the axis can move from one word to the next. */
+#define AT_MOST 100U
+
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /* SSI word: what the encoder sends; made up, with the position of a worked example [5.2]. */
-static uint64_t receive_word(void)
+static void spi_receive(uint8_t *buffer, size_t size)
 {
-    return UINT64_C(0xC43);
+    static const uint8_t sent[LIKA_SMA21_BG1_0001_SSI_RX_BYTES] = {
+        0x80U, 0x01U, 0x88U, 0x60U
+    };
+    size_t at;
+    for (at = 0U; at < size; at++) {
+        buffer[at] = sent[at];
+    }
+}
+
+static lika_result receive_word(uint64_t *word)
+{
+    uint8_t rx[LIKA_SMA21_BG1_0001_SSI_RX_BYTES];
+    spi_receive(rx, sizeof(rx));
+    return lika_ssi_receive(rx, sizeof(rx), LIKA_SMA21_BG1_0001_SSI_BITS, word);
 }
 
 /* -- what to do with it ------------------------------------------------------------------------ */
@@ -48,7 +65,23 @@ static lika_result show_frame(void)
         "nothing in this frame tells whether the position is usable"
     };
     lika_verdict verdict;
-    const lika_result result = lika_sma21_ssi_word_decode(&encoder, receive_word(), &frame);
+    lika_sma21_ssi_word again;
+    uint64_t word = 0U;
+    lika_result result = receive_word(&word);
+    if (result == LIKA_OK) {
+        result = lika_sma21_ssi_word_decode(&encoder, word, &frame);
+    }
+    /* No CRC protects such a word: the next one, right after it, has to agree. */
+    if (result == LIKA_OK) {
+        result = receive_word(&word);
+    }
+    if (result == LIKA_OK) {
+        result = lika_sma21_ssi_word_decode(&encoder, word, &again);
+    }
+    if (result == LIKA_OK) {
+        result = lika_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
+            lika_sma21_ssi_modulus(&encoder), AT_MOST);
+    }
     if (result != LIKA_OK) {
         return result;
     }

@@ -6,7 +6,21 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
-from ...model import Field, Interface, ModifyStep, Register, RegisterStep, Rs485, SendStep, Verdict, WriteStep, cite
+from ...model import (
+    Field,
+    Interface,
+    ModifyStep,
+    Register,
+    RegisterStep,
+    Rs485,
+    SendStep,
+    Ssi,
+    Verdict,
+    WriteStep,
+    cite,
+)
+from ...plan.received import SSI_AROUND, received
+from ...plan.steps import Sends
 from ...reference import codec
 from ...say.name import title, words
 from ...say.words import WORTH
@@ -15,7 +29,7 @@ from .chosen import Chosen, Frame
 from .comments import ascii_text
 from .device import DeviceView
 from .positions import Positions
-from .procedures import ProcedureCode
+from .procedures import ProcedureCode, Row
 from .reports import FrameReports
 from .reserved import c_name
 from .structs import Struct
@@ -61,6 +75,15 @@ class Memory:
     address: int
     data: bytes
     note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Raw:
+    """The bytes that an SPI receives of the frame, and the macros of its bits and of as many bytes."""
+
+    bits: str
+    size: str
+    data: bytes
 
 
 class ExampleCode:
@@ -116,12 +139,34 @@ class ExampleCode:
         return codec.number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
 
     @property
+    def raw(self) -> Raw | None:
+        """What comes over SSI: high till the first clock has stored the position, the word, and the 0 after it."""
+        layout, variant = self.frame.layout, self._chosen.variant
+        found = (item for item in received(self.view.device, self.interface) if item.layout is layout)
+        mine = next((item for item in found if item.variant is variant), None)
+        if mine is None or not isinstance(self.interface, Ssi):
+            return None
+        bits, size = (item.name for item in self.view.lengths[self.interface.name].macros_of(mine))
+        around = (1 << mine.bits | self.frame.wire) << 1
+        left = 8 * mine.bytes - mine.bits - SSI_AROUND
+        return Raw(bits, size, (around << left).to_bytes(mine.bytes, "big"))
+
+    @property
     def request(self) -> str:
         """The macro of the request that the frame answers; empty where it has none."""
         known = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
         name = next(sent, "")
         return f"{self.view.PREFIX}_{self.interface.name}_CONTROL_{name}".upper() if name else ""
+
+    @property
+    def polls(self) -> bool:
+        """Whether a main loop can ask for the frame, and carry the procedure out by requests that are all answered."""
+        code = self.run.code if self.run is not None else None
+        if code is None or code.arguments or code.reads or not self.request:
+            return False
+        requests = [row.op for row in code.rows if isinstance(row, Row) and isinstance(row.op, Sends)]
+        return bool(requests) and all(item.reply is not None for item in requests)
 
     @property
     def position(self) -> Positions | None:

@@ -141,6 +141,7 @@ TEMPLATES = Templates(
         **{f"{name}.h.jinja": Header for name in SHARED_HEADERS},
         "device.h.jinja": FamilyHeader,
         "example.c.jinja": Program,
+        "poller.c.jinja": Program,
         "receiver.c.jinja": Receiver,
         "selftest.c.jinja": FamilyTest,
         "selftest_all.c.jinja": AllTests,

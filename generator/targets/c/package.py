@@ -88,9 +88,14 @@ def package_files(
     for item in shown:
         maker = item.view.maker
         used = {"maker": maker, "prefix": maker.name, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
-        template = "receiver.c.jinja" if isinstance(item, ReceiverCode) else "example.c.jinja"
-        files[f"examples/{item.name}.c"] = render(template, used)
+        files[f"examples/{item.name}.c"] = render(_template(item), used)
     return files
+
+
+def _template(program: ExampleCode | ReceiverCode) -> str:
+    if isinstance(program, ReceiverCode):
+        return "receiver.c.jinja"
+    return "poller.c.jinja" if program.polls else "example.c.jinja"
 
 
 def _with_crcs(

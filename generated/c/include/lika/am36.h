@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -103,7 +103,7 @@ extern "C" {
  * Erratum scd_length_at_run_time (open, omission).
  * Erratum revolution_bits_rounding (open, omission).
  * Edition 1.1: differs; the end of this file says how.
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  */
 
 /** What differs between order codes. */
@@ -464,7 +464,7 @@ static inline const lika_report_text *lika_am36_report_text(uint32_t reports)
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
  * Erratum ssi_pause (open, wrong limit).
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 3 MHz [5.3]. */
 #define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U
@@ -626,7 +626,7 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * main fields and refers to the BiSS C protocol description for the whole structure.
  * Erratum biss_timeout_length (open, omission).
  * Edition 1.1: differs; the end of this file says how.
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  */
 #define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.6 p.32]. */
 #define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U
@@ -674,10 +674,9 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
 /**
  * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
  * of the frame whose CDS it follows, 44 clock periods after that as delivered: 4.4 us at 10 MHz and
- * 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last
- * clock of the next frame: from the end of one to the start of the next, and those times again. MA
- * shows either for the whole time-out (follows the clock, at most 10 us). With CDM 1 it rests low
- * then.
+ * 220 us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the
+ * next frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
+ * time-out (follows the clock, at most 10 us).
  */
 
 /**
@@ -942,7 +941,7 @@ static inline double lika_am36_biss_degrees(const lika_am36_variant *variant, ui
  * Byte order: high byte first, at 42h.
  * The manual refers to "Standard encoder profile", "data format", "Variant 0-24" beside it.
  * Erratum profile_id_variant (open, wrong data): Used: 00 00, and no data length from it.
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  *   bits 15:0  profile
  */
 #define LIKA_AM36_REG_PROFILE_ID_ADDRESS 0x42U
@@ -1019,7 +1018,7 @@ static inline lika_result lika_am36_read_profile_id(
  * Byte order: high byte first, at 44h.
  * Erratum serial_number_coding (open, wrong data): Used: Plain binary numbers, the year as it
  * stands in its byte; of the serial number 46h is the high byte.
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  */
 #define LIKA_AM36_REG_SERIAL_NUMBER_ADDRESS 0x44U
 #define LIKA_AM36_REG_SERIAL_NUMBER_LENGTH 4U /**< bytes, 44h to 47h */
@@ -1098,7 +1097,7 @@ static inline lika_result lika_am36_read_serial_number(
  * set together, Save parameters and activate Preset stores the resolution but sets the preset to
  * zero, which then has to be written again.
  * Erratum preset_cleared_when (open, omission).
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  */
 #define LIKA_AM36_REG_COMMAND_ADDRESS 0x48U
 #define LIKA_AM36_REG_COMMAND_LENGTH 1U /**< byte */
@@ -1611,7 +1610,7 @@ static inline lika_result lika_am36_write_preset(
 /**
  * Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder;
  * decoding accepts any value.
  */
@@ -1705,7 +1704,7 @@ static inline lika_result lika_am36_read_multiturn_bits_used(
  * Byte order: high byte first, at 78h.
  * Erratum order_code_17 (settled, wrong limit).
  * Erratum device_id_shared (open, omission).
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  *   bits 47:32  model
  *   bits 31:16  interface_code
  *   bits 15:8   enclosure
@@ -1808,7 +1807,7 @@ static inline lika_result lika_am36_read_device_id(
  * Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
  * Manufacturer.
  * Byte order: high byte first, at 7Eh.
- * Edition 1.1: differs; the end of this file says how.
+ * Edition 1.1: may differ; the end of this file says how.
  *   bits 15:0  name
  */
 #define LIKA_AM36_REG_MANUFACTURER_ID_ADDRESS 0x7EU

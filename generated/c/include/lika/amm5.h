@@ -22,7 +22,7 @@
  *
  * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
  * generate --edition amm5=1.0 makes files for such encoders.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -383,8 +383,8 @@ typedef enum lika_amm5_report {
     LIKA_AMM5_REPORT_ST_ERROR = 0x0100, /**< STERR [7.4.1 p.44]. */
     LIKA_AMM5_REPORT_ALARM_ZERO_3_4 = 0x0200, /**< Alarm zero 3 4, unused [7.4 p.43]. */
     LIKA_AMM5_REPORT_PS_ERROR = 0x0400, /**< PSERR [7.4.1 p.44]. */
-    LIKA_AMM5_REPORT_MT_ERROR = 0x0800, /**< MTERR [7.4.1 p.44; it: 7.4.1 p.45]. */
-    LIKA_AMM5_REPORT_BATTERY_ALARM = 0x1000, /**< BATT [7.4.1 p.44; it: 7.4.1 p.45]. */
+    LIKA_AMM5_REPORT_MT_ERROR = 0x0800, /**< MTERR [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
+    LIKA_AMM5_REPORT_BATTERY_ALARM = 0x1000, /**< BATT [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
     LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY = 0x2000, /**< MEM BUSY [7.5 p.46]. */
     LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY = 0x4000 /**< MEM BUSY [7.5 p.46]. */
 } lika_amm5_report;
@@ -406,7 +406,8 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
         {
             "warning",
             "Warning, nW",
-            "warning active in the system. Reports an error in the magnetic multiturn system, or "
+            "warning active in the system. Reports an error in the magnetic multiturn system, "
+            "with which the number of revolutions may be wrong (erratum position_under_error), or "
             "that the battery is low; the battery has to be replaced as soon as possible then "
             "(4.3.1).",
             "",
@@ -431,7 +432,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "EE_1",
             "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. "
             "One bit for BUSY, which goes by itself, and for errors that stay until they are "
-            "reset. Read data ID 3 then: its ALMC tells which it is.",
+            "reset. The ALMC of data ID 3 tells which it is.",
             "",
             "7.3.2 p.42; it: 7.3.2 p.43"
         },
@@ -481,15 +482,16 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "mt_error",
             "MTERR",
             "external battery below 3.05 V",
-            "Reset the error with data ID 7 or C",
-            "7.4.1 p.44; it: 7.4.1 p.45"
+            "Replace the battery (4.3.2), then reset the error with data ID 7 or C",
+            "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
         },
         {
             "battery_alarm",
             "BATT",
             "external battery below 3.15 V",
-            "Reset the error with data ID 7 or C",
-            "7.4.1 p.44; it: 7.4.1 p.45"
+            "Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 "
+            "or C",
+            "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
         },
         {
             "eeprom_write_reply_mem_busy",
@@ -689,7 +691,7 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
  * main fields and refers to the BiSS C protocol description for the whole structure.
  * Erratum profile_id_missing (open, omission).
  * Erratum biss_min_clock (open, wrong limit).
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /**< Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U
@@ -749,9 +751,9 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
 /**
  * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
  * of the frame whose CDS it follows, 25 clock periods after that or more: 2.5 us at 10 MHz and 500
- * us at 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last clock of
- * the next frame: from the end of one to the start of the next, and those times again. MA shows
- * either for the whole time-out (1.5 clock periods). With CDM 1 it rests low then.
+ * us at 50 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
+ * time-out (1.5 clock periods).
  */
 
 /** Time-out after a frame in nanoseconds, rounded up; 0 without a clock. */
@@ -792,9 +794,10 @@ typedef struct lika_amm5_single_cycle_data {
      */
     bool error;
     /**
-     * Warning, nW: Reports an error in the magnetic multiturn system, or that the battery is low;
-     * the battery has to be replaced as soon as possible then (4.3.1). Active at 0: warning active
-     * in the system. Inactive at 1: no active warning. While it is active, the position is usable,
+     * Warning, nW: Reports an error in the magnetic multiturn system, with which the number of
+     * revolutions may be wrong (erratum position_under_error), or that the battery is low; the
+     * battery has to be replaced as soon as possible then (4.3.1). Active at 0: warning active in
+     * the system. Inactive at 1: no active warning. While it is active, the position is usable,
      * with a warning.
      */
     bool warning;
@@ -1293,10 +1296,10 @@ typedef struct lika_amm5_singleturn_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
-     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
-     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
-     * it is active, the position is not usable.
+     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
+     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
+     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
+     * active, the position is not usable.
      */
     bool status_other_error;
     /**
@@ -1444,10 +1447,10 @@ typedef struct lika_amm5_multiturn_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
-     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
-     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
-     * it is active, the position is not usable.
+     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
+     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
+     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
+     * active, the position is not usable.
      */
     bool status_other_error;
     /**
@@ -1583,10 +1586,10 @@ typedef struct lika_amm5_encoder_id_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
-     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
-     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
-     * it is active, the position is not usable.
+     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
+     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
+     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
+     * active, the position is not usable.
      */
     bool status_other_error;
     /**
@@ -1715,10 +1718,10 @@ typedef struct lika_amm5_complete_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which goes by itself, and for errors that stay until they are reset.
-     * Read data ID 3 then: its ALMC tells which it is. Active at 1: BUSY flag, PS error, battery
-     * alarm or MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS
-     * error, battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While
-     * it is active, the position is not usable.
+     * The ALMC of data ID 3 tells which it is. Active at 1: BUSY flag, PS error, battery alarm or
+     * MT error; while BUSY, all position data are 0. Inactive at 0: none of BUSY flag, PS error,
+     * battery alarm and MT error. Sums up busy, ps_error, battery_alarm and mt_error. While it is
+     * active, the position is not usable.
      */
     bool status_other_error;
     /**
@@ -2497,7 +2500,7 @@ static inline lika_result lika_amm5_write_preset_setting_enable(
  * Year and week of production and a running number, as decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
  * Erratum serial_number_order (open, wrong data): Used: High byte first, as printed.
- * Editions before 1.7: differs; the end of this file says how.
+ * Editions before 1.7: may differ; the end of this file says how.
  *   bits 31:0  serial
  */
 #define LIKA_AMM5_REG_SERIAL_NUMBER_ADDRESS 0x44U
@@ -2606,7 +2609,7 @@ static inline lika_result lika_amm5_read_serial_number(
  * Wait at least 30 ms after a write, before the next command.
  * Goes back to its default by itself after a write.
  * After a command the register goes back to 00 by itself.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_REG_COMMAND_ADDRESS 0x77U
 #define LIKA_AMM5_REG_COMMAND_LENGTH 1U /**< byte */
@@ -2646,7 +2649,7 @@ static inline lika_result lika_amm5_write_command(
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
  * Erratum device_id_shared (open, omission).
- * Editions before 1.7: differs; the end of this file says how.
+ * Editions before 1.7: may differ; the end of this file says how.
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -2881,7 +2884,7 @@ static inline const lika_amm5_order_code *lika_amm5_next_candidate(
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the activation arrived has the preset value; all other positions
  * follow from it.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_SET_PRESET_STEPS_COUNT 13U
 
@@ -2945,7 +2948,7 @@ static inline lika_result lika_amm5_set_preset(
  * Set and save a preset without activating it [6.4 p.35].
  * position: Value to keep for a later activation; written to Preset.
  * Result: The preset is saved; the position is the same as before.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_STORE_PRESET_STEPS_COUNT 11U
 
@@ -3006,7 +3009,7 @@ static inline lika_result lika_amm5_store_preset(
 /**
  * Save the parameters [6.4 p.39].
  * Result: Newly set register values are saved.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_SAVE_PARAMETERS_STEPS_COUNT 2U
 
@@ -3036,7 +3039,7 @@ static inline lika_result lika_amm5_save_parameters(
  * Activate the saved preset [6.4 p.39].
  * Before: Suggested with the shaft at a standstill.
  * Result: The position at which the command arrived has the preset value.
- * Editions before 1.4: differs; the end of this file says how.
+ * Editions before 1.4: may differ; the end of this file says how.
  */
 #define LIKA_AMM5_ACTIVATE_PRESET_STEPS_COUNT 2U
 
@@ -3203,12 +3206,13 @@ static inline lika_result lika_amm5_reset_errors(
 #define LIKA_AMM5_ALARM_ST_ERROR_MASK 0x04U
 
 /**
- * Battery alarm: The external battery is low [7.4.1 p.44; it: 7.4.1 p.45].
+ * Battery alarm: The external battery is low [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45].
  * Flag: battery_alarm in ALMC.
  * Detected: In normal operation.
  * Raised below 3.15 V.
  * Stays until it is reset.
- * Remedy: Reset the error with data ID 7 or C.
+ * Remedy: Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or
+ * C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum battery_range (open, wrong limit).
  * Erratum battery_alarm_reset (open, omission).
@@ -3217,12 +3221,12 @@ static inline lika_result lika_amm5_reset_errors(
 #define LIKA_AMM5_ALARM_BATTERY_ALARM_BELOW_MV 3150U
 
 /**
- * MT error: The external battery is spent [7.4.1 p.44; it: 7.4.1 p.45].
+ * MT error: The external battery is spent [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45].
  * Flag: mt_error in ALMC.
  * Detected: In normal operation.
  * Raised below 3.05 V.
  * Stays until it is reset.
- * Remedy: Reset the error with data ID 7 or C.
+ * Remedy: Replace the battery (4.3.2), then reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum battery_range (open, wrong limit).
  */

@@ -50,7 +50,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/asc85.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -594,10 +594,9 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
 /**
  * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
  * of the frame whose CDS it follows, 29 clock periods after that or more: 2.9 us at 10 MHz and 290
- * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last clock
- * of the next frame: from the end of one to the start of the next, and those times again. MA shows
- * either for the whole time-out (follows the clock, 350 ns at 10 MHz). With CDM 1 it rests low
- * then.
+ * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
+ * time-out (follows the clock, 350 ns at 10 MHz).
  */
 
 /**

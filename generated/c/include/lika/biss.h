@@ -31,10 +31,9 @@
  *  - A write that no slave understood looks like one that was refused: R W comes back as 00.
  *  - Where the S of a slave is lost on its way to the master, both go on one bit apart. What is
  *    read then fails its CRC. What is written is not stored, but the values whose CRC ends in 0,
- *    half of all, come back as if they were. Read back what you have written.
- *  - Zeros may complete a byte: where a write is given up within one, the slave can store what it
- *    was sent of it, followed by zeros, if the CRC of that is 0 (one of 68 places and values).
- *    Write such a register again, and think twice where any value starts something.
+ *    half of all, come back as if they were. With a bit a frame late that takes a slave that is
+ *    busy and a disturbed CDS at once. So read back what was written before a command acts on it,
+ *    or look at what the command did: after a preset, at the next position.
  *
  * Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18.
  * That CTS is in the CRC, the frame in which each answer comes, and P before a further S are as in
@@ -51,7 +50,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/biss.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -288,7 +287,7 @@ static inline uint8_t lika_biss_zeros(uint8_t zeros, bool cdm)
  *   _master_next       once CDS is there, so that MA can rest at the inverse of the bit from its
  *                      last clock on: for an FPGA, or pins that software moves.
  *   _master_next_late  once the frame is in memory: for SPI and DMA. Its bit is that of the next
- *                      frame.
+ *                      frame; where the mode of the SPI sets it (see there), before that begins.
  * With a bit that comes a frame late _master_next loses every access.
  *
  * Behind the functions of a transport (encoder.h), which come back when all is done, such an access
@@ -401,8 +400,7 @@ static inline lika_result lika_biss_master_write(
 
 /**
  * Gives an access up: zeros follow. To be called where a frame had no CDS, as the slave may have
- * gone on by a bit that the master has not seen; begin the access again then. A write that is given
- * up may have stored another value, see above.
+ * gone on by a bit that the master has not seen; begin the access again then.
  */
 static inline void lika_biss_master_abort(lika_biss_master *master)
 {
@@ -519,6 +517,27 @@ static inline bool lika_biss_master_next(lika_biss_master *master, bool cds)
 }
 
 /* -- master, a frame late ---------------------------------------------------------------------- */
+
+/**
+ * How SPI and DMA put the bit on MA: the mode that a frame is clocked in sets how MA rests after
+ * it. Both modes sample at the rising edge, and bring the same bits:
+ *
+ *           rest    the clocks of the frame   time-out   rest
+ *   CDM 0   1 1 1   0 1 0 1 0 1 ... 0 1 0 1   1 1 1 1    1 1 1   SPI mode 3
+ *   CDM 1   1 1 0   1 0 1 0 1 0 ... 1 0 1 0   0 0 0 0    1 1 1   SPI mode 0
+ *   pin     GPIO    SPI ...............................  GPIO
+ *
+ * At rest MA's pin is a GPIO output, high. Set the mode, give the pin to the SPI, and start DMA;
+ * when the time-out after the last clock is over, give the pin back. Nothing has to be done within
+ * the time-out, so that the clock may be as fast as SPI and cable allow. Changing the level after
+ * the last clock is too late: the time-out begins with that, and is as short as 1.5 clocks. Clocks
+ * beyond the stop bit, which a buffer has, put it off: the level after the last of them counts.
+ *
+ * lenzencoders/BISS-C has both modes and the change of the pin on an STM32G4 (biss_c_master_hal).
+ * Inferred: what clocks beyond the stop bit do. Not known: whether an encoder takes the edge back
+ * to 1 for the first of the next frame. Its acknowledge would come a clock earlier, which
+ * lika_biss_receive bears, and its position would be as old as that edge.
+ */
 
 /** The frames that an access takes until the first S is answered, zeros before it included. */
 #define LIKA_BISS_LATE_FRAMES 35U

@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0xC872102FU
+#define LIKA_GENERATION 0xF727B5DFU
 
 #ifdef __cplusplus
 extern "C" {
@@ -213,7 +213,9 @@ typedef struct lika_failure {
     lika_step_kind call;
     uint16_t address; /**< the first register byte of that step; 0 where it has none */
     int32_t error; /**< what the transport's function returned; 0 where it did not fail */
-    bool left_open; /**< what a step had opened could not be closed: do that before all else */
+    /** What a step had opened could not be closed: do that before all else, by lika_run() with the
+       step of the list that closes, or by lika_runner_close(). */
+    bool left_open;
 } lika_failure;
 
 /** Tells what failed, and gives the result back. */
@@ -503,8 +505,9 @@ static inline bool lika_run_closing(
 /**
  * Carries out steps one after the other, up to the first that fails; what it or those before it
  * have opened is closed then, and the failure says how far it came. The bytes that they read are
- * put into bytes, of which there are exactly as many (else LENGTH, and nothing is done); those that
- * lie beside each other in the encoder are read by one call. After a fault bytes is of no use.
+ * put into bytes, of which there are exactly as many; those that lie beside each other in the
+ * encoder are read by one call. After a fault bytes is of no use. LENGTH: bytes has more or fewer
+ * places, or there are no steps; nothing is done.
  */
 LIKA_NODISCARD
 static inline lika_result lika_run(
@@ -513,7 +516,7 @@ static inline lika_result lika_run(
 {
     size_t read = 0U;
     size_t index = 0U;
-    if (lika_run_reads(steps, count) != length) {
+    if ((count == 0U) || (lika_run_reads(steps, count) != length)) {
         return LIKA_FAULT_LENGTH;
     }
     while (index < count) {

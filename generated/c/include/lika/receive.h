@@ -27,7 +27,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -106,10 +106,12 @@ static inline size_t lika_received_samples(
  *   1 1 ...      0 0 0 ...     1       CDS   D ... D nE nW CRC   0      0 or 1 ...
  *   rest, delay  acknowledge   start         the word            stop   not looked at
  *
- * Sample SLO at the rising edge of MA, which rests high: SPI mode 3, or 2. At least one bit of rest
- * comes before the acknowledge, and the whole word and its stop bit lie in the buffer; so the
- * acknowledge is bounded by its length. Leave the time-out before the next frame: a master that
- * clocks on sees SLO rise without a frame.
+ * Sample SLO at the rising edge of MA, which rests high: SPI mode 3. (Register access takes
+ * another mode now and then, see lika/biss.h.) At least one bit of rest comes before the
+ * acknowledge, and the whole word and its stop bit lie in the buffer; so the acknowledge is
+ * bounded by its length. Leave the time-out before the next frame, since a master that clocks on
+ * sees SLO rise without a frame, and no pause so long between two bytes, since that ends the
+ * frame.
  *   LINE_LOW   the first bit is 0: a short, or the time-out of the frame before is not over
  *   LINE_HIGH  no 0 at all: no encoder, no supply, or no clock
  *   NO_START   no 1 after the acknowledge: it lasts longer than the buffer
@@ -152,8 +154,9 @@ static inline lika_result lika_biss_receive(
 }
 
 /**
- * The CDS bit of a frame in which lika_biss_receive found its word, for register access by
- * lika/biss.h. LENGTH: there is no frame.
+ * The CDS bit, for register access by lika/biss.h. Take it from each frame, also from one whose
+ * CRC is bad: the slave goes on by a bit with every frame. LENGTH: there is no frame; give up what
+ * is under way.
  */
 LIKA_NODISCARD
 static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
@@ -181,9 +184,10 @@ static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, 
  *   stored   the word   after  not looked at
  *
  * The first edge of the clock stores the position, the next one brings the most significant bit: a
- * word of n bits takes n + 1 clocks, and one more here for the 0 after it. Sample at the rising or
- * the falling edge of a clock that rests high: SPI mode 3 or 2. There is no CRC, and no start bit
- * that would show a delay: keep the cable's delay below half a clock.
+ * word of n bits takes n + 1 clocks, and one more here for the 0 after it. Sample at the rising
+ * edge of a clock that rests high, SPI mode 3, or at the falling one, mode 2. There is no CRC, and
+ * no start bit that would show a delay: keep the cable's delay below a clock, in mode 2 below
+ * half.
  *   LENGTH     the bits do not fit into the buffer
  *   LINE_LOW   the first bit is 0: a short, or the pause before the clock was too short
  *   LINE_HIGH  all bits are 1: no encoder, no supply, or no clock
@@ -210,9 +214,10 @@ static inline lika_result lika_ssi_receive(
 
 /**
  * Whether two positions, decoded from words that were read one right after the other, agree: they
- * differ by at_most counts, in either direction, at most. It is the only check that a word without
- * a CRC can have; it does not see what is wrong both times. Modulus is the family's _modulus(),
- * or 0 where the position does not start again.
+ * differ by at_most counts, in either direction, at most: what the axis can move from the one to
+ * the other, one word and one pause. It is the only check that a word without a CRC can have; it
+ * does not see what is wrong both times. The first two frames of BiSS may be compared in the same
+ * way. Modulus is the family's _modulus(), also of an axis that never gets that far; else 0.
  *   RANGE   a position is not below the modulus
  *   REPEAT  they do not agree: read again
  */
@@ -249,8 +254,9 @@ static inline lika_result lika_ssi_repeats(
  *   if (lika_rs485_late(&line, now_us)) {                      from time to time: ask again
  *
  * A reply begins with the control byte of its request; what comes before that is dropped. Where a
- * decoder refuses the bytes, _resume looks for the reply further on among them, so that a disturbed
- * byte before it costs nothing. One that was lost ends in a time-out.
+ * decoder refuses the bytes, _resume looks for the reply further on among them, so that a
+ * disturbed byte before it costs nothing. Without _resume a refused reply counts as whole, and no
+ * time-out ends it. examples/ has a program that polls, for each family with RS-485.
  */
 typedef struct lika_rs485_line {
     uint8_t bytes[LIKA_RECEIVE_RS485_BYTES]; /**< the reply, whole once _take says so */
@@ -318,8 +324,9 @@ static inline void lika_rs485_resume(lika_rs485_line *line)
 }
 
 /**
- * Whether the reply is not whole though its time is over. Let the line be quiet for as long as a
- * reply takes before you ask again, so that a late one is not taken for the next.
+ * Whether the reply is not whole though its time is over: none came, or none that was not refused;
+ * keep what the decoder said. Let the line be quiet for at_most_us before you ask again, so that a
+ * late reply is not taken for the next.
  */
 static inline bool lika_rs485_late(const lika_rs485_line *line, uint32_t now_us)
 {

@@ -15,23 +15,26 @@
  *     case SEND:  start to send the request runner.byte, and to get runner.length bytes of reply
  *                 into runner.data (0: let it pass)
  *     case WAIT:  come back in runner.wait_us microseconds or later; until then the bus is free,
- *                 unless runner.alone says that nothing else may be sent
+ *                 unless runner.alone says that nothing else may be sent. An encoder that is
+ *                 polled meanwhile may say that it is busy
  *     case BUSY:  come back when what was started is over
  *     case END:   runner.result says how it went, runner.failure what failed and how far it came
  *     }
  *
  *     lika_runner_done(&runner, error, now_us);       when it is over: 0, or your error number
  *
- * It does the same as lika_run(), in the same order: after a failure it goes on to what closes what
- * was opened, and ends then. Never leave it before END: a register may be open. Nothing locks: call
- * both functions from the same task, or from interrupts that cannot interrupt each other.
+ * It does the same as lika_run(), in the same order: after a failure it goes on to what closes
+ * what was opened, and ends then. Never leave it before END: a register may be open. Now_us is any
+ * time that runs over at 32 bits; a wait may be one of its ticks too short, so let them be fine.
+ * Nothing locks, nothing is volatile: call the functions from one task, or where none can
+ * interrupt another.
  */
 #ifndef LIKA_RUNNER_H
 #define LIKA_RUNNER_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/runner.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -49,7 +52,7 @@ typedef enum lika_todo {
     LIKA_TODO_BUSY = 5
 } lika_todo;
 
-/** A procedure that is under way. What comes first is for you to read, the rest is its own. */
+/** A procedure that is under way. */
 typedef struct lika_runner {
     lika_result result; /**< OK, or the first fault; final at END */
     lika_failure failure; /**< of no meaning while the result is OK */
@@ -61,6 +64,7 @@ typedef struct lika_runner {
     size_t length; /**< READ, SEND */
     uint32_t poll_at_most; /**< bound of a poll, as in a transport: yours to set after the start */
     uint32_t poll_pause_us;
+    /** What follows is the runner's own. */
     const lika_step *steps;
     size_t count;
     size_t at; /**< the step it is at */
@@ -75,14 +79,15 @@ typedef struct lika_runner {
 
 /**
  * Before the first step. The steps and bytes have to stay where they are until the end; bytes gets
- * what the steps read, and has exactly as many places (else LENGTH; then it is at its end already).
+ * what the steps read, and has exactly as many places. Else LENGTH, as for a list without steps:
+ * it is at its end then, and has done nothing.
  */
 LIKA_NODISCARD
 static inline lika_result lika_runner_start(
     lika_runner *runner, const lika_step *steps, size_t count, uint8_t *bytes,
     size_t length, uint32_t now_us)
 {
-    const bool fits = lika_run_reads(steps, count) == length;
+    const bool fits = (count != 0U) && (lika_run_reads(steps, count) == length);
     const lika_runner fresh = {
         fits ? LIKA_OK : LIKA_FAULT_LENGTH,
         { 0U, LIKA_STEP_WAIT, LIKA_STEP_WAIT, 0U, 0, false },
@@ -105,6 +110,23 @@ static inline void lika_runner_advance(lika_runner *runner, size_t steps)
             runner->at++;
         }
     }
+}
+
+/**
+ * Once at its end, closes again what failure.left_open says is open: _next() goes on to what
+ * closes it, and to END. The result stays the first fault; left_open then says whether it is
+ * closed now. False, and nothing to do, where nothing is open.
+ */
+static inline bool lika_runner_close(lika_runner *runner, uint32_t now_us)
+{
+    const bool open = (runner->at >= runner->count) && runner->failure.left_open;
+    if (open) {
+        runner->failure.left_open = false;
+        runner->from_us = now_us;
+        runner->at = 0U;
+        lika_runner_advance(runner, 0U);
+    }
+    return open;
 }
 
 /** The first fault is kept; where closing fails, that is told beside it. */
@@ -275,6 +297,12 @@ static inline void lika_runner_accessed(lika_runner *runner, lika_todo did)
 /**
  * What was asked for is over: with error 0 well, and then runner.data holds what was read or
  * received; else it failed with that number of yours. Without anything asked for it does nothing.
+ *
+ * The first error ends the procedure, and what closes comes at once: on a disturbed line try again
+ * before you say so, once it is sound. READ may be repeated, WRITE too: a value that is written
+ * twice is the same. But a command is then perhaps carried out twice: a preset counts from the
+ * second, so let the axis stand still. SEND may not: the requests of a step belong together. After
+ * a failure begin the whole procedure anew, once _close() has closed what is open.
  */
 static inline void lika_runner_done(lika_runner *runner, int32_t error, uint32_t now_us)
 {

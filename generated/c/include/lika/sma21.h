@@ -52,7 +52,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -840,9 +840,9 @@ static inline uint32_t lika_sma21_ssi_word_reports(const lika_sma21_ssi_word *fr
 /**
  * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
  * of the frame whose CDS it follows, 32 clock periods after that or more: 3.2 us at 10 MHz and 160
- * us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, has until the last clock
- * of the next frame: from the end of one to the start of the next, and those times again. MA shows
- * either for the whole time-out (follows the clock, at most 16 us). With CDM 1 it rests low then.
+ * us at 200 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
+ * time-out (follows the clock, at most 16 us).
  */
 
 /**
@@ -1590,10 +1590,10 @@ static inline lika_result lika_sma21_identification_reply_decode(
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
         return LIKA_FAULT_CONSTANT;
     }
-    if (bytes[5] != 0x51U) { /* encoder id 1 */
+    if (bytes[5] != 0x51U) { /* encoder ID 1 */
         return LIKA_FAULT_CONSTANT;
     }
-    if (bytes[6] != 0x00U) { /* encoder id 2 */
+    if (bytes[6] != 0x00U) { /* encoder ID 2 */
         return LIKA_FAULT_CONSTANT;
     }
     if (bytes[0] != 0x52U) { /* data ID of another frame, unless its even parity is wrong */

@@ -12,17 +12,23 @@
  *
  * After that axis.position is the position of the last frame that was believed, in counts; it goes
  * on past the place where the encoder starts again at 0. It is valid where axis.known is 1.
- * axis.refused is how many frames were not believed since: look at it, or at the result.
+ * axis.refused is how many frames were not believed since: look at it, or at the result. Refusing
+ * ends: what is believed grows with the time, and after half a second it is anything. So
+ * axis.elapsed_us much longer than from frame to frame says that the last position was believed
+ * over a gap, and may be a jump.
  *
  * Integers only, no division, no allocation. Times are microseconds of a counter of 32 bits that
- * may start again at any time; an hour without a frame (2^32 us) looks like none.
+ * runs over; an hour without a frame (2^32 us) looks like none. Give the time at which the encoder
+ * took the position, that is the start of the frame: an interrupt at its end is late by now more,
+ * now less, which is seen in the speed. Never give an earlier one than before: it looks like an
+ * hour later, after which anything is believed.
  */
 #ifndef LIKA_TRACKER_H
 #define LIKA_TRACKER_H
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xC872102FU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
 #error "lika/tracker.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -116,7 +122,8 @@ static inline uint32_t lika_tracker_believed(uint32_t limit, uint32_t elapsed_us
 }
 
 /**
- * Takes in a position. LIKA_OK: it is believed, and the members follow it. RANGE: it is not, it has
+ * Takes in a position. The first is believed as it is: where a CRC is short, compare two before
+ * (lika_ssi_repeats). LIKA_OK: it is believed, and the members follow it. RANGE: it is not, it has
  * moved farther than the axis can, or it is a 0 while the encoder starts up; but for refused all
  * members stay as they were. The limit grows with the time since the last position that was
  * believed; after SILENCE_US any is believed, so that no fault lasts.
