@@ -14,7 +14,7 @@ from .places import ERRATA, to_erratum
 
 #: The page of all families; no family can be called so.
 ALL = "all-errata.md"
-#: What is longer on the spot is told without the reason, which is a link away.
+#: What is longer on the spot is told without the reason, which is a link away, unless wrong bytes are at stake.
 _LONG = 500
 Rows = list[tuple[str, ...]]
 
@@ -64,7 +64,7 @@ class OnPage:
             return f"{badge(item)} {link(code(item.name), f'#erratum-{item.name}')}, told above"
         self._told.add(item.name)
         place, said = anchor(f"erratum-{item.name}"), erratum(item, whole=True)
-        is_long = bool(item.why) and len(STYLE.phrase(said)) > _LONG
+        is_long = item.severity != "wrong_data" and len(STYLE.phrase(said)) > _LONG
         told = STYLE.phrase(erratum(replace(item, why=""), whole=True) if is_long else said)
         name = self._link(item, "Why?" if is_long else "In full")
         return f"{place}{badge(item)} {code(item.name)}: {told} {STYLE.cited(item.source)} {name}"
