@@ -37,7 +37,8 @@ def _index(title: str, folder: str, files: list[Path]) -> str:
     kind = "c" if files and files[0].suffix == ".h" else "python"
     rows = "".join(f"- [{code(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
     return (
-        f"# {title}: reference\n\nWhat each file declares, in its own words. How to begin: [README](../{folder}/README.md).\n"
+        f"# {title}: reference\n\nWhat each file declares, in its own words. "
+        f"How to begin: [README](../{folder}/README.md).\n"
         f"A frame that decodes is not yet a usable position: look at its verdict before you use it.\n\n{rows}"
     )
 
@@ -64,7 +65,11 @@ def python_entries(module: ast.Module) -> Iterator[tuple[str, str, str]]:
         if isinstance(item, ast.ClassDef) and not item.name.startswith("_"):
             yield item.name, f"class {item.name}", _documented(item)
             for method in item.body:
-                if isinstance(method, ast.FunctionDef) and not method.name.startswith("_") and ast.get_docstring(method):
+                if (
+                    isinstance(method, ast.FunctionDef)
+                    and not method.name.startswith("_")
+                    and ast.get_docstring(method)
+                ):
                     yield f"{item.name}.{method.name}", _signature(method), _documented(method)
         elif isinstance(item, ast.FunctionDef) and not item.name.startswith("_") and not item.decorator_list:
             yield item.name, _signature(item), _documented(item)

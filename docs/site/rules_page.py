@@ -24,8 +24,9 @@ _INTRODUCTION = """\
 
 # Rules
 
-`codewheel check` names the rule with each problem: `FILE:LINE:COLUMN: RULE: MESSAGE`. Each stands here with the shortest spec of the
-tests that breaks it, at the faulty line, and the message, which says what to write instead. The tests hold every message to the letter.
+`codewheel check` names the rule with each problem: `FILE:LINE:COLUMN: RULE: MESSAGE`. Each stands here with the
+shortest spec of the tests that breaks it, at the faulty line, and the message, which says what to write instead. The
+tests hold every message to the letter.
 
 How `diff` judges a change is [below](#rules-of-diff)."""
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
+from rules_page import examples, rules_page
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "docs" / "site"))
-from rules_page import examples, rules_page  # noqa: E402
 
 
 def test_the_page_is_that_of_today() -> None:
