@@ -5,7 +5,7 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate lint quick test verify bench bench-python house mutants check spec-page templates-page site clean
+.PHONY: generate lint quick test verify bench bench-python house mutants check spec-page templates-page rules-page site clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -63,6 +63,9 @@ mutants: .venv/.installed
 
 check: .venv/.installed
 	@$(PY) -m codewheel check specs
+
+rules-page: .venv/.installed
+	@$(PY) docs/site/rules_page.py docs/rules.md
 
 # The pages as a static site in build/site, to be opened as files or put on any server.
 site: .venv/.installed

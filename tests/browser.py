@@ -30,14 +30,10 @@ def _started(command: Sequence[str]) -> tuple[subprocess.Popen[bytes], int, int]
     to_browser, write = os.pipe()
     read, from_browser = os.pipe()
     # It reads from 3 and writes to 4, whatever these are here.
-    source, target = (fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (to_browser, from_browser))
-
-    def placed() -> None:
-        os.dup2(source, 3)
-        os.dup2(target, 4)
-
+    source, target = (fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (to_browser, from_browser))
+    placed = ["bash", "-c", f'exec 3<&{source} 4>&{target} {source}<&- {target}>&-; exec "$@"', "bash", *command]
     nothing = subprocess.DEVNULL
-    started = subprocess.Popen(command, preexec_fn=placed, pass_fds=(3, 4), stdout=nothing, stderr=nothing)
+    started = subprocess.Popen(placed, pass_fds=(source, target), stdout=nothing, stderr=nothing)
     for end in (to_browser, from_browser, source, target):
         os.close(end)
     return started, write, read
@@ -61,7 +57,9 @@ class Browser:
     def __enter__(self) -> Browser:
         return self
 
-    def __exit__(self, _kind: type[BaseException] | None, _error: BaseException | None, _at: TracebackType | None) -> None:
+    def __exit__(
+        self, _kind: type[BaseException] | None, _error: BaseException | None, _at: TracebackType | None
+    ) -> None:
         self._session = ""
         self.call("Browser.close")
         self._process.wait(timeout=20)

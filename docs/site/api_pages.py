@@ -12,11 +12,13 @@ from codewheel.say.markdown import code, text
 
 HEADERS = "generated/c/include/lika"
 MODULES = "generated/python/lika_encoders"
-#: A comment of documentation with the declaration below it, up to its body.
+#: A comment of documentation with what it is about below it: a whole type, or a function without its body.
 _DECLARED = re.compile(
-    r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n(?P<what>(?:static inline|typedef) (?:(?!\n\n|\n})[^;{])*)", re.DOTALL
+    r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n"
+    r"(?P<what>(?:[A-Z_]+\n)?(?:typedef [^{;]*\{.*?\n\} \w+;|static inline [^{;]*))",
+    re.DOTALL,
 )
-_NAME = re.compile(r"(\w+)\s*(?:\(|$)")
+_NAME = re.compile(r"(\w+)(?:\(|;$)")
 
 
 def api_pages(root: Path) -> Iterator[tuple[str, str]]:
@@ -35,26 +37,26 @@ def _index(title: str, folder: str, files: list[Path]) -> str:
     kind = "c" if files and files[0].suffix == ".h" else "python"
     rows = "".join(f"- [{code(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
     return (
-        f"# {title}: reference\n\nWhat each file declares, in its own words. How to begin: [README](../{folder}/README.md).\n"
+        f"# {title}: reference\n\nWhat each file declares, in its own words. "
+        f"How to begin: [README](../{folder}/README.md).\n"
         f"A frame that decodes is not yet a usable position: look at its verdict before you use it.\n\n{rows}"
     )
 
 
 def _page(title: str, language: str, entries: Iterator[tuple[str, str, str]]) -> str:
     parts = [
-        f"## {text(name)}\n\n```{language}\n{declared}\n```\n\n{comment}\n" for name, declared, comment in entries
+        f"## {text(name)}\n\n```{language}\n{declared}\n```\n\n```text\n{comment}\n```\n"
+        for name, declared, comment in entries
     ]
-    return f"# {title.replace('_', chr(92) + '_')}\n\n" + "\n".join(parts)
+    return f"# {text(title)}\n\n" + "\n".join(parts)
 
 
 def c_entries(header: str) -> Iterator[tuple[str, str, str]]:
     """Name, declaration and comment of each function and type that has a comment."""
     for found in _DECLARED.finditer(header):
-        declared = " ".join(found["what"].split()).removeprefix("static inline ").removeprefix("typedef ")
-        names = _NAME.findall(declared)
-        if names:
-            lines = [line.strip().removeprefix("*").strip() for line in found["comment"].splitlines()]
-            yield names[0], "\n".join(textwrap.wrap(declared, 90)), _paragraph(" ".join(lines))
+        lines = (line.strip().removeprefix("*").removeprefix(" ") for line in found["comment"].splitlines())
+        declared = found["what"].strip()
+        yield _NAME.findall(declared)[-1 if "typedef" in declared else 0], declared, "\n".join(lines).strip()
 
 
 def python_entries(module: ast.Module) -> Iterator[tuple[str, str, str]]:
@@ -63,7 +65,11 @@ def python_entries(module: ast.Module) -> Iterator[tuple[str, str, str]]:
         if isinstance(item, ast.ClassDef) and not item.name.startswith("_"):
             yield item.name, f"class {item.name}", _documented(item)
             for method in item.body:
-                if isinstance(method, ast.FunctionDef) and not method.name.startswith("_") and ast.get_docstring(method):
+                if (
+                    isinstance(method, ast.FunctionDef)
+                    and not method.name.startswith("_")
+                    and ast.get_docstring(method)
+                ):
                     yield f"{item.name}.{method.name}", _signature(method), _documented(method)
         elif isinstance(item, ast.FunctionDef) and not item.name.startswith("_") and not item.decorator_list:
             yield item.name, _signature(item), _documented(item)
@@ -75,8 +81,4 @@ def _signature(item: ast.FunctionDef) -> str:
 
 
 def _documented(item: ast.ClassDef | ast.FunctionDef) -> str:
-    return "\n\n".join(_paragraph(part) for part in (ast.get_docstring(item) or "").split("\n\n"))
-
-
-def _paragraph(words: str) -> str:
-    return text(" ".join(words.split()))
+    return ast.get_docstring(item) or "Not described."

@@ -1,4 +1,4 @@
-"""Makes pages of the Markdown of a repository: its links lead on, its anchors are known, and each page has its parent."""
+"""Makes pages of the Markdown of a repository: links lead on, anchors are known, and each page has its parent."""
 
 from __future__ import annotations
 

@@ -29,7 +29,9 @@ def faults(browser: Browser, page: Path, width: int) -> Iterator[str]:
     if wide > width:
         yield f"the page is {wide} wide"
     yield from browser.run(_CUT % width)
-    yield from browser.run('[...document.images].filter(item => !item.naturalWidth).map(item => "no picture: " + item.src)')
+    yield from browser.run(
+        '[...document.images].filter(item => !item.naturalWidth).map(item => "no picture: " + item.src)'
+    )
     yield from browser.complaints
 
 

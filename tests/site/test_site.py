@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import posixpath
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -90,9 +92,18 @@ def test_a_sample_in_the_browser(site: Path, browser: Browser, width: int, dark:
 
 
 @pytest.mark.slow
-def test_the_box_that_decodes_is_there_where_its_script_is(site: Path) -> None:
-    page = (site / "generated/docs/amm5/AMM5A21-65KSC1.html").read_text(encoding="utf-8")
-    script = ROOT / "generated" / "browser" / "decode.js"
-    assert (site / "decode.html").exists() == script.exists()
-    assert ('class="codewheel-decode" data-code="AMM5A21/65KSC1"' in page) == script.exists()
-    assert ("generated/browser/decode.js" in page) == script.exists()
+@pytest.mark.parametrize("has_script", [True, False])
+def test_the_box_that_decodes_is_there_where_its_script_is(tmp_path: Path, has_script: bool) -> None:
+    pytest.importorskip("myst_parser", reason="the extra 'site' is not installed")
+    root, code = tmp_path / "root", "generated/docs/amm5/AMM5A21-65KSC1"
+    for name in ["README.md", f"{code}.md", *(["generated/browser/decode.js"] if has_script else [])]:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text("# A page\n", encoding="utf-8")
+    command = "import sys; from pathlib import Path; from build_site import build; build(*map(Path, sys.argv[1:]))"
+    folder = ROOT / "docs" / "site"
+    subprocess.run([sys.executable, "-c", command, str(tmp_path / "site"), str(root)], cwd=folder, capture_output=True)
+    page = (tmp_path / "site" / f"{code}.html").read_text(encoding="utf-8")
+    assert (tmp_path / "site" / "decode.html").exists() == has_script
+    assert ('class="codewheel-decode" data-code="AMM5A21/65KSC1"' in page) == has_script
+    assert ("../../browser/decode.js" in page) == has_script
+    assert (tmp_path / "site" / "generated" / "browser" / "decode.js").exists() == has_script

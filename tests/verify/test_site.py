@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 from browser import CHROMIUM, Browser
-
-ROOT = Path(__file__).resolve().parents[2]
 from building import build
 from looks import LOOKS, axe_finds, faults
+
+ROOT = Path(__file__).resolve().parents[2]
 
 AXE = ROOT / "build" / "axe" / "axe_playwright_python" / "axe.min.js"
 

@@ -1,0 +1,91 @@
+"""The page of rules: each rule of ``check`` with a spec of the tests that breaks it, each of ``diff`` with its reason.
+
+``python docs/site/rules_page.py docs/rules.md`` writes the page, which is what ``make rules-page`` does.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from codewheel.changes.impact import TITLES
+from codewheel.changes.rules import RULES
+from codewheel.say.markdown import code, table, text
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDERS = ("tests/check/broken", "tests/check/broken_model")
+_EXPECTED = re.compile(r"^# expect: (\d+):(\d+): ([\w-]+): (.*)$", re.MULTILINE)
+_WIDEST = 110
+
+_INTRODUCTION = """\
+<!-- Made from the broken specs of the tests by: make rules-page -->
+
+# Rules
+
+`codewheel check` names the rule with each problem: `FILE:LINE:COLUMN: RULE: MESSAGE`. Each stands here with the
+shortest spec of the tests that breaks it, at the faulty line, and the message, which says what to write instead. The
+tests hold every message to the letter.
+
+How `diff` judges a change is [below](#rules-of-diff)."""
+
+
+@dataclass(frozen=True)
+class Example:
+    """A problem in a spec of the tests."""
+
+    rule: str
+    message: str
+    spec: Path
+    line: int
+    problems: int
+
+    @property
+    def lines(self) -> list[str]:
+        """The faulty line, after the last one that is indented less."""
+        lines = self.spec.read_text(encoding="utf-8").splitlines()
+        faulty = lines[self.line - 1]
+        depth = len(faulty) - len(faulty.lstrip())
+        above = [line for line in lines[: self.line - 1] if len(line) - len(line.lstrip()) < depth]
+        return [_cut(line) for line in [*above[-1:], faulty]]
+
+
+def examples() -> dict[str, Example]:
+    """For each rule the spec with the fewest problems, and of these the shortest."""
+    found: dict[str, list[Example]] = {}
+    for spec in sorted(path for folder in FOLDERS for path in (ROOT / folder).glob("*.yaml")):
+        told = _EXPECTED.findall(spec.read_text(encoding="utf-8"))
+        for line, _, rule, message in told:
+            found.setdefault(rule, []).append(Example(rule, message, spec, int(line), len(told)))
+    return {
+        rule: min(found[rule], key=lambda item: (item.problems, item.spec.stat().st_size, item.line))
+        for rule in sorted(found)
+    }
+
+
+def rules_page() -> str:
+    parts = [_INTRODUCTION, "## Rules of check", *map(_shown, examples().values()), "## Rules of diff", _diff_rules()]
+    return "\n\n".join(parts) + "\n"
+
+
+def _shown(item: Example) -> str:
+    shown = "\n".join(item.lines)
+    path = item.spec.relative_to(ROOT).as_posix()
+    return f"### {text(item.rule)}\n\n{text(item.message)}\n\n[`{item.spec.name}`](../{path}):\n\n```yaml\n{shown}\n```"
+
+
+def _diff_rules() -> str:
+    rows = [
+        (code(rule.name), text(rule.when), *(item.word for item in rule.impacts), text(rule.why))
+        for rule in RULES.values()
+    ]
+    return table(["Rule", "When", *TITLES.values(), "Why"], rows)
+
+
+def _cut(line: str) -> str:
+    return line if len(line) <= _WIDEST else line[: _WIDEST - 1] + "…"
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(rules_page(), encoding="utf-8")
