@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7AA467DCU)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -133,7 +133,7 @@ typedef struct lika_am36_variant {
      */
     uint32_t used_revolutions;
     /**
-     * Positions per revolution over BiSS, as set [6.5 p.27]. Unit: counts. Held at run time in
+     * Counts in a revolution over BiSS, as set [6.5 p.27]. Unit: counts. Held at run time in
      * registers 4Bh to 4Dh (Steps of Information per revolution), 1 to 1,048,576.
      * lika_am36_take_information_per_revolution() takes it over.
      */
@@ -170,15 +170,6 @@ typedef struct lika_am36_variant {
 static inline uint32_t lika_am36_position_bits(const lika_am36_variant *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
-}
-
-/**
- * Positions that are told apart over all revolutions by the order code; the manual's "max. number
- * of information" [5.2]. Unit: counts.
- */
-static inline uint32_t lika_am36_positions(const lika_am36_variant *variant)
-{
-    return (uint32_t)((uint64_t)1U << lika_am36_position_bits(variant));
 }
 
 /** Bits of the whole BiSS position, as set; 36 at most [6.3.1 p.21]. Unit: bits. */
@@ -1319,7 +1310,7 @@ static inline lika_result lika_am36_write_configuration(
 #define LIKA_AM36_REG_INFORMATION_PER_REVOLUTION_MAX 1048576U
 
 typedef struct lika_am36_reg_information_per_revolution {
-    uint32_t steps; /**< Positions per revolution. Unit: counts. Takes powers of two only. */
+    uint32_t steps; /**< Counts in a revolution. Unit: counts. Takes powers of two only. */
 } lika_am36_reg_information_per_revolution;
 
 /** Decodes 3 bytes, the one of the lowest address first. */
@@ -2792,8 +2783,8 @@ static inline lika_result lika_am36_identify(
  * listed go with. Why: The table of the BiSS frame lists 16 + 12 and 19 + 12 bits, and no other
  * resolutions. [am36_1_1: p.22]
  * Edition 1.1: Not known there: value BG of part output of the order code, value GG of part output
- * of the order code and SSI. Why: No page on SSI is public. That there are SSI models with BG, the
- * name of the series tells, and no more. [am36_1_1_biss: p.21]
+ * of the order code, SSI and parameter modulus. Why: No page on SSI is public. That there are SSI
+ * models with BG, the name of the series tells, and no more. [am36_1_1_biss: p.21]
  * Edition 1.1: Instead of what is said of register configuration: Of edition 1.1 only its address
  * is known, and that one of its bits has to be 1 before a preset can be entered, which 1.0 has as
  * well and which is an erratum there. The meaning of its bits is that of edition 1.0; the code of

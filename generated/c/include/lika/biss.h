@@ -34,6 +34,9 @@
  *    half of all, come back as if they were. With a bit a frame late that takes a slave that is
  *    busy and a disturbed CDS at once. So read back what was written before a command acts on it,
  *    or look at what the command did: after a preset, at the next position.
+ *  - Zeros may complete a byte: where a write is given up within one, the slave can store what it
+ *    was sent of it, followed by zeros, if the CRC of that is 0 (one of 68 places and values).
+ *    Write such a register again, and think twice where any value starts something.
  *
  * Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18.
  * That CTS is in the CRC, the frame in which each answer comes, and P before a further S are as in
@@ -50,7 +53,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7AA467DCU)
 #error "lika/biss.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -400,7 +403,8 @@ static inline lika_result lika_biss_master_write(
 
 /**
  * Gives an access up: zeros follow. To be called where a frame had no CDS, as the slave may have
- * gone on by a bit that the master has not seen; begin the access again then.
+ * gone on by a bit that the master has not seen; begin the access again then. A write that is given
+ * up may have stored another value, see above.
  */
 static inline void lika_biss_master_abort(lika_biss_master *master)
 {

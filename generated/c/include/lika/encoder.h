@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0xF727B5DFU
+#define LIKA_GENERATION 0x7AA467DCU
 
 #ifdef __cplusplus
 extern "C" {

@@ -52,7 +52,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0xF727B5DFU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7AA467DCU)
 #error "lika/sma21.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -175,15 +175,6 @@ typedef struct lika_sma21_variant {
 #define LIKA_SMA21_JP1_0005 { 5U, 23U, 0U, 1U, 0U, 0x2817U, 1U, 23U }
 #define LIKA_SMA21_JP1_0002 { 2U, 24U, 0U, 0U, 0U, 0x2818U, 1U, 24U }
 #define LIKA_SMA21_JP1_0001 { 1U, 25U, 0U, 0U, 0U, 0x2819U, 1U, 24U }
-
-/**
- * Positions that are told apart over SSI and BiSS; the manual's "max. informazioni" [5.2 p.20].
- * Unit: counts.
- */
-static inline uint32_t lika_sma21_positions(const lika_sma21_variant *variant)
-{
-    return (uint32_t)((uint64_t)1U << variant->position_bits);
-}
 
 /** Bits of the position field of the BiSS single cycle data, 24 or 25 [6.2 p.25]. Unit: bits. */
 static inline uint32_t lika_sma21_scd_position_bits(const lika_sma21_variant *variant)
