@@ -60,6 +60,8 @@ class Case:
     def text(self, number: int, other_bits: int = 0) -> str:
         """A frame as people type it, with so many bits more or fewer; a word with all of its bits or without."""
         bits = self.placed.bits + other_bits
+        if not self.layout.in_bytes and self._is_too_high(number, other_bits):
+            return f"0x{number | 1 << bits - 1:X}"
         if not self.layout.in_bytes:
             return f"0b{number % (1 << bits):0{bits}b}" if number % 3 or other_bits else f"0x{number:X}"
         data = codec.number_to_bytes(self.layout, number, self.placed.bits)
@@ -69,8 +71,10 @@ class Case:
     def decoded(self, number: int, other_bits: int = 0) -> codec.Decoded:
         """What the reference makes of that text."""
         if not self.layout.in_bytes:
+            bits = self.placed.bits + other_bits
+            if self._is_too_high(number, other_bits):
+                return codec.decode(self.device, self.placed, number | 1 << bits - 1)
             if number % 3 or other_bits:
-                bits = self.placed.bits + other_bits
                 return codec.decode_bits(self.device, self.placed, number % (1 << bits), bits)
             return codec.decode(self.device, self.placed, number)
         data = codec.number_to_bytes(self.layout, number, self.placed.bits) + bytes(8)
@@ -78,6 +82,11 @@ class Case:
         if self.register is not None:
             return codec.decode_placed(self.device, self.placed, data)
         return codec.decode_bytes(self.device, self.variant, self.layout.sender, data)
+
+    @staticmethod
+    def _is_too_high(number: int, other_bits: int) -> bool:
+        """Whether a word that is too long is written without the zeros in front of it."""
+        return other_bits > 0 and number % 3 == 0
 
     def said(self, decoded: codec.Decoded) -> str:
         """All that is told of it, as one text."""
