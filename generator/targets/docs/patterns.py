@@ -1,4 +1,4 @@
-"""Many order codes in few words: ``SMA21-{BG1,BG4}-{0050,0100}``."""
+"""Many order codes in few words: ``E40-{SSI,BISS}-{12,16}``."""
 
 from __future__ import annotations
 
