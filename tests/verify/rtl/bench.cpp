@@ -111,11 +111,6 @@ Bench *bench_new(int of_spi)
     return bench.release();
 }
 
-void bench_delete(Bench *bench)
-{
-    delete bench;
-}
-
 // Between two frames: how fast MA is, how long the line, and how long the slave takes for its data.
 void bench_line(Bench *bench, unsigned half, unsigned delay, unsigned processing, int cut)
 {
