@@ -11,13 +11,15 @@ from .codec import Bits, bits_of
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A parameter in a register. ``low`` and ``high`` are None where no value of the field is beyond them."""
+    """A parameter in a register. ``low`` and ``high`` are None where no value of the field is beyond them; ``most`` is
+    the highest value that is left."""
 
     parameter: Parameter
     field: Field
     bits: Bits
     low: int | None
     high: int | None
+    most: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,4 +46,4 @@ def _held(register: Register, parameter: Parameter) -> Held:
     least, most = (1 if zero_means else 0), max((1 << field.widest) - 1, zero_means)
     low = parameter.min if parameter.min is not None and parameter.min > least else None
     high = parameter.max if parameter.max is not None and parameter.max < most else None
-    return Held(parameter, field, bits_of(register.layout, field), low, high)
+    return Held(parameter, field, bits_of(register.layout, field), low, high, most if high is None else high)

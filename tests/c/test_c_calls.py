@@ -24,9 +24,10 @@ SHARED = {
 }
 #: And of a family's: frames and registers by what is done with them, numbers of an order code and of an interface.
 FAMILY = re.compile(
-    r"find_order_code|next_candidate|report_text|(read|write|take)_\w+|\w+_(encode|decode|is_expected|verdict|reports|set_\w+)"
+    r"find_order_code|next_candidate|report_text|(read|write|take)_\w+"
+    r"|\w+_(encode|decode|is_expected|verdict|reports|set_\w+)|reg_\w+_(mask|shift|max)"
     r"|(\w+_)?(turns|degrees|micrometres|millimetres|position_difference)|\w+_(clock_limit_hz|timeout_ns)"
-    r"|rs485_(request_frame|reply_frame|frame_length)|reg_\w+_(mask|shift|max)"
+    r"|rs485_(request_frame|reply_frame|frame_length)"
 )
 
 

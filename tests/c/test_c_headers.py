@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from c_harness import FAMILIES, compile_c, devices_of, source, write
+from c_harness import FAMILIES, MADE_UP, compile_c, devices_of, source, write
 from codewheel.commands.cli import main
 from codewheel.model import Biss, Device, Ssi
 from codewheel.targets import Library, TargetError
@@ -498,3 +498,10 @@ def test_no_result_can_be_dropped_unseen(include: Path) -> None:
             (marked if found[1] else plain).add(found[2])
     assert plain == MAY_BE_LEFT
     assert len(marked) > 100
+
+
+def test_what_a_register_can_hold_fits_into_the_variant() -> None:
+    """Steps of Scale: a byte whose 0 means 256, without a maximum; its default needs less."""
+    files = generate(Library(devices_of(MADE_UP["shapes"])))
+    header = next(text for path, text in files.items() if path.endswith("/shapes.h"))
+    assert "    uint16_t scale;\n" in header

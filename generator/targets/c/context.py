@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...model import Crc, Device, Layout, Parameter, Register, RegisterMeaning
 from ...model.expressions import Expression
 from ...plan.crcs import carriers
+from ...plan.held import held_parameters
 from .alternatives import AlternativeCode
 from .enumerations import Enumerations
 from .expr import Scope
@@ -21,7 +22,8 @@ class Context:
         self.prefix = f"{device.manufacturer.name}_{device.name}"
         self.PREFIX = self.prefix.upper()
         self.alternatives = tuple(AlternativeCode(device, self.prefix, item) for item in device.alternatives)
-        largest = {item.name: max(item.largest, item.max or 0) for item in device.set_parameters}
+        held = {one.parameter.name: one.most for item in held_parameters(device) for one in item.parameters}
+        largest = {item.name: max(item.largest, held.get(item.name, 0)) for item in device.set_parameters}
         answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
         self.scope = Scope(self.maker.name, self.prefix, largest, answers)
         self.enumerations = Enumerations(device, self.prefix)
@@ -48,7 +50,6 @@ class Context:
         name = f"{self.prefix}_reg_{register.name}" + (f"_{meaning.name}" if meaning is not None else "") + f"_{side}"
         return name.upper() if limit.is_constant else f"{name}({variant})"
 
-    @staticmethod
-    def member_type(item: Parameter) -> str:
+    def member_type(self, item: Parameter) -> str:
         """The type of a parameter in the variant."""
-        return unsigned(max(item.largest, item.max or 0).bit_length())
+        return unsigned(self.scope.largest[item.name].bit_length())

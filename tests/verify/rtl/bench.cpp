@@ -1,5 +1,5 @@
-// The master and the slave in Verilog on a line that delays and is disturbed, for ctypes. The master is the one in Verilog,
-// or an SPI as a microcontroller has it: so many clocks, MA at rest high, SLO sampled at each rising edge.
+// The master and the slave in Verilog on a line that delays and is disturbed, for ctypes. The master is the one in
+// Verilog, or an SPI as a microcontroller has it: so many clocks, MA at rest high, SLO sampled at each rising edge.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -109,11 +109,6 @@ Bench *bench_new(int of_spi)
     bench->master.reset = 0;
     bench->step();
     return bench.release();
-}
-
-void bench_delete(Bench *bench)
-{
-    delete bench;
 }
 
 // Between two frames: how fast MA is, how long the line, and how long the slave takes for its data.

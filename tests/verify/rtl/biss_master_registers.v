@@ -1,6 +1,6 @@
-// Register access of a BiSS C master on a line with one slave, whose ID is 0: takes the CDS bit of each frame and gives a
-// CDM bit. It remembers which bits it has sent, so that it knows what each answer is the answer to: the next CDS is that
-// to the last bit, or, where a bit goes out a frame late, that to the bit before.
+// Register access of a BiSS C master on a line with one slave, whose ID is 0: takes the CDS bit of each frame and gives
+// a CDM bit. It remembers which bits it has sent, so that it knows what each answer belongs to: the next CDS is that to
+// the last bit, or, where a bit goes out a frame late, that to the bit before.
 module biss_master_registers (
     input wire clk,
     input wire reset,
@@ -36,7 +36,7 @@ module biss_master_registers (
     localparam DATA = 3'd5;         // DATA, CRC
     localparam P = 3'd6;
 
-    // The bit sent last: its part, and the how many-th of that it is. What an answer belongs to is that, or the one before.
+    // The bit sent last: its part, and which one of that it is, from 1 on; and the bit before it.
     reg [2:0] part;
     reg [4:0] at;
     reg [2:0] part_before;

@@ -1,5 +1,5 @@
-// Register access of a BiSS C slave, the only one of its line (ID 0): answers the CDM bit of each frame with the CDS bit
-// of the next one.
+// Register access of a BiSS C slave, the only one of its line (ID 0): answers the CDM bit of each frame with the CDS
+// bit of the next one.
 //
 //   CDM  14 x 0, S, CTS, ID2..0, ADR6..0, CRC3..0, R, W, S, DATA7..0, CRC3..0 (to read: 12 x 0), P, S ...
 //   CDS          0  1    0 0 0   0 ...             0  R  W  S  DATA7..0 ...                      P ...  one frame later
