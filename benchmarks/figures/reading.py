@@ -60,7 +60,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
     ("|_row|imports|_named", r"(names|needed|optional)\.split\(\)", "a list of words"),
     ("__str__", r"\{first\.operator, .*", "the operators of an expression"),
     ("package_files", r"path\.endswith\(.*", "the name of a file"),
-    ("__init__", r"'modulus' in where\.names", "the functions that a family has, by their names"),
+    ("modulus", r"'modulus' in where\.names", "the functions that a family has, by their names"),
     ("_render", r"template\.endswith\(.*", "the name of a template"),
     ("_holds|span_text|plain_expression", ".*", "an expression of the spec in words"),
     ("shared_names", ".*", "a name of the shared headers, in capitals or not"),

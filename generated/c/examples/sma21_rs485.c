@@ -190,8 +190,8 @@ static void go_on(void)
         break;
     case LIKA_TODO_END:
         running = false;
-        printf("%lu us: %s\n", (unsigned long)now_us, (runner.result == LIKA_OK) ?
-            "done" : "failed: begin it anew");
+        printf("%lu us: %s\n", (unsigned long)now_us,
+            (runner.result == LIKA_OK) ? "done" : "failed: begin it anew");
         break;
     case LIKA_TODO_WAIT:
     case LIKA_TODO_BUSY:

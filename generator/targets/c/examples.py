@@ -176,10 +176,23 @@ class ExampleCode:
         return next(found, None) if self._chosen.has_position(self.frame.layout) else None
 
     @property
+    def modulus(self) -> str:
+        """After how many counts the position starts again, as a tracker takes it."""
+        where = self.position
+        rolls = where is not None and "modulus" in where.names
+        return f"{where.prefix}_modulus(&encoder)" if where is not None and rolls else "0U"
+
+    @property
     def counts(self) -> str:
         """The member that holds the position."""
         measurement = self._chosen.measurement
         return c_name(measurement.of) if measurement is not None else ""
+
+    @property
+    def repeats(self) -> bool:
+        """Whether two positions can be compared by the shared function, which takes none below 0."""
+        measured = (item.field for item in self.struct.plan.parts if c_name(item.field.name) == self.counts)
+        return bool(self.counts) and not any(item.number.signed for item in measured)
 
     # -- registers and procedures
 

@@ -25,10 +25,7 @@ class ReceiverCode:
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
         self.bits, self.size = (item.name for item in view.lengths[example.interface.name].macros_of(self.longest))
-        where = example.position
-        rolls = where is not None and "modulus" in where.names
-        #: After how many counts the position starts again, as a tracker takes it.
-        self.modulus = f"{where.prefix}_modulus(&encoder)" if where is not None and rolls else "0U"
+        self.modulus = example.modulus
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
