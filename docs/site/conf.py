@@ -24,6 +24,6 @@ html_use_index = False
 # The text of a hit would be fetched, which a page opened as a file may not do.
 html_show_search_summary = False
 html_permalinks = False
-# The decoder has no lexer for what a terminal shows.
+# What a terminal shows is no language.
 highlight_language = "none"
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]

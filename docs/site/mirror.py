@@ -56,7 +56,8 @@ class Mirror(SphinxTransform):
             slug = _NOT_IN_A_SLUG.sub("", section[0].astext().lower()).replace(" ", "-")
             count = taken[slug] = taken.get(slug, -1) + 1
             name = f"{slug}-{count}" if count else slug
-            section["ids"] = [name, *(item for item in section["ids"] if item != name)][:1] if name else section["ids"]
+            if name:
+                section["ids"] = [name]
 
     def _leads_to(self, target: str) -> str:
         path, mark, anchor = target.partition("#")
