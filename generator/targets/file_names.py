@@ -10,12 +10,12 @@ _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
 _LONGEST = 80
 
 
-def names_of_codes(order_codes: Iterable[str]) -> list[str]:
+def names_of_codes(order_codes: Iterable[str], others: Iterable[str] = ()) -> list[str]:
     """What the file of each is called, also where upper and lower case are the same; numbered where that is needed.
 
-    What no file name may have is a hyphen.
+    What no file name may have is a hyphen. ``others`` are names that are taken, in small letters.
     """
-    taken, names = set[str](), list[str]()
+    taken, names = set(others), list[str]()
     for order_code in order_codes:
         plain = _NO_PART_OF_A_NAME.sub("-", order_code).lstrip(".")
         numbers = chain([""], (f"-{number}" for number in count(2)))

@@ -12,8 +12,9 @@ from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.reference.applied import applied
 from codewheel.targets import Library
-from codewheel.targets.docs.by_code import page_names
+from codewheel.targets.docs.by_code import TAKEN
 from codewheel.targets.docs.patterns import patterns
+from codewheel.targets.file_names import names_of_codes
 
 Files = Mapping[str, str]
 
@@ -87,11 +88,11 @@ def test_a_field_without_bits_has_no_row(pages: Files) -> None:
     ],
 )
 def test_no_two_pages_have_one_name(codes: list[str], names: list[str]) -> None:
-    assert page_names(codes) == names
+    assert names_of_codes(codes, TAKEN) == names
 
 
 def test_the_name_of_a_page_is_not_too_long() -> None:
-    names = page_names(["X" * 300, "X" * 301, "Y"])
+    names = names_of_codes(["X" * 300, "X" * 301, "Y"])
     assert names == ["X" * 80, "X" * 78 + "-2", "Y"]
 
 

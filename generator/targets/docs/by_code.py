@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, count
 from typing import Annotated
 
 from ...model import INTERFACES, Device, Interface, Parameter, Variant
@@ -16,16 +14,15 @@ from ...reference.parts import for_codes
 from ...say.markdown import cited, code, joined, link, text
 from ...say.parameter import value
 from ...say.place import field_at
+from ..file_names import names_of_codes
 from .over import OverValues, over_values
 from .patterns import patterns
 from .sections import Sections, sections
 from .shown import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
-_NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
-_LONGEST = 80
 #: What else lies in the folder of a family: pages, and pictures by the first word of their names.
-_TAKEN = (*INTERFACES, "errata", "hardware", "manual", "register", "timing")
+TAKEN = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
 
 
 class CodePage(Sections, OverValues):
@@ -69,7 +66,7 @@ class Codes:
         found: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
         for item in self.device.variants:
             found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
-        names = page_names(variants[0].code for variants in found.values())
+        names = names_of_codes((variants[0].code for variants in found.values()), TAKEN)
         return tuple(
             Alike(self.device, tuple(variants), applied(_only(self.device, variants), variants[0]), name)
             for variants, name in zip(found.values(), names, strict=True)
@@ -108,21 +105,6 @@ class Codes:
 
 def _only(device: Device, variants: Iterable[Variant]) -> Device:
     return for_codes(device, [item.code for item in variants])
-
-
-def page_names(order_codes: Iterable[str]) -> list[str]:
-    """What the page of each is called, also where upper and lower case are the same; numbered where that is needed.
-
-    What no file name may have is a hyphen.
-    """
-    taken, names = set(_TAKEN), list[str]()
-    for order_code in order_codes:
-        plain = _NO_PART_OF_A_NAME.sub("-", order_code)
-        numbers = chain([""], (f"-{number}" for number in count(2)))
-        numbered = (f"{plain[: _LONGEST - len(number)]}{number}" for number in numbers)
-        names.append(next(name for name in numbered if name.casefold() not in taken))
-        taken.add(names[-1].casefold())
-    return names
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
