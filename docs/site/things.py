@@ -15,7 +15,7 @@ from codewheel.build.load import load_library
 from codewheel.model import Device, Field, Layout
 from codewheel.say.name import title, words
 from codewheel.say.place import addresses, hexadecimal
-from codewheel.targets.docs.by_code import all_alike
+from codewheel.targets.docs.by_code import Codes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain
 from sphinx.util import logging
@@ -137,9 +137,9 @@ class Encoders(Domain):
     def _code_pages(self) -> dict[str, tuple[str, ...]]:
         """The pages of order codes, and which they are."""
         return {
-            f"{_PAGES}/{device.name}/{alike.name}": tuple(item.code for item in alike.variants)
+            f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes)
             for device in self._families
-            for alike in all_alike(device)
+            for alike in Codes(device).alike
         }
 
     def code_of(self, page: str) -> str:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from browser import CHROMIUM, Browser
 from building import build
+from chromium import CHROMIUM, Browser
 
 
 @pytest.fixture(scope="session")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from browser import Browser
+from chromium import Browser
 
 #: Width, and whether the reader prefers dark.
 LOOKS = [(375, False), (375, True), (1280, False), (1280, True)]

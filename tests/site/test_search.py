@@ -6,7 +6,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pytest
-from browser import Browser
+from chromium import Browser
 
 #: What is typed, what stands first, and what its link ends in. Codes, addresses and names are those of the manuals.
 QUERIES = """

@@ -12,7 +12,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from browser import Browser
+from chromium import Browser
 from looks import LOOKS, faults
 
 ROOT = Path(__file__).resolve().parents[2]

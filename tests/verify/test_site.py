@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from browser import CHROMIUM, Browser
 from building import build
+from chromium import CHROMIUM, Browser
 from looks import LOOKS, axe_finds, faults
 
 ROOT = Path(__file__).resolve().parents[2]
