@@ -55,7 +55,8 @@ def things(device: Device) -> Iterator[Thing]:
         anchor = f"layout-{layout.name}"
         yield from _named(layout, f"frame, {interface.title}", anchor, interface.name)
     for item in device.interfaces:
-        yield Thing(item.title, "interface", f"interface-{item.name}", item.name)
+        # The first section of its page.
+        yield Thing(item.title, "interface", "frames", item.name)
     for kind, anchor, items in _parts(device):
         for part in items:
             yield from _named(part, kind, f"{anchor}-{part.name}")
