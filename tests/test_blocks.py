@@ -62,6 +62,18 @@ ELSEWHERE = {
         "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
         "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
     },
+    "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
+    **{
+        f"docs/start-{name}.md": {
+            f"{language}: ": "tests/docs/test_start_pages.py::test_its_commands" for language in languages
+        }
+        for name, languages in {
+            "bench": ("", "text", "python"),
+            "firmware": ("", "c"),
+            "maintainer": ("",),
+            "master": ("",),
+        }.items()
+    },
     "docs/templates.md": {
         "jinja: ": "tests/docs/test_templates_page.py::test_its_example",
         ": ": "tests/docs/test_templates_page.py::test_its_example",
@@ -72,6 +84,9 @@ ELSEWHERE = {
     "generated/c/README.md": {
         "sh: cc ": "tests/verify/test_handover.py::test_a_plain_line",
         "c: ": "tests/c/test_c_headers.py::test_the_readme_compiles_and_prints",
+    },
+    "generated/browser/README.md": {
+        "html: ": "tests/browser/test_browser_page.py::test_a_box_has_the_order_code_of_its_element",
     },
     "generated/python/README.md": {
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
@@ -84,6 +99,8 @@ ELSEWHERE = {
 }
 #: What no test runs, and why.
 EXCEPTIONS = {
+    ("README.md", ": python3 -m venv"): "fetches packages; test_what_it_types_first types the lines after it",
+    ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
     ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
     ("CONTRIBUTING.md", ": spec "): "a drawing of the house; tests/test_house_rules.py holds the house against its map",
     ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",

@@ -19,7 +19,7 @@ SHARED = {
     " slave_allow slave_give slave_stored slave_next request_encode",
     "encoder": "step_send step_poll",
     "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats ask take resume late",
-    "runner": "start next done",
+    "runner": "start next done close",
     "tracker": "start restart add speed",
 }
 #: And of a family's: frames and registers by what is done with them, numbers of an order code and of an interface.

@@ -198,13 +198,13 @@ Phrase = Callable[[Said], str]
 def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     """Each output as one line of text, and how it writes a statement."""
     shown = [device_text(device), *(variant_text(device, find(device, item.code)) for item in device.variants)]
-    page = generate(Library((device,)))["docs/said.md"]
+    pages = " ".join(text for path, text in generate(Library((device,))).items() if path.startswith("docs/said"))
     header = re.sub(r"\n +\* ", " ", generate_c(Library((device,)))["c/include/acme/said.h"])
     files = generate_python(Library((device,)))
     module = files["python/acme_encoders/said.py"] + files["python/acme_encoders/facts/said.py"]
     return {
         "show": (flat(" ".join(shown)), BY_NAME.phrase),
-        "docs": (flat(page), MARKDOWN.phrase),
+        "docs": (flat(pages), MARKDOWN.phrase),
         "c": (flat(header), lambda item: in_comment(BY_TITLE.phrase(item))),
         "python": (flat(module), AS_LITERAL.phrase),
     }
