@@ -86,7 +86,8 @@ def _add_children(app: Sphinx, doctree: nodes.document) -> None:
 
 def _children(env: BuildEnvironment, page: str) -> Iterator[str]:
     named = NAMED.findall(Path(env.doc2path("index")).read_text(encoding="utf-8"))
-    for name in sorted(env.found_docs - {"index", *named}):
+    # Order codes, which are in capitals, come last.
+    for name in sorted(env.found_docs - {"index", *named}, key=str.swapcase):
         if page != name and _parent(env, name) == page:
             yield name
 
