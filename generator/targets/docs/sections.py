@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, TypedDict
 
-from ...model import Biss, Device, FieldGroup, Interface, Layout, Register, Rs485
+from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485
 from ...reference.parameters import follows_registers
 from ...say import alarm, hardware_input
 from ...say import layout as say_layout
@@ -56,27 +56,12 @@ def sections(device: Device) -> Sections:
         "crcs": [{"crc": item, "rows": facts.crc_rows(item)} for item in device.crcs],
         "registers": [_register(device, item) for item in device.registers],
         "register_rows": [_register_row(item) for item in device.registers],
-        "procedures": [
-            {
-                "procedure": item,
-                "about": list(say_procedure.about(item)),
-                "rows": facts.step_rows(device, item),
-                "arguments": [(part.name, say_procedure.argument(device, part)) for part in item.arguments],
-            }
-            for item in device.procedures
-        ],
+        "procedures": [_procedure(device, item) for item in device.procedures],
         "alarms": [{"alarm": item, "title": title(item), "facts": alarm.facts(device, item)} for item in device.alarms],
         "inputs": [
             {"input": item, "title": title(item), "facts": hardware_input.facts(device, item)} for item in device.inputs
         ],
-        "connectors": [
-            {
-                "connector": item,
-                "head": {"cable": "Wire"}.get(item.kind, "Pin"),
-                "rows": [(text(part.contact), text(part.signal), code(part.only)) for part in item.contacts],
-            }
-            for item in device.connectors
-        ],
+        "connectors": [_connector(item) for item in device.connectors],
         "led_rows": [
             (
                 text(item.title) if index == 0 else "",
@@ -192,6 +177,23 @@ def _register(device: Device, register: Register) -> Section:
         ],
         "joins": say_layout.joins(register.layout),
         "placements": layouts.placement_table(device, register.layout, register.interface),
+    }
+
+
+def _procedure(device: Device, procedure: Procedure) -> Section:
+    return {
+        "procedure": procedure,
+        "about": list(say_procedure.about(procedure)),
+        "rows": facts.step_rows(device, procedure),
+        "arguments": [(part.name, say_procedure.argument(device, part)) for part in procedure.arguments],
+    }
+
+
+def _connector(connector: Connector) -> Section:
+    return {
+        "connector": connector,
+        "head": {"cable": "Wire"}.get(connector.kind, "Pin"),
+        "rows": [(text(part.contact), text(part.signal), code(part.only)) for part in connector.contacts],
     }
 
 
