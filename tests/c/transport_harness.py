@@ -353,7 +353,7 @@ static inline @maker@_result in_a_loop(
     for (todo = @maker@_runner_next(&runner, now); todo != @MAKER@_TODO_END; todo = @maker@_runner_next(&runner, now)) {
         if (todo != @MAKER@_TODO_WAIT) {
             const int32_t error = started(transport, &runner, todo);
-            if (@maker@_runner_next(&runner, now + 3U) != @MAKER@_TODO_BUSY) {
+            if (@maker@_runner_next(&runner, now + 3U) != @MAKER@_TODO_BUSY || @maker@_runner_close(&runner, now)) {
                 abort();
             }
             @maker@_runner_done(&runner, error, now);
@@ -371,6 +371,14 @@ static inline @maker@_result in_a_loop(
     }
     if (@maker@_runner_next(&runner, now) != @MAKER@_TODO_END || runner.alone) {
         abort();
+    }
+    {
+        /* Something is left to do exactly where something is open; the tests look at the encoder before that. */
+        @maker@_runner again = runner;
+        if (@maker@_runner_close(&again, now) != runner.failure.left_open
+            || (@maker@_runner_next(&again, now) != @MAKER@_TODO_END) != runner.failure.left_open) {
+            abort();
+        }
     }
     if (runner.result != @MAKER@_OK && failure != NULL) {
         *failure = runner.failure;

@@ -83,37 +83,63 @@ static int32_t on_send(void *context, uint8_t request, uint8_t *reply, size_t le
     return ends(context);
 }
 
+/* Steps the runner to its end; gives the time it is by then. */
+static uint32_t carry_out(record *to, @maker@_runner *runner, uint32_t now)
+{
+    @maker@_todo todo;
+    while ((todo = @maker@_runner_next(runner, now)) != @MAKER@_TODO_END) {
+        int32_t error = 0;
+        if (todo == @MAKER@_TODO_WAIT) {
+            (void)on_wait(to, runner->wait_us);
+            now += runner->wait_us;
+            continue;
+        }
+        require(@maker@_runner_next(runner, now) == @MAKER@_TODO_BUSY, "two things at a time");
+        if (todo == @MAKER@_TODO_READ) {
+            error = on_read(to, runner->address, runner->data, runner->length);
+        } else if (todo == @MAKER@_TODO_WRITE) {
+            error = on_write(to, runner->address, &runner->byte, 1U);
+        } else {
+            error = on_send(to, runner->byte, runner->data, runner->length);
+        }
+        @maker@_runner_done(runner, error, now);
+    }
+    return now;
+}
+
+/* What was left open is closed by registers, without a request; where nothing is, nothing happens. The fault stays. */
+static void close_again(record *to, @maker@_runner *runner, uint32_t now)
+{
+    const @maker@_failure before = runner->failure;
+    const @maker@_result result = runner->result;
+    size_t told = to->count;
+    require(@maker@_runner_close(runner, now) == before.left_open, "closes what is not open");
+    (void)carry_out(to, runner, now);
+    require(runner->result == result && runner->failure.step == before.step, "closing hides the fault");
+    require(before.left_open || to->count == told, "something is done though nothing is open");
+    for (; told < to->count; told++) {
+        require((to->told[told] >> 60U) != 4U, "closing sends a request");
+    }
+}
+
 static @maker@_result waiting_for_nothing(
     record *to, const @maker@_step *steps, size_t count, uint8_t *bytes, size_t length,
     uint32_t at_most, uint32_t pause, @maker@_failure *failure)
 {
     @maker@_runner runner;
     uint32_t now = 0xFFFFF000U;
-    @maker@_todo todo;
+    size_t told;
     if (@maker@_runner_start(&runner, steps, count, bytes, length, now) != @MAKER@_OK) {
         require(@maker@_runner_next(&runner, now) == @MAKER@_TODO_END, "a start that failed goes on");
         return runner.result;
     }
     runner.poll_at_most = at_most;
     runner.poll_pause_us = pause;
-    while ((todo = @maker@_runner_next(&runner, now)) != @MAKER@_TODO_END) {
-        int32_t error = 0;
-        if (todo == @MAKER@_TODO_WAIT) {
-            (void)on_wait(to, runner.wait_us);
-            now += runner.wait_us;
-            continue;
-        }
-        require(@maker@_runner_next(&runner, now) == @MAKER@_TODO_BUSY, "two things at a time");
-        if (todo == @MAKER@_TODO_READ) {
-            error = on_read(to, runner.address, runner.data, runner.length);
-        } else if (todo == @MAKER@_TODO_WRITE) {
-            error = on_write(to, runner.address, &runner.byte, 1U);
-        } else {
-            error = on_send(to, runner.byte, runner.data, runner.length);
-        }
-        @maker@_runner_done(&runner, error, now);
-    }
+    now = carry_out(to, &runner, now);
     *failure = runner.failure;
+    told = to->count;
+    close_again(to, &runner, now);
+    to->count = told;
     return runner.result;
 }
 
