@@ -85,13 +85,13 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     count = len(source)
     out = _columns(count, {**kinds(shape), "fault": "u1"})
     fault = out.pop("fault")
-    fault[:] = 0
     if HELPER is not None and HELPER(source, shape, out, fault):
         where = np.flatnonzero(fault)
         if len(where):
             limbs = _limbs(source[where], shape) if shape.length else [source[where]]
             _tell_faults(source[where], limbs, where, shape, out, fault)
     else:
+        fault[:] = 0
         for start in range(0, count, CHUNK):
             part = slice(start, start + CHUNK)
             _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])

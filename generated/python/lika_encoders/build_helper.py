@@ -12,38 +12,84 @@ import os
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from inspect import signature
+from itertools import product
 from pathlib import Path
+from typing import Final
 
+from . import lookup
+from ._encoder import Encoder
 from ._helper import LIBRARY, SOURCE, HelperError, generation
+from ._loops import printed
+from ._order_codes import OrderCodeError
+from ._shape import Shape
+from ._stream import layouts_of
+
+_FAMILIES: Final = ("am36", "amm5", "asc85", "sma21",)
 
 
-def build(path: str | Path = LIBRARY, native: bool = False) -> Path:
+def build(path: str | Path = LIBRARY, native: bool = False, encoders: Iterable[Encoder | str] = ()) -> Path:
     """Compiles the helper to ``path``; ``native`` makes it for the processor of this machine alone.
+
+    It decodes the frames of ``encoders``, objects or order codes; of all that are listed where none is named. An
+    encoder that was changed by ``with_registers`` has to be named as it is. Frames of others are left to NumPy.
 
     Raises:
         HelperError: There is no compiler, or it says no.
+        OrderCodeError: There is no such order code.
     """
-    command = [*shlex.split(os.environ.get("CC", "cc")), "-std=gnu99", "-O3", "-shared", "-fPIC"]
+    command = [*shlex.split(os.environ.get("CC", "cc")), "-std=gnu99", "-O2", "-ftree-vectorize", "-shared", "-fPIC"]
     command += ["-march=native", "-DHELPER_NATIVE"] if native else []
-    command += [f'-DGENERATION="{generation()}"', str(SOURCE), "-o", str(path)]
+    command += [f'-DGENERATION="{generation()}"', "-x", "c", "-", "-o", str(path)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = subprocess.run(command, input=source(encoders), capture_output=True, text=True)
     except OSError as error:
         raise HelperError(f"there is no C compiler '{command[0]}': install one or set CC") from error
     if done.returncode:
-        raise HelperError(f"'{command[0]}' cannot compile {SOURCE}:\n{done.stderr}")
+        raise HelperError(f"'{command[0]}' cannot compile the loops:\n{done.stderr}")
     return Path(path)
+
+
+def source(encoders: Iterable[Encoder | str] = ()) -> str:
+    """The text in C that :func:`build` compiles; it needs GENERATION defined, a text."""
+    named = [lookup(item) if isinstance(item, str) else item for item in encoders]
+    functions: dict[str, str] = {}
+    for encoder in named or _listed():
+        for shape in _shapes_of(encoder):
+            function = printed(shape)
+            if function is not None:
+                functions[function.name] = function.text
+    return "\n".join((SOURCE.read_text(encoding="utf-8"), *functions.values()))
+
+
+def _listed() -> Iterator[Encoder]:
+    for family in _FAMILIES:
+        yield from import_module(f"{__package__}.{family}").VARIANTS.values()
+
+
+def _shapes_of(encoder: Encoder) -> Iterator[Shape]:
+    """The frames of an encoder's interface, in each way that the manual leaves open."""
+    for layout in layouts_of(encoder):
+        variant = {"variant": encoder} if "variant" in signature(layout.make).parameters else {}
+        for answers in product(*layout.answers.values()):
+            yield layout.make(**variant, **dict(zip(layout.answers, answers)))
 
 
 def main() -> int:
     """The command."""
-    parser = argparse.ArgumentParser(prog="python -m lika_encoders.build_helper", description=build.__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m lika_encoders.build_helper",
+        description="Compiles the loops of decode_many for the frames of the encoders that are named.",
+    )
+    parser.add_argument("code", nargs="*", help="order codes; all that are listed where there is none: half a minute")
     parser.add_argument("--native", action="store_true", help="for the processor of this machine alone: faster")
     parser.add_argument("-o", "--output", default=LIBRARY, help="the file to write")
     given = parser.parse_args()
     try:
-        print(f"written    {build(given.output, given.native)}")
-    except HelperError as error:
+        print(f"written    {build(given.output, given.native, given.code)}")
+    except (HelperError, OrderCodeError) as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 1
     return 0
