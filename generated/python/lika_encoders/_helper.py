@@ -20,8 +20,8 @@ from ._many import np
 from ._shape import Shape
 
 _HERE: Final = Path(__file__).resolve().parent
-#: Where the library is looked for, and made, unless another place is named.
-LIBRARY: Final = _HERE / ("_helper.dll" if sys.platform == "win32" else "_helper.so")
+#: Where the library is looked for, and made, unless another place is named. No module can have its name, or it hides it.
+LIBRARY: Final = _HERE / ("_compiled.dll" if sys.platform == "win32" else "_compiled.so")
 SOURCE: Final = _HERE / "_helper.c"
 
 

@@ -40,7 +40,7 @@ def printed(shape: Shape) -> Printed | None:
     is_odd = any(item.kind in ("digits", "text") or not item.width and item.kind != "number" for item in shape.columns)
     is_long = shape.bits > (_WIDEST if shape.length else 64)
     is_turned = sys.byteorder != "little" or shape.length and shape.order != "little"
-    if has_table or is_odd or is_long or is_turned or sound(shape).others:
+    if has_table or is_odd or is_long or is_turned or sound(shape).others or not kinds(shape):
         return None
     body = "\n".join(_Frames(shape).body())
     name = "lika_encoders_" + sha256(body.encode("ascii")).hexdigest()[:16]
@@ -232,7 +232,7 @@ class _Frames:
 
 
 def _folded(crc: CrcOf, bits: int) -> Iterator[str]:
-    """Folds a word until its CRC is left: in 64 bits, then as soon as they hold it in 32, of which twice as many fit."""
+    """Folds a word until its CRC is left: in 64 bits, then in 32 as soon as they hold it, of which more go at once."""
     yield "uint32_t left[BLOCK];"
     wide, lines, start = "v", [], "uint64_t v = raw0[at]; "
     for step in crc.steps:
