@@ -20,7 +20,7 @@ from ._many import np
 from ._shape import Shape
 
 _HERE: Final = Path(__file__).resolve().parent
-#: Where the library is looked for, and made, unless another place is named. No module can have its name, or it hides it.
+#: Where the library is looked for, and made, unless another place is named. A module of its name would be hidden by it.
 LIBRARY: Final = _HERE / ("_compiled.dll" if sys.platform == "win32" else "_compiled.so")
 SOURCE: Final = _HERE / "_helper.c"
 
