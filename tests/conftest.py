@@ -34,6 +34,13 @@ MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 _OURS = {ROOT / "specs", ROOT / "docs" / "example", ROOT / "tests" / "specs", ROOT / "tests" / "c" / "specs"}
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """A file whose tests are all slow need not be imported where none of them is wanted."""
+    if config.option.markexpr != "not slow" or collection_path.suffix != ".py":
+        return None
+    return "\npytestmark = pytest.mark.slow\n" in collection_path.read_text(encoding="utf-8") or None
+
+
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
     """A test that needs what is made once is slow, for one of them has to make it; so is the longer evidence."""
     for item in items:

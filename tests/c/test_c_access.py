@@ -18,6 +18,8 @@ from test_c_codec import FAULTS, Table, check, sound_numbers
 from test_c_families import identity_bytes
 from transport_harness import OK, RANGE, READ, TRANSPORT, UNTOUCHED, WRITE, Encoder, Machine
 
+pytestmark = pytest.mark.slow
+
 
 def variant_of(device: Device, register: Register) -> Variant:
     return next(item for item in device.variants if item.interface == register.interface)

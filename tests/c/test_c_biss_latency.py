@@ -13,6 +13,8 @@ from biss_driver import OUTCOMES, Master, ModelLine, SlaveInC, accesses, built
 from biss_models import ModelSlave
 from c_harness import MadeOnce
 
+pytestmark = pytest.mark.slow
+
 ACCESSES = 20_000
 
 

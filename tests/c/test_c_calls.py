@@ -12,6 +12,8 @@ from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 
+pytestmark = pytest.mark.slow
+
 #: What users call of the shared headers.
 SHARED = {
     "angle": "electrical q31 q15 degrees radians millidegrees",

@@ -18,6 +18,8 @@ from codewheel.reference.run_time import decided, with_registers
 from codewheel.targets.c.device import DeviceView
 from codewheel.targets.c.reserved import c_name
 
+pytestmark = pytest.mark.slow
+
 FAULTS = {"length": 1, "crc": 2, "constant": 3, "range": 4}
 RANDOM_FRAMES = 40
 

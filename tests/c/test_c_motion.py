@@ -17,6 +17,8 @@ import pytest
 from c_harness import MadeOnce, compile_c
 from motion_harness import OK, RANGE, Tracker, compile_motion, motion_of
 
+pytestmark = pytest.mark.slow
+
 #: AMM5 with 17 bits, with 23 bits and 65,536 revolutions; one turn of 36,000 counts; SMA21 of 50 um, 5,000 mm long;
 #: a prime; the least; and a position that never starts again.
 MODULI = (1 << 17, 1 << 39, 36_000, 100_000, 1_000_000_007, 2, 3, 0)

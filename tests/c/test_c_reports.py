@@ -17,6 +17,8 @@ from codewheel.reference import codec
 from codewheel.reference.findings import Report, findings
 from test_c_codec import Table, check, made, on_the_wire, samples
 
+pytestmark = pytest.mark.slow
+
 #: Frames of each layout and order code; ``make verify-crosscheck`` has a million.
 FRAMES = 300
 VERDICTS = list(Verdict)

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from c_harness import MadeOnce, Run, devices_of, program_over
 
+pytestmark = pytest.mark.slow
+
 SPEC = Path(__file__).parent / "specs" / "edges.yaml"
 MAKER = SPEC.with_name("manufacturer.yaml")
 

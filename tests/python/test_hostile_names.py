@@ -18,6 +18,8 @@ from codewheel.reference import codec
 from codewheel.targets import Library
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 #: Names of the made-up spec itself, which have to stay apart from the words.

@@ -15,6 +15,8 @@ import pytest
 from chromium import Browser
 from looks import LOOKS, faults
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 #: One of each kind of page.
 SAMPLE = (

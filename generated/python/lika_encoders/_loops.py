@@ -171,7 +171,7 @@ class _Frames:
         return " | ".join(f"({part})" for part in parts) or "0U"
 
     def _unused(self) -> str:
-        parts = []
+        parts: list[str] = []
         for low, mask, value, place in unused_groups(self.shape):
             if _in_a_byte(low, mask):
                 byte = f"(uint32_t)byte{low // 8}[at]"
@@ -223,7 +223,7 @@ class _Frames:
                 spare[item.unless] = spare.get(item.unless, 0) | item.mask
         for unless, mask in spare.items():
             found.setdefault(unless, []).append(f"((column_unused[at] & {_hex(mask)}) != 0U)")
-        parts = []
+        parts: list[str] = []
         for unless, some in found.items():
             one_of = " | ".join(some)
             others = "".join(f" & (column_{name}[at] ^ 1U)" for name in unless)
@@ -234,20 +234,20 @@ class _Frames:
 def _folded(crc: CrcOf, bits: int) -> Iterator[str]:
     """Folds a word until its CRC is left: in 64 bits, then in 32 as soon as they hold it, of which more go at once."""
     yield "uint32_t left[BLOCK];"
-    wide, lines, start = "v", [], "uint64_t v = raw0[at]; "
+    wide, text = "v", "uint64_t v = raw0[at]; "
     for step in crc.steps:
         if bits <= step.shift:
             continue
         if wide == "v" and bits <= 32:
-            yield _each(f"{start}{''.join(lines)}left[at] = (uint32_t)v;")
-            wide, lines, start = "w", [], "uint32_t w = left[at]; "
+            yield _each(f"{text}left[at] = (uint32_t)v;")
+            wide, text = "w", "uint32_t w = left[at]; "
         back = f" ^ ({wide} >> {step.shift}U << {step.back}U)" if step.back else ""
-        lines.append(f"{wide} = ({wide} & {_hex(step.mask)}) ^ ({wide} >> {step.shift}U){back}; ")
+        text += f"{wide} = ({wide} & {_hex(step.mask)}) ^ ({wide} >> {step.shift}U){back}; "
         bits = max(step.shift, bits - step.shift + step.back)
     # No fold changes bits below its shift, so that those of xorout can be turned last.
     turned = f"{wide} ^ {_hex(crc.xorout)}" if crc.xorout else wide
     told = f"(uint8_t)({turned})" if bits <= 8 else f"(uint8_t)(({turned}) != 0U)"
-    yield _each(f"{start}{''.join(lines)}doubt[at] = {told};")
+    yield _each(f"{text}doubt[at] = {told};")
 
 
 def _each(statements: str) -> str:
