@@ -5,7 +5,7 @@ CXX ?= c++
 PY = .venv/bin/python
 export CC CXX
 
-.PHONY: generate lint quick test verify bench bench-python house mutants check spec-page templates-page rules-page site clean
+.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python house mutants check spec-page templates-page rules-page site clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -20,8 +20,13 @@ lint: .venv/.installed
 # Compiled tests are kept even where the environment says otherwise: to compile them takes a third of the time.
 quick: export PYTHONDONTWRITEBYTECODE =
 quick: lint
+	@$(MAKE) --no-print-directory --jobs=2 quick-outputs quick-tests
+
+quick-outputs: .venv/.installed
 	@$(PY) -m mypy --no-error-summary generator
 	@said=$$($(PY) -m codewheel generate --check) || { echo "$$said" | grep -v '^up to date'; exit 1; }
+
+quick-tests: .venv/.installed
 	@$(PY) -m pytest -n auto --dist worksteal -m 'not slow'
 
 test: .venv/.installed tools

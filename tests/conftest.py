@@ -48,10 +48,15 @@ def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
             item.add_marker(pytest.mark.slow)
 
 
+def pytest_configure() -> None:
+    """What collection makes stays to the end; to look it through for garbage takes a tenth of all the time."""
+    gc.disable()
+
+
 def pytest_collection_finish() -> None:
-    """What collection leaves stays to the end; to look it through for garbage takes a tenth of all the time."""
     gc.freeze()
-    gc.set_threshold(50_000)
+    gc.set_threshold(200_000)
+    gc.enable()
 
 
 @pytest.fixture(autouse=True)

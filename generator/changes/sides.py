@@ -40,10 +40,13 @@ class Sides:
             other = item.code if item.code in codes else by_parts.get(tuple(sorted(item.parts.items())), "")
             if other and (other == item.code or other not in before):
                 self.shared[item.code] = other
-        self.points: tuple[Point, ...] = points_of(old, new, self.shared, {})
         for pair in self.parameters():
             self.note("parameter", pair.old, pair.new)
-        self.points = points_of(old, new, self.shared, self.names.get("parameter", {}))
+        points = points_of(old, new, self.shared, self.names.get("parameter", {}))
+        interfaces = {item.interface for item in points}
+        self._points = {"": points} | {
+            name: tuple(item for item in points if item.interface == name) for name in interfaces
+        }
 
     def note(self, kind: str, old: Any, new: Any) -> None:
         """Remember that a thing has another name."""
@@ -86,10 +89,11 @@ class Sides:
 
     def at(self, interface: str) -> tuple[Point, ...]:
         """The points at which expressions of an interface are compared; of all where it is empty."""
-        return tuple(item for item in self.points if interface in ("", item.interface))
+        return self._points.get(interface, ())
 
     def differing(self, interface: str, old: Expression | None, new: Expression | None) -> Differing | None:
-        return differing(old, new, self.at(interface), self.names.get("parameter", {}))
+        """Where two expressions differ, at the points of an interface; None where they come to the same."""
+        return differing(old, new, self.at(interface))
 
     def places(self, layout: Layout, interface: str, is_old: bool) -> tuple[tuple[int, ...], ...]:
         """Where each field of a layout stands at every point."""

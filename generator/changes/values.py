@@ -14,12 +14,17 @@ Parameters = Mapping[str, int]
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """An order code that both sides have, and its parameters under one setting of registers and answers."""
+    """An order code that both sides have, and its parameters under one setting of registers and answers.
+
+    ``compared`` are those at which expressions of the old family are compared: the new ones as far as the old family
+    knows them, so that a change of a parameter is told of that parameter alone.
+    """
 
     code: str
     interface: str
     old: Parameters
     new: Parameters
+    compared: Parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +58,11 @@ def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapp
         other = variants[shared[variant.code]]
         for setting in settings:
             before = {back.get(name, name): value for name, value in setting.items()}
-            found.append(Point(other.code, other.interface, _at(old, variant, before), _at(new, other, setting)))
+            was, now = _at(old, variant, before), _at(new, other, setting)
+            compared = dict(was) | {
+                name: now[renamed.get(name, name)] for name in was if renamed.get(name, name) in now
+            }
+            found.append(Point(other.code, other.interface, was, now, compared))
     return tuple(found)
 
 
@@ -73,27 +82,20 @@ def _at(device: Device, variant: Variant, setting: Parameters) -> Parameters:
     return resolve_parameters(base | known, definitions) if known else variant.parameters
 
 
-def differing(
-    old: Expression | None,
-    new: Expression | None,
-    points: tuple[Point, ...],
-    renamed: Mapping[str, str],
-) -> Differing | None:
+def differing(old: Expression | None, new: Expression | None, points: tuple[Point, ...]) -> Differing | None:
     """Where two expressions differ; None where they come to the same everywhere.
 
-    Both are taken at the new parameters as far as the old one knows them: what follows from another parameter is told
-    of that parameter alone. Without an order code that both sides have, texts are compared.
+    Without an order code that both sides have, texts are compared.
     """
-    if old is not None and new is not None and old.is_constant and new.is_constant and old == new:
+    # A name that both sides use is no renamed one, and has the same number on both.
+    if old == new:
         return None
     if not points:
         same = (old is None) == (new is None) and (old is None or new is None or old.render() == new.render())
         return None if same else Differing((), _constants(old, new))
     found: dict[str, list[tuple[int | None, int | None]]] = {}
     for point in points:
-        before = dict(point.old) | {was: point.new[name] for was, name in renamed.items() if name in point.new}
-        before |= {name: value for name, value in point.new.items() if name in point.old and name not in renamed}
-        values = _number(old, before), _number(new, point.new)
+        values = _number(old, point.compared), _number(new, point.new)
         if values[0] != values[1]:
             found.setdefault(point.code, []).append(values)
     pairs = dict.fromkeys(pair for each in found.values() for pair in each)

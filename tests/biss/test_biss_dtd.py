@@ -12,6 +12,9 @@ from codewheel.targets import Library
 from codewheel.targets.biss.dtd import DtdError, faults
 from codewheel.targets.biss.files import generate
 
+# Document types are no matter of a wording or of a rule.
+pytestmark = pytest.mark.slow
+
 NAME = "biss/idbiss4C69.xml"
 
 
@@ -78,7 +81,6 @@ def test_what_is_no_document_type(document: str, text: bytes) -> None:
         assert str(error).startswith("mine/idbiss.dtd")
 
 
-@pytest.mark.slow
 def test_the_command(tmp_path: Path, ours: bytes, capsys: pytest.CaptureFixture[str]) -> None:
     good, strict = tmp_path / "good.dtd", tmp_path / "strict.dtd"
     good.write_bytes(ours)

@@ -15,6 +15,9 @@ from codewheel.targets.biss.files import generate
 from codewheel.targets.file_names import names_of_codes
 from lxml import etree
 
+# Makes the XML of every order code.
+pytestmark = pytest.mark.slow
+
 SPACE = {"d": "urn:codewheel:device-description:1"}
 ROOT = Path(__file__).parents[2]
 

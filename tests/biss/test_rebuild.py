@@ -17,6 +17,9 @@ from codewheel.model.expressions import Expression
 from codewheel.reference.order_codes import find
 from codewheel.reference.run_time import with_registers
 
+# Builds every model anew from its XML, which no wording and no rule of check touches.
+pytestmark = pytest.mark.slow
+
 #: What says how code computes something and follows from the rest, what was counted of the second reading, and which
 #: versions there were: the XML does not carry it.
 COMPUTED = {
@@ -248,7 +251,6 @@ def rebuilt(devices: Mapping[str, Device]) -> dict[str, tuple[Device, Device]]:
     }
 
 
-@pytest.mark.slow
 def test_the_model_comes_back(rebuilt: dict[str, tuple[Device, Device]]) -> None:
     for device, again in rebuilt.values():
         assert differences(comparable(device), comparable(again)) == []
@@ -292,7 +294,6 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
 ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("name", "path"), ALTERED, ids=lambda item: ".".join(map(str, item)))
 def test_a_lost_fact_would_be_seen(devices: Mapping[str, Device], name: str, path: tuple[int | str, ...]) -> None:
     """The comparison is no formality: whatever single text or number of the description changes, the model differs."""

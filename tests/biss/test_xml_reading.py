@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+# Reads the sources of everything, which no wording and no rule of check touches.
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 #: What reads XML, in lxml and in the standard library, and what could be made of a parser by leaving an argument out.
 READS = {

@@ -6,6 +6,7 @@ from collections import Counter
 from functools import cache
 from pathlib import Path
 
+import pytest
 import yaml
 from asked import Question, questions
 from page_reader import Line, Section, read
@@ -104,6 +105,7 @@ def test_what_was_asked_by_hand_is_answered() -> None:
     assert [f"{item}" for item in asked if not answered(page_of(item.family, item.order_code), item)] == []
 
 
+@pytest.mark.slow
 def test_a_page_that_errs_is_noticed() -> None:
     """A wrong byte order, a lost pin, a moved bit, a time, a polynomial, a colour: each leaves a question open."""
     made = (DOCS / "amm5" / "AMM5A21-65KSC1.md").read_text(encoding="utf-8")

@@ -32,6 +32,7 @@ def test_it_tells_the_whole_truth(name: str) -> None:
     assert list(faults(templates)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_templates_get_the_values_that_it_names(name: str, library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     rendered: dict[str, set[str]] = {}

@@ -13,6 +13,9 @@ from codewheel.dump.xml import from_xml, to_xml
 from codewheel.model import Device
 from codewheel.spec.problems import Report
 
+# Loads a whole library for each overlay, which no wording and no rule of check touches.
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).parents[2] / "specs" / "lika"
 HEAD = "codewheel: 1\noverlay: mine\nof: amm5\ntitle: Measured here\nchanges:\n"
 OWN = '    why: Measured.\n    source: "6.4"\n'

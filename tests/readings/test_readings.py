@@ -15,6 +15,9 @@ from codewheel.spec.problems import Report
 from codewheel.spec.read import read_document
 from codewheel.spec.second import is_prose
 
+# Reads whole specs twice, which no wording and no rule of check touches.
+pytestmark = pytest.mark.slow
+
 HERE = pathlib.Path(__file__).parent
 MADE_UP = sorted((HERE / "specs").glob("*.yaml"))
 MEND = "; the manual decides; where it prints both, an erratum has them under 'readings'"
