@@ -797,7 +797,8 @@ def _fast_single_cycle_data(variant: BissEncoder) -> Callable[..., SingleCycleDa
             return careful(frame, bits=bits)
         word = frame
         low = word & 0xFFFF
-        if table_0[low] ^ table_1[word >> 16 & 0xFFFF] ^ table_2[word >> 32] or word >> 8 & 0x1:
+        high = word >> 16
+        if table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16] or word >> 8 & 0x1:
             return careful(frame)
         return made(
             SingleCycleData,
