@@ -70,9 +70,11 @@ def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path
     assert "written    generated/biss/idbiss4C69.xml" in out
     out = run(place / "venv" / "bin" / "codewheel", "list", cwd=Path("/"))
     assert "amm5" in out
-    for path in (place / "generated").rglob("*"):
-        if path.is_file():
-            assert path.read_bytes() == (ROOT / "generated" / path.relative_to(place / "generated")).read_bytes(), path
+    made = {path.relative_to(place) for path in (place / "generated").rglob("*") if path.is_file()}
+    for path in made:
+        assert (place / path).read_bytes() == (ROOT / path).read_bytes(), path
+    tracked = run("git", "ls-files", "--cached", "--others", "--exclude-standard", "generated", cwd=ROOT)
+    assert {Path(name) for name in tracked.splitlines()} == made, "what is no output lies in generated/"
 
 
 @pytest.mark.slow

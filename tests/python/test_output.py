@@ -99,6 +99,20 @@ def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
             assert not too_long, (path, too_long[:3])
 
 
+@pytest.mark.slow
+def test_a_linter_finds_nothing(files: Mapping[str, str], tmp_path: Path) -> None:
+    """Python's own style and pyflakes, as the tools of users have them before they choose anything."""
+    shapes, _ = load_library([Path(__file__).parent / "specs"])
+    for folder, made in (("ours", files), ("shapes", generate(Library(shapes)))):
+        for path, text in made.items():
+            place = tmp_path / folder / path
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(text, encoding="utf-8")
+    rules = ["--isolated", "--preview", "--line-length=120", "--select=E,W,F", "--ignore=E501", "--no-cache"]
+    command = [sys.executable, "-m", "ruff", "check", *rules, "--output-format=concise", str(tmp_path)]
+    assert subprocess.run(command, capture_output=True, text=True).stdout == "All checks passed!\n"
+
+
 def test_no_trace_of_the_machine(files: Mapping[str, str]) -> None:
     text = "".join(files.values())
     assert str(Path.cwd()) not in text

@@ -99,7 +99,7 @@ _BEGIN: Final = {
 }
 
 #: All families, with special models and other editions.
-_FAMILIES: Final = ("am36", "amm5", "asc85", "sma21",)
+_FAMILIES: Final = ("am36", "amm5", "asc85", "sma21")
 
 if not TYPE_CHECKING:
 

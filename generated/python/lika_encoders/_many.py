@@ -179,13 +179,10 @@ def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: M
         worth *= fault == 0
 
 
-
 def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     """What is not 0 or false where a frame fails; the CRC left out."""
     look = sound(shape)
-    found = [
-        limb & np.uint64(mask) ^ np.uint64(value) for limb, (mask, value) in zip(chunk.limbs, look.fixed) if mask
-    ]
+    found = [limb & np.uint64(mask) ^ np.uint64(value) for limb, (mask, value) in zip(chunk.limbs, look.fixed) if mask]
     for place, values in look.bytes:
         byte = chunk.byte(place)
         found.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))

@@ -1881,6 +1881,7 @@ class ManufacturerId(NamedTuple):
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         return (BitField("name", 0, 16),)
 
+
 #: Parameters that registers hold at run time.
 _HELD: Final = (
     Held(
@@ -2251,6 +2252,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Read(Address.SINGLETURN_BITS_USED, 1, "singleturn_bits_used", "singleturn bits of the frame"),
         Read(Address.MULTITURN_BITS_USED, 1, "multiturn_bits_used", "multiturn bits of the frame"),
     )
+
 
 # Every order code that the manual lists
 

@@ -3466,6 +3466,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
+
 # Every order code that the manual lists
 
 VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(

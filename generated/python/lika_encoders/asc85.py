@@ -1782,6 +1782,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Read(Address.SERIAL_NUMBER, 4, "serial_number"),
     )
 
+
 # Every order code that the manual lists
 
 VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(

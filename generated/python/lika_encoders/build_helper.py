@@ -27,7 +27,7 @@ from ._order_codes import OrderCodeError
 from ._shape import Shape
 from ._stream import layouts_of
 
-_FAMILIES: Final = ("am36", "amm5", "asc85", "sma21",)
+_FAMILIES: Final = ("am36", "amm5", "asc85", "sma21")
 
 
 def build(path: str | Path = LIBRARY, native: bool = False, encoders: Iterable[Encoder | str] = ()) -> Path:

@@ -2767,6 +2767,7 @@ class ManufacturerId(NamedTuple):
         """Where each field lies in the number that the bytes make; width 0 where the encoder has none."""
         return (BitField("name", 0, 16),)
 
+
 #: Parameters that registers hold at run time.
 _HELD: Final = (
     Held(
@@ -3110,6 +3111,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     return (
         Send(b"\x7a", times=10, every_us=40, in_succession=True),
     )
+
 
 # Every order code that the manual lists
 

@@ -72,6 +72,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         otherwise=Verdict.NOT_TOLD,
     )
 
+
 #: The frames of each interface by who sends them, each with what tells its columns.
 FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("ssi", "encoder"): {

@@ -437,6 +437,7 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
         fixed=(0x2 << 0) | (0xd << 3) | (0x1 << 7),
     )
 
+
 #: The frames of each interface by who sends them, each with what tells its columns.
 FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("ssi", "encoder"): {

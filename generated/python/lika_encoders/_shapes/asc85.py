@@ -67,6 +67,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         otherwise=Verdict.USABLE,
     )
 
+
 #: The frames of each interface by who sends them, each with what tells its columns.
 FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("ssi", "encoder"): {

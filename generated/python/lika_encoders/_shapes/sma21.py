@@ -304,6 +304,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
         otherwise=Verdict.USABLE,
     )
 
+
 #: The frames of each interface by who sends them, each with what tells its columns.
 FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
     ("ssi", "encoder"): {
