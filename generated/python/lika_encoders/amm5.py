@@ -345,6 +345,8 @@ class SsiEncoder(Variant):
         except FrameError as fault:
             fault.add(frame, self)
             raise
+        except TypeError as error:
+            raise TypeError(f"{self.code}: {error}") from error
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
@@ -392,6 +394,8 @@ class BissEncoder(Variant):
         except FrameError as fault:
             fault.add(frame, self)
             raise
+        except TypeError as error:
+            raise TypeError(f"{self.code}: {error}") from error
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
@@ -441,6 +445,8 @@ class Rs485Encoder(Variant):
         except FrameError as fault:
             fault.add(frame, self)
             raise
+        except TypeError as error:
+            raise TypeError(f"{self.code}: {error}") from error
 
     def try_decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply | FrameError:
         """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""

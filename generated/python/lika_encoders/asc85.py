@@ -304,6 +304,8 @@ class SsiEncoder(Variant):
         except FrameError as fault:
             fault.add(frame, self)
             raise
+        except TypeError as error:
+            raise TypeError(f"{self.code}: {error}") from error
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
@@ -351,6 +353,8 @@ class BissEncoder(Variant):
         except FrameError as fault:
             fault.add(frame, self)
             raise
+        except TypeError as error:
+            raise TypeError(f"{self.code}: {error}") from error
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
