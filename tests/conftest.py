@@ -59,6 +59,11 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
+def pytest_sessionfinish() -> None:
+    """What is left at the end goes with the process; pytest would look it through twice."""
+    gc.freeze()
+
+
 @pytest.fixture(autouse=True)
 def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Processes, whatever they run, are for tests that are marked as slow."""

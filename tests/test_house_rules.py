@@ -53,6 +53,7 @@ def test_files_that_the_recipes_name_exist() -> None:
     assert missing == {"generator/model/interfaces/endat.py", "generator/targets/NAME/files.py", "templates/NAME/"}
 
 
+@pytest.mark.slow
 def test_no_target_reads_back_what_it_has_written() -> None:
     """A look into names or into text of manuals is one that ``figures.reading`` allows, with a reason."""
     found = [f"{item.place} {item.function}: {item.expression}" for item in looks(checkout()) if not item.reason]
@@ -65,6 +66,7 @@ def test_no_line_is_too_wide_to_read() -> None:
     assert list(checkout().wide_lines()) == []
 
 
+@pytest.mark.slow
 def test_there_is_no_circle() -> None:
     assert circles(arrows()) == []
 

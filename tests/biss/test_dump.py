@@ -22,6 +22,9 @@ from codewheel.spec.problems import Report
 from codewheel.spec.read import read_document
 from codewheel.spec.second import is_second
 
+# Holds all families against the schemas of data, which no wording and no rule of check touches.
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).parents[2] / "specs"
 
 
@@ -41,7 +44,6 @@ def test_families_have_the_shape(devices: Mapping[str, Device]) -> None:
         assert faults(checker, device_dump(device)) == []
 
 
-@pytest.mark.slow
 def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Device]) -> None:
     """The schema takes long: it is asked for the last order code of each interface."""
     checker = validator("show.schema.json")
