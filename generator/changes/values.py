@@ -17,7 +17,8 @@ class Point:
     """An order code that both sides have, and its parameters under one setting of registers and answers.
 
     ``compared`` are those at which expressions of the old family are compared: the new ones as far as the old family
-    knows them, so that a change of a parameter is told of that parameter alone.
+    knows them, so that a change of a parameter is told of that parameter alone. One with another name has its old
+    number, which is the same: that is how it was found.
     """
 
     code: str
@@ -59,9 +60,7 @@ def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapp
         for setting in settings:
             before = {back.get(name, name): value for name, value in setting.items()}
             was, now = _at(old, variant, before), _at(new, other, setting)
-            compared = dict(was) | {
-                name: now[renamed.get(name, name)] for name in was if renamed.get(name, name) in now
-            }
+            compared = {name: now.get(name, number) for name, number in was.items()}
             found.append(Point(other.code, other.interface, was, now, compared))
     return tuple(found)
 
