@@ -81,16 +81,18 @@ def test_families_that_come_and_go() -> None:
 
 def test_a_limit_is_held_against_the_old_one_at_the_new_numbers() -> None:
     """More bits allow more; that is told of the bits, and does not hide that the limit allows less of them."""
-    wider = ("13 bits, sets: {singleturn_bits: 13}", "13 bits, sets: {singleturn_bits: 14}")
+    more = [(f"sets: {{singleturn_bits: {bits}}}", f"sets: {{singleturn_bits: {bits + 1}}}") for bits in (13, 17)]
     less = ("max: 2^position_bits - 1", "max: 2^position_bits - 2")
-    assert shown(devices([]), devices([wider, less])) == (
+    assert shown(devices([]), devices([*more, less])) == (
         "demo\n"
         "  behaviour      singleturn_bits 13 → 14\n"
         "                 DEMO13…; C, Python, XML [parameter-of-code]\n"
+        "  behaviour      singleturn_bits 17 → 18\n"
+        "                 DEMO17…; C, Python, XML [parameter-of-code]\n"
         "  behaviour      registers 50h to 53h preset: maximum 2^position_bits - 1 →\n"
         "                 2^position_bits - 2\n"
         "                 all 4 BiSS order codes; C, Python, XML [limit-narrower]\n"
-        "2 changes: 2 behaviour"
+        "3 changes: 3 behaviour"
     )
 
 
