@@ -83,6 +83,11 @@ class Layout(NamedTuple):
     answers: Mapping[str, type[Enum]]
     make: Callable[..., Shape]
 
+    def shape(self, encoder: Encoder, answers: Mapping[str, object]) -> Shape:
+        """How such frames of the encoder are read, by an answer to everything that is left open."""
+        variant = {"variant": encoder} if "variant" in signature(self.make).parameters else {}
+        return self.make(**variant, **answers)
+
 
 def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
     """Every kind of frame of an encoder's interface; those that it sends come first."""
@@ -132,9 +137,7 @@ def _shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
             words = " or ".join(item.name.lower() for item in kind)
             raise UsageError(f"the manual leaves open the {name} of {asked.name}: it has to be {words}")
         given[name] = found[0]
-    if "variant" in signature(asked.make).parameters:
-        given["variant"] = encoder
-    return asked.make(**given)
+    return asked.shape(encoder, given)
 
 
 # A file

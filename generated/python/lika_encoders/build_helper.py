@@ -14,20 +14,16 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 from importlib import import_module
-from inspect import signature
 from itertools import product
 from pathlib import Path
-from typing import Final
 
-from . import lookup
+from . import _FAMILIES, lookup
 from ._encoder import Encoder
 from ._helper import LIBRARY, SOURCE, HelperError, generation
 from ._loops import printed
 from ._order_codes import OrderCodeError
 from ._shape import Shape
 from ._stream import layouts_of
-
-_FAMILIES: Final = ("am36", "amm5", "asc85", "sma21")
 
 
 def build(path: str | Path = LIBRARY, native: bool = False, encoders: Iterable[Encoder | str] = ()) -> Path:
@@ -72,9 +68,8 @@ def _listed() -> Iterator[Encoder]:
 def _shapes_of(encoder: Encoder) -> Iterator[Shape]:
     """The frames of an encoder's interface, in each way that the manual leaves open."""
     for layout in layouts_of(encoder):
-        variant = {"variant": encoder} if "variant" in signature(layout.make).parameters else {}
         for answers in product(*layout.answers.values()):
-            yield layout.make(**variant, **dict(zip(layout.answers, answers)))
+            yield layout.shape(encoder, dict(zip(layout.answers, answers)))
 
 
 def main() -> int:

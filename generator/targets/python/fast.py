@@ -116,6 +116,13 @@ class Fast:
         has_crc = self.plan.crc is not None and not self.plan.in_bytes
         return -(-self.coder.layout.widest // TABLE_BITS) if has_crc else 0
 
+    @property
+    def lookups(self) -> list[str]:
+        """What is looked up in each of the tables: the word is halved first, for short numbers are quicker."""
+        shifts = [TABLE_BITS * place for place in range(self.tables - 1)]
+        found = [f"high >> {shift}" if shift else "high" for shift in shifts]
+        return ["low", *(f"{item} & {mask((1 << TABLE_BITS) - 1)}" for item in found[:-1]), *found[-1:]][: self.tables]
+
     @cached_property
     def conditions(self) -> list[str]:
         """What is true of a frame that has to be looked at more carefully."""
