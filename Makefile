@@ -2,10 +2,15 @@
 PYTHON ?= python3
 CC ?= cc
 CXX ?= c++
+# On Windows, make comes with Git's shell, and an environment keeps its programs in Scripts.
+ifeq ($(OS),Windows_NT)
+PY = .venv/Scripts/python
+else
 PY = .venv/bin/python
+endif
 export CC CXX
 
-.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python house mutants check spec-page templates-page rules-page site clean
+.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python house mutants check spec-page templates-page rules-page site release clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -75,6 +80,10 @@ rules-page: .venv/.installed
 # The pages as a static site in build/site, to be opened as files or put on any server.
 site: .venv/.installed
 	@$(PY) docs/site/build_site.py
+
+# Wheels, sdists and archives of a release in build/release, each of them checked. Publishes nothing.
+release: .venv/.installed
+	@sh .ci/release
 
 spec-page: .venv/.installed
 	@$(PY) -m codewheel.spec.language_page docs/spec-language.md
