@@ -25,7 +25,8 @@ _FENCED = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: By page, then by the language and the beginning of blocks: the test that runs them and compares what they show.
 ELSEWHERE = {
     "README.md": {
-        ": $ .venv/bin/codewheel": "tests/test_readme.py::test_its_commands",
+        ": .venv/bin/codewheel master": "tests/test_readme.py::test_commands_run",
+        "c: ": "tests/test_readme.py::test_its_c_compiles",
         "python: ": "tests/test_readme.py::test_its_python",
     },
     "docs/biss-xml.md": {
@@ -100,7 +101,7 @@ ELSEWHERE = {
 }
 #: What no test runs, and why.
 EXCEPTIONS = {
-    ("README.md", ": python3 -m venv"): "fetches packages; test_what_it_types_first types the lines after it",
+    ("README.md", ": python3 -m venv"): "fetches packages; test_commands_run runs the line after it",
     ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
     ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
     ("CONTRIBUTING.md", ": spec "): "a drawing of the house; tests/test_house_rules.py holds the house against its map",

@@ -1,4 +1,4 @@
-"""What the README shows is what one gets."""
+"""Check that every command, picture and link on the front page is right."""
 
 from __future__ import annotations
 
@@ -14,65 +14,111 @@ from types import ModuleType
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
+from front_picture import DECODED, PANELS, PYTHON, SPEC, C, picture
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
+def _block(language: str) -> str:
+    found = re.search(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+def _examples_pass(text: str, package: ModuleType) -> bool:
+    sys.modules["lika_encoders"] = package
+    test = doctest.DocTestParser().get_doctest(text, {}, "README", "README.md", 0)
+    assert test.examples
+    return doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
+
+
 @pytest.mark.slow
 def test_its_python(generated_python: tuple[Path, ModuleType]) -> None:
-    block = re.search(r"```python\n(.*?)```", README, re.DOTALL)
-    assert block is not None
-    test = doctest.DocTestParser().get_doctest(block[1], {}, "README", "README.md", 0)
-    sys.modules["lika_encoders"] = generated_python[1]
-    assert test.examples
-    assert doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
-
-
-def _commands() -> list[tuple[str, list[str]]]:
-    """Each command of the README with the lines that it shows of what is printed."""
-    found: list[tuple[str, list[str]]] = []
-    for block in re.findall(r"^```\n(\$ .venv.*?)^```", README, re.DOTALL | re.MULTILINE):
-        for line in block.splitlines():
-            if line.startswith("$ "):
-                found.append((line.removeprefix("$ "), []))
-            else:
-                found[-1][1].append(line)
-    return found
+    assert _examples_pass(_block("python"), generated_python[1])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("command", "shown"), _commands(), ids=lambda value: value if isinstance(value, str) else "")
-def test_its_commands(command: str, shown: list[str]) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "codewheel", *shlex.split(command)[1:]], capture_output=True, text=True, cwd=ROOT
+def test_its_c_compiles(tmp_path: Path) -> None:
+    """The statements of the block, in a function that calls them with a valid frame, find its position."""
+    program = (
+        '#include <stdio.h>\n#include "lika/amm5.h"\n'
+        'static void use(uint64_t position) { printf("%u\\n", (unsigned)position); }\n'
+        "int main(void)\n{\n    static const lika_amm5_variant encoder = LIKA_AMM5_A21_65KSC1;\n"
+        f"    const uint64_t word = 0xF4243D3U;\n{_block('c')}    return 0;\n}}\n"
     )
-    fails = "not usable" in "".join(shown)
-    assert (done.returncode, done.stderr) == (3 if fails else 0, "")
-    # Three dots stand for lines left out, and nothing else is.
-    pieces = "".join(f"{line}\n" for line in shown).split("...\n")
-    assert not shown or re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout)
+    (tmp_path / "front.c").write_text(program, encoding="utf-8")
+    include = ROOT / "generated" / "c" / "include"
+    subprocess.run(
+        ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{include}", "front.c", "-o", "front"],
+        cwd=tmp_path,
+        check=True,
+    )
+    done = subprocess.run([tmp_path / "front"], capture_output=True, text=True, check=True)
+    assert done.stdout == "1000003\n"
 
 
-def _first_commands() -> list[str]:
-    """What the first block of the README types once codewheel is there."""
-    block = re.search(r"^```\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
-    assert block is not None
-    return [line for line in block[1].splitlines() if line.startswith(".venv/bin/codewheel")]
+def _commands() -> list[str]:
+    """Return each line of the README that calls the installed command."""
+    return [line for line in README.splitlines() if line.startswith(".venv/bin/codewheel ")]
 
 
-@pytest.mark.parametrize("command", _first_commands())
-def test_what_it_types_first(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(shlex.split(command, comments=True)[1:]) == 0
-    assert "AMM5A21/65KSC1" in capsys.readouterr().out
+@pytest.mark.parametrize("command", _commands())
+def test_commands_run(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = shlex.split(command)
+    assert main(words[1:]) == 0
+    assert words[2] in capsys.readouterr().out
 
 
-def test_it_says_on_the_first_screen_that_nothing_was_tried() -> None:
-    assert "Nothing has been tried on an encoder" in "".join(README.splitlines(keepends=True)[:24])
+def test_its_picture_is_up_to_date() -> None:
+    assert (ROOT / "docs" / "front.svg").read_text(encoding="utf-8") == picture()
 
 
-def test_its_table_is_what_there_is(devices: Mapping[str, Device]) -> None:
-    """Interfaces and number of order codes, and no family is missing."""
+def test_its_picture_shows_what_is_in_the_spec() -> None:
+    """Every line of the panel is in the spec, in this order."""
+    spec = (ROOT / "specs" / "lika" / "amm5.yaml").read_text(encoding="utf-8")
+    pieces = [re.escape(line.strip().rstrip("…").rstrip()) for line in SPEC.lines if line.strip() != "…"]
+    assert re.search(".*?".join(pieces), spec, re.DOTALL)
+
+
+def test_its_picture_shows_what_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(shlex.split(DECODED.title)[1:]) == 0
+    printed = capsys.readouterr().out
+    for line in DECODED.lines:
+        assert line.rstrip("…").rstrip() in printed, line
+
+
+@pytest.mark.slow
+def test_its_picture_shows_the_result_of_python(generated_python: tuple[Path, ModuleType]) -> None:
+    example = "\n".join([">>> from lika_encoders import lookup", *PYTHON.lines, ""])
+    assert _examples_pass(example, generated_python[1])
+
+
+def test_its_picture_shows_c_of_the_headers() -> None:
+    header = (ROOT / "generated" / "c" / "include" / "lika" / "amm5.h").read_text(encoding="utf-8")
+    for name in re.findall(r"lika_\w+", "".join(C.lines)):
+        assert re.search(rf"\b{name}\b", header), name
+
+
+def test_its_picture_has_no_text_wider_than_its_box() -> None:
+    for panel in PANELS:
+        assert all(len(line) * 7.9 <= panel.width - 20 for line in panel.lines), panel.title
+
+
+def test_its_first_screen_has_the_badge_and_a_command() -> None:
+    first = "".join(README.splitlines(keepends=True)[:16])
+    assert "Not yet tested on hardware" in first
+    assert ".venv/bin/codewheel decode" in first
+    assert "docs/front.svg" in first
+
+
+def test_it_is_short() -> None:
+    """A front page has at most 700 words outside code blocks."""
+    assert len(re.sub(r"```.*?```", "", README, flags=re.DOTALL).split()) <= 700
+
+
+def test_its_table_matches_the_specs(devices: Mapping[str, Device]) -> None:
+    """Interfaces and number of order codes are right, and no family is missing."""
     rows = re.findall(
         r"^\| [^|]+ \| ([^|]+) \| ([0-9]+) \| \[[^]]+\]\(generated/docs/(\w+)\.md\) \|$", README, re.MULTILINE
     )
@@ -80,13 +126,6 @@ def test_its_table_is_what_there_is(devices: Mapping[str, Device]) -> None:
     assert told == {
         name: ({item.title for item in device.interfaces}, len(device.variants)) for name, device in devices.items()
     }
-
-
-def test_it_has_commands() -> None:
-    shown = [lines for _, lines in _commands() if lines]
-    assert len(_commands()) >= 4
-    assert len(shown) >= 2
-    assert "no fault" in shown[0][-1]
 
 
 def test_its_links() -> None:
