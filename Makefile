@@ -8,6 +8,7 @@ PY = .venv/Scripts/python
 else
 PY = .venv/bin/python
 endif
+AXE = axe-playwright-python==0.1.8
 export CC CXX
 
 .PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python house mutants check spec-page templates-page rules-page site release clean
@@ -35,7 +36,7 @@ quick-tests: .venv/.installed
 	@$(PY) -m pytest -n auto --dist worksteal -m 'not slow'
 
 test: .venv/.installed tools
-	@$(PY) -m pytest -n auto --dist worksteal
+	@$(PY) -m pytest -rs -n auto --dist worksteal
 
 # The longer evidence on the C headers; make verify-proof and so on runs one part of it, tests/verify/test_proof.py.
 verify: .venv/.installed tools bench-packages engines axe
@@ -91,18 +92,26 @@ spec-page: .venv/.installed
 templates-page: .venv/.installed
 	@$(PY) -m codewheel.targets.templates_page docs/templates.md
 
+# With CODEWHEEL_LOCKED set, as CI does, the packages of .ci/requirements.txt are there and nothing else is installed.
 .PHONY: bench-packages
 bench-packages: .venv/.installed
-	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]' || echo "make: the packages of the extra 'bench' cannot be had; the footprint is not shown"
+	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]' || echo "make: the packages of the extra 'bench' cannot be had; the footprint is not shown"
 
 .PHONY: engines
 engines: .venv/.installed
-	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[engines]' || echo "make: the packages of the extra 'engines' cannot be had; Dask and DuckDB are not shown"
+	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[engines]' || echo "make: the packages of the extra 'engines' cannot be had; Dask and DuckDB are not shown"
 
 # The script alone: the package brings a browser of its own, which nothing here needs.
 .PHONY: axe
 axe: .venv/.installed
-	@[ -d build/axe ] || $(PY) -m pip install --quiet --disable-pip-version-check --no-deps --target build/axe 'axe-playwright-python==0.1.8' || echo "make: axe-core cannot be had; the site is not looked through by it"
+	@[ -d build/axe ] || $(PY) -m pip install --quiet --disable-pip-version-check --no-deps --target build/axe '$(AXE)' || echo "make: axe-core cannot be had; the site is not looked through by it"
+
+# The newest packages that pyproject.toml allows, for CI, with their hashes. Needs uv (pip install uv).
+LOCK = uv pip compile --quiet --generate-hashes --no-annotate --no-header --python-version 3.11 --python-platform linux --upgrade
+.PHONY: lock
+lock:
+	@echo 'setuptools>=77' | $(LOCK) --extra test --extra bench --extra engines --no-emit-package codewheel pyproject.toml - -o .ci/requirements.txt
+	@echo '$(AXE)' | $(LOCK) --no-deps - -o .ci/axe.txt
 
 .PHONY: tools
 tools:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from functools import cache
 from pathlib import Path
@@ -69,6 +70,23 @@ def test_no_line_is_too_wide_to_read() -> None:
 @pytest.mark.slow
 def test_there_is_no_circle() -> None:
     assert circles(arrows()) == []
+
+
+def test_no_test_names_a_place_of_the_machine() -> None:
+    """Require tests and benchmarks to stay in temporary folders: no device, no fixed path, not even to be refused.
+
+    If a guard in our code fails, a test run by root would replace the device or delete the file.
+    """
+    place = re.compile(r"(?<![\w.}*)\\/])/(dev|etc|home|proc|root|run|sys|tmp|var)/\w")
+    found = [
+        source.at(node.lineno)
+        for folder in ("tests", "benchmarks")
+        for source in checkout().files(folder, ".py")
+        for node in ast.walk(source.tree)
+        if (isinstance(node, ast.Constant) and isinstance(node.value, str) and place.search(node.value))
+        or (isinstance(node, ast.Attribute) and node.attr == "devnull")
+    ]
+    assert found == []
 
 
 @pytest.mark.parametrize(

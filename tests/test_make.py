@@ -33,8 +33,3 @@ def test_quick_leaves_out_slow_tests_and_test_none() -> None:
     assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == ["ruff", "ruff", "mypy", "codewheel", "pytest"]
     assert "-m 'not slow'" in quick
     assert "slow" not in commands("test")
-
-
-def test_every_change_is_linted_before_it_is_tested() -> None:
-    lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
-    assert lines.index("make lint") < lines.index("make test")

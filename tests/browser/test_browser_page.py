@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import html
+import itertools
 import json
 import re
 import subprocess
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from browser_harness import browser, program
+from codewheel.model import Device, Flag
+from codewheel.reference import codec
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate
 
@@ -192,6 +196,47 @@ def test_registers_that_change_a_frame(seen: dict[str, str]) -> None:
     """20 bits of singleturn and 16 of multiturn as delivered, then 12 of singleturn."""
     assert "44 bits" in seen["delivered"]
     assert "36 bits" in seen["held"]
+
+
+COLOURS = r"""
+  const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
+  return FRAMES.map(([label, frame]) => {
+    type(code, label); type(text, frame);
+    const box = boxes[0].querySelector(".codewheel-decode-result > div");
+    const line = getComputedStyle(box).borderInlineStartColor.match(/\d+/g).map(Number);
+    return [said(boxes[0]), line];
+  });
+"""
+
+
+def colour(red: int, green: int, blue: int) -> str:
+    return "red" if red > 2 * green else "green" if green > red else "amber" if green > blue else "grey"
+
+
+def with_flags(devices: Iterable[Device]) -> Iterator[tuple[str, str]]:
+    """Yield an order code of each family over BiSS and a frame, for each combination of its flags."""
+    for device in devices:
+        variant = next(item for item in device.variants if item.interface == "biss")
+        layout = next(item for _, item in device.layouts() if item.name == "single_cycle_data")
+        placed = layout.place(variant.parameters)
+        names = [item.name for item in placed.fields if item.field.carries_data]
+        flags = [item.name for item in placed.fields if isinstance(item.field.kind, Flag)]
+        for given in itertools.product((False, True), repeat=len(flags)):
+            values = {**dict.fromkeys(names, 0), **dict(zip(flags, given, strict=True))}
+            yield variant.code, f"0x{codec.encode(device, placed, values):x}"
+
+
+@pytest.mark.slow
+def test_the_colour_of_the_box_is_that_of_the_verdict(chromium: str, page: Path, library: Library) -> None:
+    wrong = ("AMM5A23/65KJP1", "02 00 C7 D1 6A 7F")
+    frames = json.dumps([wrong, *with_flags(library.devices)])
+    colours = {"usable": "green", "usable_with_warning": "amber", "not_usable": "red", "crc fault": "red"}
+    seen = set()
+    for said, line in shown(chromium, page, COLOURS.replace("FRAMES", frames)):
+        verdict = said.partition(":")[0]
+        seen.add(verdict)
+        assert colour(*line) == colours.get(verdict, "grey"), said
+    assert seen > set(colours)
 
 
 LINKED = '<div class="codewheel-decode" data-link></div>'

@@ -403,7 +403,8 @@ def test_lengths_are_constants(
         ]
     lines.append("int main(void) { return " + " + ".join(f"rx_{name.lower()}[0]" for name in LENGTHS[family]) + "; }")
     language = "c++" if compiler == "g++" else "c"
-    command = [compiler, f"-std={standard}", "-x", language, *WARNINGS, f"-I{include}", "-c", "-o", "/dev/null", "-"]
+    made = str(tmp_path / "made.o")
+    command = [compiler, f"-std={standard}", "-x", language, *WARNINGS, f"-I{include}", "-c", "-o", made, "-"]
     done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:3000]
     wrong = "\n".join(lines).replace("_BITS == ", "_BITS == 1U + ") + "\n"

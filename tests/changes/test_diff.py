@@ -188,7 +188,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
         ("--upload-pack=touch x:specs", None),
         ("v1.0:spec", "there is no spec in v1.0"),
         ("v1.0:../specs", "v1.0:../specs is outside of the repository; paths begin at its top"),
-        ("v1.0:/etc/passwd", "v1.0:/etc/passwd is outside of the repository; paths begin at its top"),
+        ("v1.0:/a/b", "v1.0:/a/b is outside of the repository; paths begin at its top"),
         ("$(touch x):specs", "there is no revision '$(touch x)' in this repository; known: master, v1.0"),
         ("v1.0\x1b[2J:specs", "there is no revision 'v1.0\\x1b[2J' in this repository; did you mean 'v1.0'?"),
         ("specs/nowhere.yaml", "there is no file or folder specs/nowhere.yaml"),
@@ -226,7 +226,7 @@ def test_a_file_with_a_colon_is_a_file(git: Git, tmp_path: Path) -> None:
 
 
 def test_links_in_history_lead_nowhere(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "link.yaml").symlink_to("/etc/passwd")
+    (tmp_path / "link.yaml").symlink_to(tmp_path / "specs" / "demo.yaml")
     git("add", ".")
     git("commit", "-q", "-m", "link")
     code, _, err = diff(capsys, "HEAD:link.yaml", "specs")

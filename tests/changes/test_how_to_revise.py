@@ -36,8 +36,9 @@ def environment(folder: Path) -> dict[str, str]:
     tool.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m codewheel "$@"\n', encoding="utf-8")
     tool.chmod(0o755)
     kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-    who = {"GIT_AUTHOR_NAME": "a", "GIT_AUTHOR_EMAIL": "a@example.org", "GIT_CONFIG_GLOBAL": os.devnull}
-    who |= {"GIT_COMMITTER_NAME": "a", "GIT_COMMITTER_EMAIL": "a@example.org", "GIT_CONFIG_NOSYSTEM": "1"}
+    who = {"GIT_AUTHOR_NAME": "a", "GIT_AUTHOR_EMAIL": "a@example.org", "GIT_CONFIG_NOSYSTEM": "1"}
+    who |= {"GIT_COMMITTER_NAME": "a", "GIT_COMMITTER_EMAIL": "a@example.org"}
+    who |= {"GIT_CONFIG_GLOBAL": str(folder / "no.gitconfig")}
     return kept | who | {"PATH": f"{tool.parent}:{os.environ['PATH']}", "PYTHONIOENCODING": "utf-8"}
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import pytest
+from codewheel.model import Device
 from codewheel.targets import Library
 
 Files = Mapping[str, str]
@@ -51,6 +53,60 @@ def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
 )
 def test_what_tells_the_families_apart(pages: Files, row: str) -> None:
     assert rows(pages["docs/which-encoder.md"], row.removeprefix("| "))
+
+
+#: A link to a register or a frame, with the numbers before its name: `[42h to 43h](am36/biss.md#register-profile_id)`.
+LINK = re.compile(r"\[([^]]*)\]\((\w+)/\w+\.md#(?:register|layout)-(\w+)\)")
+
+
+def cells(page: str, part: str) -> list[list[str]]:
+    """The rows of the table that follows these words."""
+    table = page.partition(part)[2].partition("| ---")[2].partition("\n\n")[0]
+    return [line.strip("| ").split(" | ") for line in table.splitlines()[1:]]
+
+
+def numbers(text: str, base: int) -> list[int]:
+    return [int(found, base) for found in re.findall(r"\b[0-9A-F]+(?=h\b)" if base == 16 else r"\d+", text)]
+
+
+def holds(shown: str, value: object) -> bool:
+    """Tell whether a cell shows this content: a number, a text, or an expression by its parameter."""
+    inner = shown.split("`")[1]
+    if shown.endswith("by order code"):
+        return f"'{inner}'" in repr(value)
+    return numbers(inner, 16) == [value] if isinstance(value, int) else inner == value
+
+
+def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mapping[str, Device], pages: Files) -> None:
+    page = pages["docs/which-encoder.md"]
+    found = cells(page, "where no label is left:")
+    assert len(found) == sum(len(list(device.identity)) for device in devices.values()) > 10
+    for _, where, name, held, _ in found:
+        ((shown, device, register_name),) = LINK.findall(where)
+        (register,) = (item for item in devices[device].registers if item.name == register_name)
+        assert numbers(shown, 16) == sorted({register.address, register.address + register.length - 1}), where
+        assert any(holds(held, item.equals) for item in register.layout.fields), (name, held)
+    for _, _, links in cells(page, "## Byte order of registers"):
+        for shown, device, register_name in LINK.findall(links):
+            (register,) = (item for item in devices[device].registers if item.name == register_name)
+            last = register.address + register.length - 1
+            assert shown.startswith(f"{register.address:02X}h to {last:02X}h "), shown
+
+
+def test_frames_and_resolutions_side_by_side(devices: Mapping[str, Device], pages: Files) -> None:
+    page = pages["docs/which-encoder.md"]
+    for _, _, frame, bits, order, _ in cells(page, "## Frames that carry"):
+        ((_, name, layout_name),) = LINK.findall(frame)
+        ((interface, layout),) = (pair for pair in devices[name].layouts() if pair[1].name == layout_name)
+        variants = [item for item in devices[name].variants if item.interface == interface.name]
+        lengths = {layout.place(item.parameters).bits for item in variants}
+        assert numbers(bits, 10) == sorted({min(lengths), max(lengths)}), frame
+        assert order.split()[0] == (layout.byte_order.split("_")[0] if layout.in_bytes else "most")
+    for family, quantity, values, _, _ in cells(page, "## Resolution"):
+        device = devices[family.split("(")[1].removesuffix(".md)")]
+        meant = [item.name for item in device.set_parameters if item.meaning == quantity]
+        sets = [{one.parameters[name] for one in device.variants if name in one.parameters} for name in meant]
+        assert [sorted(found) for found in sets] == [numbers(values, 10)], quantity
 
 
 def test_interfaces_stand_together(pages: Files) -> None:

@@ -19,9 +19,11 @@ COMMAND = [sys.executable, "-m", "codewheel"]
 DECODE = ["decode", "AMM5A23/65KJP1", "02 00 C7 D1 6A 7E"]
 
 
-def run(*arguments: str, redirect: str = "", **environment: str) -> subprocess.CompletedProcess[bytes]:
-    """The command under a shell, which can close and redirect streams."""
-    command = ["sh", "-c", f'exec "$@" {redirect}', "sh", *COMMAND, *arguments]
+def run(
+    *arguments: str, redirect: str = "", before: str = "", **environment: str
+) -> subprocess.CompletedProcess[bytes]:
+    """Run the command under a shell, which can close and redirect streams."""
+    command = ["sh", "-c", f'{before} exec "$@" {redirect}', "sh", *COMMAND, *arguments]
     done = subprocess.run(command, capture_output=True, env={**os.environ, **environment}, check=False, timeout=60)
     assert b"Traceback" not in done.stderr, done.stderr.decode()
     assert b"Exception ignored" not in done.stderr, done.stderr.decode()
@@ -82,18 +84,21 @@ def test_messages_in_ascii() -> None:
     assert b"'n->n' is no known order code" in done.stderr
 
 
+#: No file may grow, so that each write to one fails as on a full disk.
+NO_ROOM = "ulimit -f 0;"
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 @pytest.mark.parametrize("arguments", [["list"], ["check"], ["check", "--json"], DECODE])
-def test_full_standard_output(arguments: list[str]) -> None:
-    done = run(*arguments, redirect=">/dev/full", PYTHONUNBUFFERED="")
-    assert (done.returncode, done.stderr) == (1, b"codewheel: cannot write the output: No space left on device\n")
+def test_full_standard_output(arguments: list[str], tmp_path: Path) -> None:
+    done = run(*arguments, redirect=f"> '{tmp_path}/full'", before=NO_ROOM, PYTHONUNBUFFERED="")
+    assert (done.returncode, done.stderr) == (1, b"codewheel: cannot write the output: File too large\n")
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
-def test_full_standard_error() -> None:
-    assert run("show", "nonsense", redirect="2>/dev/full", PYTHONUNBUFFERED="").returncode == 1
+def test_full_standard_error(tmp_path: Path) -> None:
+    done = run("show", "nonsense", redirect=f"2> '{tmp_path}/full'", before=NO_ROOM, PYTHONUNBUFFERED="")
+    assert done.returncode == 1
 
 
 @pytest.mark.slow

@@ -259,7 +259,6 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
         ("it.bin", b"", ["--write", "parquet"], 2, "only CSV goes to standard output"),
         ("it.bin", b"", ["-o", "it.bin", "--force"], 2, "it.bin is what is read; write into another file"),
         ("it.bin", b"", ["-o", "."], 2, ". is no file that could be replaced"),
-        ("it.bin", b"", ["-o", "/dev/null", "--force"], 2, "/dev/null is no file that could be replaced"),
         ("it.bin", b"", ["-o", "no/where.csv"], 1, ".part: No such file or directory"),
     ],
 )
@@ -270,6 +269,17 @@ def test_what_is_told(
     done = decode(CODE, name, *options)
     assert (done.code, said in done.err) == (code, True), done.err
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.parametrize("name", ["pipe", "link to a pipe"])
+def test_what_is_not_a_file_is_not_replaced(decode: Command, tmp_path: Path, name: str) -> None:
+    (tmp_path / "it.bin").write_bytes(b"")
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link to a pipe").symlink_to("pipe")
+    done = decode(CODE, "it.bin", "-o", name, "--force")
+    assert (done.code, f"{name} is no file that could be replaced" in done.err) == (2, True), done.err
+    assert (tmp_path / "pipe").is_fifo()
+    assert (tmp_path / "link to a pipe").is_symlink()
 
 
 def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path) -> None:

@@ -42,6 +42,9 @@ SPECS = [
     for path in sorted((ROOT / folder).rglob("*.yaml"))
     if "\ndevice: " in path.read_text(encoding="utf-8") and not is_second(path)
 ]
+#: What a crate is made of: the families that are shipped, or a made up one.
+CRATES = ["specs", *(spec for spec in SPECS if not spec.startswith("specs/"))]
+LIBRARY = ("--crate-type", "rlib", "--crate-name", "encoders")
 
 
 def rust_tool(name: str) -> str:
@@ -55,9 +58,9 @@ def rust_tool(name: str) -> str:
     pytest.skip(words)
 
 
-def compiled(*command: str | Path, tool: str = "rustc") -> None:
-    """Compiles with all warnings as errors."""
-    done = subprocess.run([rust_tool(tool), *command, "-D", "warnings"], capture_output=True, text=True, check=False)
+def compiled(*command: str | Path) -> None:
+    """Compile with any version. A newer one may warn of more, which is no error here: see tests/verify/test_rust.py."""
+    done = subprocess.run([rust_tool("rustc"), *command], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:4000]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from codewheel.model import Device, Field, Number, Parameter, Piece, assert_never, kinds
 from codewheel.model.expressions import Expression, Factor, Term
@@ -49,6 +49,12 @@ def hexadecimal(number: int) -> str:
     return f"0x{number:X}" if number > 9 else f"{number}"
 
 
+def pattern(numbers: Collection[int]) -> str:
+    """Spell a pattern that matches these numbers, as a range where they are three or more in a row."""
+    low, high = min(numbers), max(numbers)
+    return f"{low}..={high}" if 1 < high - low == len(numbers) - 1 else " | ".join(map(str, numbers))
+
+
 def quoted(text: str) -> str:
     """A literal of text on one line."""
     return json.dumps(plain(text), ensure_ascii=False)
@@ -86,7 +92,7 @@ def put_byte(piece: Piece, raw: str) -> str:
 
 
 PIECES = (byte_of, put_byte, taken)
-NUMBERS = (fills, hexadecimal, narrowed, quoted, type_of_parameter, unsigned, widened)
+NUMBERS = (fills, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
 
 
 class Scope:

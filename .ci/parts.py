@@ -1,0 +1,114 @@
+"""Run lint, the tests and each part of the longer evidence, and count what did not run.
+
+Exit codes: 0 all ran and passed; 1 something failed; 2 something did not run, unless ``--allow-missing`` is given or
+``CODEWHEEL_ALLOW_MISSING`` is set. The last line has the sum of pytest's own counts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+
+#: Seconds from the start to the last moment of a part, and the least that a part is started with.
+DEADLINE, LEAST = 80 * 60, 60
+#: Frames of each layout. The parts take a million by themselves.
+FRAMES = "100000"
+#: Reasons for which a test is skipped on a complete Debian 12.
+KNOWN = re.compile(r"no Python 3\.\d+ here|root may read everything")
+
+
+class Log:
+    """What has run, and what has not."""
+
+    def __init__(self, missing: list[str]) -> None:
+        self.failed = list[str]()
+        self.not_run = [f"not installed: {name}" for name in missing]
+        self.counts = Counter[str]()
+
+    def read(self, part: str, line: str) -> None:
+        """Take skipped tests and the closing counts from a line that pytest has written."""
+        skipped = re.match(r"SKIPPED \[(\d+)\] (.*)", line)
+        if skipped and not KNOWN.search(skipped[2]):
+            self.not_run.append(f"{skipped[1]} skipped in make {part}: {skipped[2]}")
+        if re.match(r"(=+ )?\d+ \w+(, \d+ \w+)* in [\d.]+s", line):
+            self.counts.update({word: int(number) for number, word in re.findall(r"(\d+) ([a-z]+)", line)})
+
+    def close(self, allow_missing: bool) -> int:
+        """Print what failed and what did not run; give the exit code."""
+        for title, lines in (("FAILED", self.failed), ("DID NOT RUN", self.not_run)):
+            if lines:
+                print(f"\n{title}: {len(lines)}", *lines, sep="\n  ")
+        print(f"\n{self.counts['passed']} passed, {self.counts['failed']} failed, {self.counts['skipped']} skipped")
+        return 1 if self.failed else 2 if self.not_run and not allow_missing else 0
+
+
+def show(part: str, lines: Iterable[str], log: Log) -> None:
+    """Pass on what a part writes, line by line."""
+    for line in lines:
+        print(line, end="", flush=True)
+        log.read(part, line)
+
+
+def run(part: str, seconds: float, log: Log) -> int | None:
+    """Make a part and show what it writes; give its exit code, or None if it was ended after so many seconds."""
+    made = subprocess.Popen(
+        ["make", part],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    )
+    reader = threading.Thread(target=show, args=(part, made.stdout, log), daemon=True)
+    reader.start()
+    try:
+        return made.wait(seconds)
+    except subprocess.TimeoutExpired:
+        os.killpg(made.pid, signal.SIGKILL)
+        made.wait()
+        return None
+    finally:
+        reader.join(10)  # A program that left the group may keep the pipe open.
+
+
+def parts() -> list[str]:
+    """List the parts of ``make verify``. Each commit starts with another one, so that none is always the last."""
+    files = Path("tests/verify").glob("test_*.py")
+    found = sorted({re.sub("python_.*", "python", path.stem.removeprefix("test_")) for path in files})
+    done = subprocess.run(["git", "rev-list", "--count", "HEAD"], capture_output=True, text=True)
+    first = int(done.stdout or 0) % len(found)
+    return [f"verify-{name}" for name in found[first:] + found[:first]]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog=".ci/run", description=__doc__)
+    parser.add_argument("--allow-missing", action="store_true", help="accept what did not run")
+    parser.add_argument("--started", type=float, default=time.time(), help=argparse.SUPPRESS)
+    parser.add_argument("--missing", default="", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    os.environ.setdefault("CODEWHEEL_FRAMES", FRAMES)
+    log = Log([name for name in given.missing.split(",") if name])
+    for part in ("lint", "test", *parts()):
+        left = given.started + DEADLINE - time.time()
+        print(f"== make {part}", flush=True)
+        begun = time.time()
+        code = run(part, left, log) if left >= LEAST else None
+        print(f"== make {part}: {time.time() - begun:.0f} s", flush=True)
+        if code is None:
+            log.not_run.append(f"make {part}: {'ended at the deadline' if left >= LEAST else 'no time left'}")
+        elif code != 0:
+            log.failed.append(f"make {part}")
+    return log.close(given.allow_missing or bool(os.environ.get("CODEWHEEL_ALLOW_MISSING")))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
