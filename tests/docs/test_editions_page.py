@@ -91,6 +91,13 @@ def test_dates_and_changes_are_those_of_the_revision_table() -> None:
     assert (history["1.7"], history["1.4"]) == ("2020-05-06", "2019-07-31")
 
 
+def test_the_year_of_am36(capsys: pytest.CaptureFixture[str]) -> None:
+    """The imprint of 1.0 has a copyright of 2014 and no day."""
+    assert main(["show", "am36"]) == 0
+    assert "revision 1.0 of 2014, in English" in capsys.readouterr().out
+    assert edition("am36", "1.1").manual.date == ""
+
+
 def test_what_the_table_says_of_each_revision() -> None:
     assert {item.parts["mount"] for item in edition("amm5", "1.7").variants} == {"A"}
     assert {item.parts["mount"] for item in edition("amm5", "1.8").variants} == {"A", "B"}
@@ -308,6 +315,11 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
         (
             ["show", "amm5", "--edition", "2018-01-01"],
             "the first edition, 1.0, is of 2018-08-10; there is none of 2018-01-01",
+        ),
+        # Of 1.0 only the year is known, of 1.1 nothing: no day tells which was the latest.
+        (
+            ["show", "am36", "--edition", "2020-01-01"],
+            "the spec of am36 tells of no edition '2020-01-01'; there are 1.0 and 1.1",
         ),
         (["show", "asc85", "--edition", "0.9"], "the spec of asc85 tells of no edition '0.9'; there is 1.0"),
         (

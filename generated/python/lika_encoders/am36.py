@@ -27,8 +27,8 @@ A sound frame is not yet a usable position. Look at its verdict before you use t
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.multiturn, frame.singleturn, frame.position)
 
-Version 0.1.0, made from the manual “AM36 AMC36”, revision 1.0 (en). Sections and pages in this module are those of that
-manual; a source that begins with a language code is another edition, one that begins with another key stands in
+Version 0.1.0, made from the manual “AM36 AMC36”, revision 1.0 of 2014 (en). Sections and pages in this module are those
+of that manual; a source that begins with a language code is another edition, one that begins with another key stands in
 DOCUMENTS.
 
 Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition

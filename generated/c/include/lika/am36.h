@@ -17,7 +17,7 @@
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
  *
  * Version 0.1.0 of these headers.
- * Manual: "AM36 AMC36", revision 1.0 (en)
+ * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * In brackets: its sections and pages.
  *
  * Where encoders of other editions of the manual may differ, it is said at the place; codewheel

@@ -52,7 +52,7 @@ from .._reports import ReadOnly, Report, Reports, Verdict
 MANUAL: Final = Manual(
     title="AM36 AMC36",
     revision="1.0",
-    date="",
+    date="2014",
     language="en",
     publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
     history=(Revision("1.0", "First issue."),),
