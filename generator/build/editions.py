@@ -49,7 +49,8 @@ def chosen(device: Device, wanted: str) -> str:
     names = [item.revision for item in device.editions] or [device.manual.revision]
     if wanted in names:
         return wanted
-    dated = [item for item in device.editions if item.date]
+    # A year alone does not tell which edition was the latest on a day of it.
+    dated = [item for item in device.editions if _DATE.fullmatch(item.date)]
     if _DATE.fullmatch(wanted) and dated:
         then = [item.revision for item in dated if item.date <= wanted]
         if then:

@@ -21,6 +21,7 @@ from ..spec.master_items import NUMBERS
 from ..spec.problems import Report, listed
 from ..spec.read import read_specs
 from .record import Part, Record
+from .writing import Writing, writing_of
 
 Raw = Mapping[str, Any]
 
@@ -29,7 +30,7 @@ _UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A master as its file describes it; ``limits``, ``settings`` and ``notes`` are checked data of the schema."""
+    """A master as its file describes it; ``limits``, ``settings``, ``writing`` and ``notes`` are checked data."""
 
     name: str
     title: str
@@ -38,6 +39,7 @@ class Master:
     standing: str
     limits: tuple[Raw, ...]
     settings: tuple[Raw, ...]
+    writing: tuple[Raw, ...]
     notes: tuple[Raw, ...]
 
 
@@ -56,6 +58,12 @@ class Setting:
     standing: str
     source: str
     note: str
+    default: int | str | None = None
+
+    @property
+    def is_default(self) -> bool:
+        """Whether the master has this value from the factory."""
+        return self.default is not None and self.default == self.value
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +78,26 @@ class Refusal:
 @dataclass(frozen=True, slots=True)
 class Sheet:
     """What one master is told about one order code; nothing is set where there are refusals.
-    ``speaks`` is false where the master is not described for the interface at all."""
+
+    ``writing`` are the conditions under which the settings are written.
+    ``speaks`` is false where the master is not described for the interface at all.
+    """
 
     master: Master
     refusals: tuple[Refusal, ...]
     settings: tuple[Setting, ...]
     notes: tuple[str, ...]
+    writing: tuple[Writing, ...] = ()
     speaks: bool = True
+
+    def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
+        """Return the conditions that are about this setting alone."""
+        return tuple(item for item in self.writing if item.of == (setting.name,))
+
+    @property
+    def shared_writing(self) -> tuple[Writing, ...]:
+        """Conditions that are about several settings or all."""
+        return tuple(item for item in self.writing if len(item.of) != 1)
 
 
 class _Unknown(Exception):
@@ -130,7 +151,7 @@ def shipped_masters() -> tuple[Master, ...]:
 
 def _master(data: Raw) -> Master:
     documents = tuple(Document(key, item["title"], item.get("url", "")) for key, item in data["documents"].items())
-    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "notes"))
+    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "writing", "notes"))
     return Master(
         data["master"], data["title"], tuple(data["takes"]), documents, data.get("standing", "documented"), *rules
     )
@@ -160,8 +181,17 @@ def sheet(master: Master, record: Record) -> Sheet:
             settings.append(_setting(item, master, record))
         except _Refused as reason:
             refusals.append(Refusal(f"{reason}.", item.get("standing", master.standing), item["source"]))
+    if refusals:
+        return Sheet(master, tuple(refusals), (), ())
     notes = tuple(_filled(item["text"], record) for item in master.notes if _applies(item, record))
-    return Sheet(master, tuple(refusals), () if refusals else tuple(settings), () if refusals else notes)
+    rules = [_named(item, record) for item in master.writing if _applies(item, record)]
+    writing = writing_of(rules, [item.name for item in settings], master.standing)
+    return Sheet(master, (), tuple(settings), notes, writing)
+
+
+def _named(rule: Raw, record: Record) -> Raw:
+    """Return a condition of writing with the names of settings as on the sheet."""
+    return {**rule, **{key: [_filled(name, record) for name in rule[key]] for key in ("of", "after") if key in rule}}
 
 
 def _applies(rule: Raw, record: Record) -> bool:
@@ -201,7 +231,8 @@ def _setting(item: Raw, master: Master, record: Record) -> Setting:
         value, text, bound = None, f"unknown: {reason}", ""
     name, at = _filled(item["name"], record), _filled(item.get("at", ""), record)
     note = " ".join(filter(None, [item.get("note", ""), _cable_note(item, value, record)]))
-    return Setting(name, at, value, text, bound, item.get("standing", master.standing), item["source"], note)
+    standing = item.get("standing", master.standing)
+    return Setting(name, at, value, text, bound, standing, item["source"], note, item.get("default"))
 
 
 def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:

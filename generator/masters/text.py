@@ -14,6 +14,7 @@ from ..say.text import BY_NAME
 from ..say.words import counted, hertz, microseconds, volts
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
+from .writing import Writing
 
 VERSION = 1
 
@@ -107,6 +108,7 @@ def _crc(record: Record) -> str:
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet]) -> str:
     """What the marks mean, and that nothing else has been tried."""
     used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
+    used |= {rule.standing for sheet in sheets for rule in sheet.writing}
     used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
     inferred = " * marks what follows from those documents though none says it." if "inferred" in used else ""
     tried = "Nothing has been tried on hardware."
@@ -120,9 +122,21 @@ def bound(setting: Setting) -> str:
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
 
 
-def mark(rule: Setting | Refusal) -> str:
+def mark(rule: Setting | Refusal | Writing) -> str:
     """What the legend explains, parted by a space from a value that somebody copies."""
     return _MARKS[rule.standing]
+
+
+def condition(rule: Writing) -> str:
+    """Return a condition of writing as a sentence with its mark and source."""
+    return f"{rule.text}{mark(rule)} [{rule.source}]"
+
+
+def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
+    """Yield the conditions that are about this setting alone, after the advice to leave a factory default."""
+    if setting.is_default:
+        yield f"{setting.text} is the factory default: leave it unless it was changed."
+    yield from (condition(item) for item in sheet.writing_of(setting))
 
 
 def _shown(setting: Setting) -> str:
@@ -183,6 +197,8 @@ def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
             lines += [wrapped(f"{item.name}{place}", WIDTH, "      ", "  "), wrapped(_shown(item), WIDTH, "      ")]
         if item.note:
             lines.append(wrapped(item.note, WIDTH, "      "))
+        lines += [wrapped(found, WIDTH, "      ") for found in conditions(item, sheet)]
+    lines += [wrapped(condition(item), WIDTH, "    ", "  - ") for item in sheet.shared_writing]
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
     for document in sheet.master.documents if with_documents else ():
         where = f"{document.title}, {document.url}" if document.url else document.title
@@ -241,6 +257,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
                 "takes_it": not item.refusals,
                 "refusals": [asdict(reason) for reason in item.refusals],
                 "settings": [asdict(setting) for setting in item.settings],
+                "writing": [asdict(rule) for rule in item.writing],
                 "notes": list(item.notes),
                 "documents": [asdict(document) for document in item.master.documents],
             }

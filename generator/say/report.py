@@ -21,9 +21,9 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     if isinstance(field.kind, Unused):
         wrong = f"differs from the manual, which has {short(field.kind.value)} in these unused bits"
         return f"{wrong}. {sentence(field.meaning)}" if field.meaning else wrong
-    if not field.implemented:
-        return "active, although the manual says that this encoder does not have it"
     active = field.kind.when_active if isinstance(field.kind, Flag) else ""
+    if not field.implemented:
+        return active or "active, although the manual says that this encoder does not have it"
     texts = [text for text in (active, field.meaning) if text]
     if not texts:
         return alarm.meaning if alarm is not None and alarm.meaning else "active"

@@ -34,6 +34,7 @@ PATTERNS = {
     "^[a-z][a-z0-9]*$": "it has lower case letters and digits, a letter first",
     "^[a-z]{2}$": "a language code has two lower case letters, as in en",
     "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is year-month-day, as in 2024-05-10",
+    "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is year-month-day, as in 2024-05-10, or the year alone",
     '^https?://[^\\s<>"|`^{}\\[\\]\\\\]+$': (
         "an address begins with https:// and has no spaces, quotes, bars or brackets but round ones; "
         "write these as %20, %7C and so on"

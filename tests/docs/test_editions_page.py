@@ -45,7 +45,9 @@ def edition(name: str, revision: str) -> Device:
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Every output of the specs with each older edition of AMM5 and AM36's 1.1 beside."""
     out = tmp_path_factory.mktemp("out")
-    asked = [word for name in (*(f"amm5={item}" for item in OLD), "am36=1.1") for word in ("--edition", name)]
+    asked = [
+        word for name in (*(f"amm5={item}" for item in OLD), "am36=1.1", "sma21=1.0") for word in ("--edition", name)
+    ]
     assert main(["generate", str(SPECS), "-o", str(out), *asked]) == 0
     return out
 
@@ -89,6 +91,13 @@ def test_dates_and_changes_are_those_of_the_revision_table() -> None:
     assert (history["1.7"], history["1.4"]) == ("2020-05-06", "2019-07-31")
 
 
+def test_the_year_of_am36(capsys: pytest.CaptureFixture[str]) -> None:
+    """The imprint of 1.0 has a copyright of 2014 and no day."""
+    assert main(["show", "am36"]) == 0
+    assert "revision 1.0 of 2014, in English" in capsys.readouterr().out
+    assert edition("am36", "1.1").manual.date == ""
+
+
 def test_what_the_table_says_of_each_revision() -> None:
     assert {item.parts["mount"] for item in edition("amm5", "1.7").variants} == {"A"}
     assert {item.parts["mount"] for item in edition("amm5", "1.8").variants} == {"A", "B"}
@@ -100,9 +109,42 @@ def test_what_the_table_says_of_each_revision() -> None:
         told = [item for item in device.errata if item.edition == "before 1.4" and "3Bh" in item.printed]
         assert len(told) == (revision < "1.4"), revision
         assert all(item.used == "not known" for item in told)
+        # "To-be-updated" information removed, with 1.3.
+        marked = [item.used for item in device.errata if item.edition == "before 1.3"]
+        assert marked == ["not known"] * (revision < "1.3"), revision
         pins = {contact.contact for item in device.connectors for contact in item.contacts}
         assert ("1" in pins) == (revision >= "1.5"), revision
         assert bool(device.leds) == (revision >= "1.1"), revision
+
+
+@pytest.mark.parametrize(
+    ("asked", "said", "not_said"),
+    [
+        ([], "removed. An older encoder may have it; what sets it is not known", "this encoder does not have it"),
+        (["--edition", "1.1"], "removed. An older encoder may have it; what sets it is not known", "does not have it"),
+        (["--edition", "1.0"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),
+        # The day before edition 1.1.
+        (["--edition", "2023-11-09"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),
+    ],
+)
+def test_the_alarm_that_sma21_had(
+    asked: list[str], said: str, not_said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Bit 3 of ALMC, of which 1.1 of 2023-11-10 says that it was removed. The CRC is the XOR of the bytes: 8Bh."""
+    assert main(["decode", "SMA21-JP1-0050", "A2 20 01 00 00 08 8B", *asked]) == 3
+    report = " ".join(capsys.readouterr().out.split()).split("the encoder reports:")[1]
+    assert said in report
+    assert not_said not in report
+    assert report.endswith("so the position is not usable")
+
+
+def test_editions_of_sma21() -> None:
+    """Implemented before 1.1 only; Panasonic® is named since 1.2."""
+    for revision, has_alarm in (("1.0", True), ("1.1", False)):
+        device = edition("sma21", revision)
+        assert [item.implemented for item in device.alarms if item.name == "encoder_inharmonious_error"] == [has_alarm]
+        (output,) = [part for part in device.order_code.parts if part.name == "output"]
+        assert ["Panasonic" in item.meaning for item in output.values if item.text == "JP"] == [False]
 
 
 @pytest.mark.slow
@@ -123,7 +165,7 @@ def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None
 
 @pytest.mark.slow
 def test_each_edition_is_in_each_output(generated: Path) -> None:
-    for name, revision in [*(("amm5", item) for item in OLD), ("am36", "1.1")]:
+    for name, revision in [*(("amm5", item) for item in OLD), ("am36", "1.1"), ("sma21", "1.0")]:
         stem = f"{name}_{revision.replace('.', '_')}"
         device = edition(name, revision)
         xml = (generated / "biss" / f"lika-{stem}.xml").read_bytes()
@@ -274,7 +316,12 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
             ["show", "amm5", "--edition", "2018-01-01"],
             "the first edition, 1.0, is of 2018-08-10; there is none of 2018-01-01",
         ),
-        (["show", "sma21", "--edition", "1.0"], "the spec of sma21 tells of no edition '1.0'; there is 1.2"),
+        # Of 1.0 only the year is known, of 1.1 nothing: no day tells which was the latest.
+        (
+            ["show", "am36", "--edition", "2020-01-01"],
+            "the spec of am36 tells of no edition '2020-01-01'; there are 1.0 and 1.1",
+        ),
+        (["show", "asc85", "--edition", "0.9"], "the spec of asc85 tells of no edition '0.9'; there is 1.0"),
         (
             ["show", "AMM5A21/65KSC1", "--edition", "label"],
             "the label tells no edition; give its revision, such as 1.9",

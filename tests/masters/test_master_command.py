@@ -217,7 +217,7 @@ def test_a_note_on_the_page_names_its_order_codes(pages: dict[str, str]) -> None
     assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`")
     assert "/SC1`" not in note
     assert re.search(
-        r"\| Order codes \| Supply Voltage \(80p8:12\) \|\n"
+        r"\| Order codes \| Supply Voltage \(8008:12\) \|\n"
         r"\| --- \| --- \|\n"
         r"\| `ASC8520/SC1`, [^|]*\| `50` \|\n"
         r"\| `ASC8520/SC2`, [^|]*\| – \|",

@@ -205,11 +205,11 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
 @pytest.mark.parametrize(
     ("master", "code", "expected"),
     [
-        # 24 + 2 bits; the polynomial is the one that the length 6 selects.
+        # 24 + 2 bits, less 1 as in the code example: 29 for 28 + 2. The length 6 selects the polynomial.
         (
             "microchip_dspic33a",
             "SMA21-SC1-0002",
-            {"SCDENx": 1, "SCDLENx": 26, "CRCSELx": 0, "CRCLENx": 6, "CRCSEEDx": 0, "GRAYx": 0, "SFREQ": None},
+            {"SCDENx": 1, "SCDLENx": 25, "CRCSELx": 0, "CRCLENx": 6, "CRCSEEDx": 0, "GRAYx": 0, "SFREQ": None},
         ),
         (
             "moteus",

@@ -27,8 +27,8 @@ A sound frame is not yet a usable position. Look at its verdict before you use t
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.multiturn, frame.singleturn, frame.position)
 
-Version 0.1.0, made from the manual “AM36 AMC36”, revision 1.0 (en). Sections and pages in this module are those of that
-manual; a source that begins with a language code is another edition, one that begins with another key stands in
+Version 0.1.0, made from the manual “AM36 AMC36”, revision 1.0 of 2014 (en). Sections and pages in this module are those
+of that manual; a source that begins with a language code is another edition, one that begins with another key stands in
 DOCUMENTS.
 
 Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
@@ -2128,10 +2128,17 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Load and save the default parameters [6.5 p.24; 7 p.33].
+    """Load and save the default parameters [6.5 p.24; 6.5 p.28; 7 p.33].
 
     Result: All parameters have their defaults, which are active and saved; what was set before is lost, the preset
     included. With them the frame has 44 bits again.
+
+    The default number of revolutions, 65,536, is more than 4,096. With it, the shaft must not turn by more than 2,047
+    revolutions either way while the encoder is off, or the absolute position is lost.
+
+    Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as
+    default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while switched off.
+    Used: 65,536 for the registers and the frame; 4096 as what the label says. [6.5 p.28; 6.5 p.31]
 
     Erratum scd_length_at_run_time (open, omission): Printed: Position has a variable length according to the resolution
     of the encoder, 36 bits at the most. Used: The position has as many bits as registers 56h and 57h say, from the

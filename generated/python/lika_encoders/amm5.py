@@ -38,6 +38,9 @@ amm5=1.0`` makes files for such encoders.
 Editions before 1.4: Not known there: Register 3Bh, Counting direction. Why: The register was removed with this
 revision. What it took and when, is not said. [Document release]
 
+Editions before 1.3: Not known there: Everything that was marked as to be updated. Why: The revision removed
+"to-be-updated" information. What was marked so, and whether it was right, is not said. [Document release]
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
 """

@@ -33,6 +33,12 @@ Version 0.1.0, made from the manual “SMA21 + MTA-A154”, revision 1.2 of 2024
 module are those of that manual; a source that begins with a language code is another edition, one that begins with
 another key stands in DOCUMENTS.
 
+Where encoders of other editions of the manual may differ, it is said at the place; ``codewheel generate --edition
+sma21=1.0`` makes files for such encoders.
+
+Editions before 1.1: Not known there: What sets Encoder inharmonious error, whether it is kept, and how it is cleared.
+Why: The description of the alarm was removed with the alarm. [Release table]
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l.; this project is
 not affiliated with either company and claims no certification.
 """
@@ -1145,7 +1151,8 @@ class PositionReply(NamedTuple):
             found. False at 0: no initialization error. While it is True, the position is not usable.
         hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
             the position is not usable.
-        encoder_inharmonious_error: Encoder inharmonious error: Not implemented.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True at 1: an alarm that manual 1.1 of
+            2023-11-10 removed. An older encoder may have it; what sets it is not known.
         higher_track_error: Higher track error: Not implemented.
         low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
             amplitude error. While it is True, the position is not usable.
@@ -1176,7 +1183,8 @@ class PositionReply(NamedTuple):
     marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
     sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
 
-    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
+    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level,
+    edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other
@@ -1596,7 +1604,8 @@ class IdentificationReply(NamedTuple):
             found. False at 0: no initialization error. While it is True, the position is not usable.
         hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
             the position is not usable.
-        encoder_inharmonious_error: Encoder inharmonious error: Not implemented.
+        encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True at 1: an alarm that manual 1.1 of
+            2023-11-10 removed. An older encoder may have it; what sets it is not known.
         higher_track_error: Higher track error: Not implemented.
         low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
             amplitude error. While it is True, the position is not usable.
@@ -1619,7 +1628,8 @@ class IdentificationReply(NamedTuple):
     marked as the order of transmission. Used: ABS0 first. Why: The text above both tables says that the position is
     sent from the least to the most significant byte, and the examples do so. [7.3.3 p.39]
 
-    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level.
+    Of its parts, see ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level,
+    edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, 0 in the manual. With other

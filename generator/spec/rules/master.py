@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from pathlib import PurePath
 from typing import Any
 
@@ -15,6 +16,7 @@ Raw = Mapping[str, Any]
 
 _ITEMS = (*WORDS, *NUMBERS)
 _KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
+_WRITING = ("needs", "after", "then", "takes_effect")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
@@ -31,6 +33,7 @@ def check_master(data: Raw, report: DocumentReport) -> None:
         _braces(note["text"], _ITEMS, ("notes", index, "text"), report)
     for index, setting in enumerate(data.get("settings", ())):
         _setting(setting, _written(index, report), ("settings", index), report)
+    _writing(data, report)
 
 
 def _written(index: int, report: DocumentReport) -> Raw:
@@ -119,6 +122,10 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
     for key in ("as", "bound"):
         if key in setting and "value" not in written:
             report.add("setting-shape", (*path, key), f"'{key}' goes with 'value' only", at_key=True)
+    if "default" in setting and not {"value", "choice", "clocks"} & written.keys():
+        report.add(
+            "setting-shape", (*path, "default"), "'default' goes with 'value', 'choice' or 'clocks'", at_key=True
+        )
     if setting.get("as") == "boolean" and "bound" in setting:
         report.add("setting-shape", (*path, "bound"), "a boolean is neither the least nor the most", at_key=True)
     if "value" in setting:
@@ -136,6 +143,35 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
             (*path, "any_clock", "at_most_hz"),
             f"'at_most_hz' is less than 'at_least_hz', {clock['at_least_hz']}",
         )
+
+
+def _writing(data: Raw, report: DocumentReport) -> None:
+    """Check that each condition of writing is one, names settings, and that their order has no circle."""
+    names = tuple(dict.fromkeys(item["name"] for item in data.get("settings", ())))
+    order: dict[str, set[str]] = {}
+    for index, rule in enumerate(data.get("writing", ())):
+        path: Path = ("writing", index)
+        given = [key for key in _WRITING if key in rule]
+        if len(given) != 1:
+            wrong = (
+                f"has {listed(given)}; it has one of them" if given else f"says nothing; say {listed(_WRITING, 'or')}"
+            )
+            report.add("writing-shape", path, f"a condition of writing {wrong}")
+        for key in ("of", "after"):
+            for place, name in enumerate(rule.get(key, ())):
+                if name not in names:
+                    wrong = f"there is no setting {quoted(name)}{suggestion(name, names)}"
+                    report.add("undefined-reference", (*path, key, place), wrong)
+        if "after" in rule and "of" not in rule:
+            report.add("writing-shape", path, "'after' needs 'of': the settings that are written later")
+        for name in rule.get("of", ()):
+            order.setdefault(name, set()).update(rule.get("after", ()))
+        try:
+            TopologicalSorter(order).prepare()
+        except CycleError as error:
+            circle = " after ".join(quoted(name) for name in reversed(error.args[1]))
+            report.add("value-clash", (*path, "after"), f"no order is possible: {circle}")
+            order.clear()
 
 
 def _expression(value: int | str, path: Path, report: DocumentReport) -> None:

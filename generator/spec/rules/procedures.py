@@ -89,7 +89,7 @@ def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, procedure in items(spec, "procedures"):
         # A step that the schema refused may be the one that writes it.
         steps = [step for _, step in items(procedures.get(procedure["name"], {}), "steps")]
-        written = {step.get("value") for step in steps}
+        written = [step.get("value") for step in steps]  # of what the schema refused, so of any type
         for below, argument in items(procedure, "arguments"):
             if argument["name"] not in written:
                 wrong = (

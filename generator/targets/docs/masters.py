@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 
 from ...masters.record import NoRecord, Record, record
 from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
-from ...masters.text import bound, facts, legend, mark
+from ...masters.text import bound, condition, conditions, facts, legend, mark
 from ...model import Device, Interface
 from ...say.markdown import code, text
 from .facts import document_rows
@@ -138,7 +138,9 @@ def _label(groups: Sequence[Group]) -> str:
 
 def _master(master: Master, sheets: Told) -> dict[str, Any]:
     taken = [(group, item) for group, item in sheets if not item.refusals]
-    columns = [(group, [((item.name, item.at), _row(item)) for item in found.settings]) for group, found in taken]
+    columns = [
+        (group, [((item.name, item.at), _row(item, found)) for item in found.settings]) for group, found in taken
+    ]
     same, tables = _split(columns)
     return {
         "name": master.name,
@@ -152,11 +154,11 @@ def _master(master: Master, sheets: Told) -> dict[str, Any]:
     }
 
 
-def _row(item: Setting) -> Row:
+def _row(item: Setting, sheet: Sheet) -> Row:
     """Name with place, value, note, source."""
     name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
     value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
-    return name, value, text(item.note), text(item.source)
+    return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(item.source)
 
 
 def _mark(rule: Setting | Refusal) -> str:
@@ -177,7 +179,7 @@ def _notes(taken: Told) -> Iterator[str]:
     """What else is to be known; a note that is not about all order codes names its own."""
     found: dict[str, list[Group]] = {}
     for group, item in taken:
-        for note in item.notes:
+        for note in (*(condition(rule) for rule in item.shared_writing), *item.notes):
             found.setdefault(text(note), []).append(group)
     for note, groups in found.items():
         yield note if len(groups) == len(taken) else f"{_label(groups)}: {note}"

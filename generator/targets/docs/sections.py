@@ -78,6 +78,7 @@ def sections(device: Device) -> Sections:
 
 #: What an interface says of itself, by which its errata are found.
 _FACTS = (
+    "measurement",
     "clock",
     "cable_lengths",
     "timeout",

@@ -17,7 +17,7 @@
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
  *
  * Version 0.1.0 of these headers.
- * Manual: "AM36 AMC36", revision 1.0 (en)
+ * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * In brackets: its sections and pages.
  *
  * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
@@ -607,6 +607,8 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
 /* -- BiSS C-mode ------------------------------------------------------------------------------- */
 
 /**
+ * As delivered, the shaft must not turn by more than 2,047 revolutions either way while the encoder
+ * is off, or the absolute position is lost: the default of 65,536 revolutions is more than 4,096.
  * The encoder is always a slave, alone with one master. It must never be installed in a network of
  * several slaves. For all that the manual leaves out it refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6].
@@ -615,6 +617,7 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * Network: point to point, one slave only [6].
  * Control data: One bit per frame, for reading and writing the registers. The manual describes the
  * main fields and refers to the BiSS C protocol description for the whole structure.
+ * Erratum revolutions_4096 (open, wrong limit).
  * Erratum biss_timeout_length (open, omission).
  * Edition 1.1: differs; the end of this file says how.
  * Edition 1.1: may differ; the end of this file says how.
@@ -2357,9 +2360,13 @@ static inline lika_result lika_am36_activate_preset(
 }
 
 /**
- * Load and save the default parameters [6.5 p.24; 7 p.33].
+ * Load and save the default parameters [6.5 p.24; 6.5 p.28; 7 p.33].
  * Result: All parameters have their defaults, which are active and saved; what was set before is
  * lost, the preset included. With them the frame has 44 bits again.
+ * The default number of revolutions, 65,536, is more than 4,096. With it, the shaft must not turn
+ * by more than 2,047 revolutions either way while the encoder is off, or the absolute position is
+ * lost.
+ * Erratum revolutions_4096 (open, wrong limit).
  * Erratum scd_length_at_run_time (open, omission).
  */
 #define LIKA_AM36_RESTORE_DEFAULTS_STEPS_COUNT 2U

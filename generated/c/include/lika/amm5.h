@@ -23,6 +23,7 @@
  * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
  * generate --edition amm5=1.0 makes files for such encoders.
  * Editions before 1.4: may differ; the end of this file says how.
+ * Editions before 1.3: may differ; the end of this file says how.
  *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -40,6 +41,7 @@
  *                    https://manualshive.com/en/manual/ika/amm36/amm36_user-manual_624807-39.html
  *   amm80: AMM80 manual, English edition 1.5, Lika Electronic -
  *          https://manualshive.com/en/manual/lika/amm80/1915917?page=40
+ *   sma21: SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic
  *
  * An erratum is a place where the manual cannot be taken literally: settled where its own evidence
  * decides, open where only hardware or the manufacturer could. Each is named where it bites, and
@@ -530,6 +532,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * Code: binary [5.2 p.28].
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
+ * Erratum ssi_pause (open, wrong limit).
  * Editions before 1.6: differs; the end of this file says how.
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 4 MHz [5.3 p.29]. */
@@ -539,7 +542,10 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
  * transmission and sets the data line high [5.1].
  */
 #define LIKA_AMM5_SSI_MONOFLOP_TYPICAL_US 12U
-/** Tp: at least 20 us: Between two clock sequences [5.3]. */
+/**
+ * Tp: at least 20 us: Between two clock sequences; printed Tp > 20 us, so that exactly 20 us are no
+ * margin [5.3].
+ */
 #define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U
 
 /**
@@ -944,6 +950,7 @@ static inline uint32_t lika_amm5_single_cycle_data_reports(const lika_amm5_singl
  * Erratum data_id_8_scope (open, wrong data): Used: The table, singleturn and multiturn.
  * Erratum reset_interval (open, omission).
  * Erratum busy_clear (open, omission).
+ * Erratum rs485_reply_time (open, omission).
  * Editions before 1.6: differs; the end of this file says how.
  */
 /** Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
@@ -3399,6 +3406,13 @@ static inline lika_result lika_amm5_reset_errors(
  * to clear: by itself (turning speed decreased to 300 rpm or less). Used: Both as printed. Why: The
  * description knows no speed. Whether power-on above 300 rpm keeps the flag set, with all position
  * data at 0, is not said. [7.4.1 p.44; it: 7.4.1 p.44]
+ * Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 20 us (Tp > 20 us). Used: At
+ * least 20 us; take more. Why: "At least" allows 20 us, the sign ">" does not. [5.1; 5.3; it: 5.3]
+ * Erratum rs485_reply_time (open, omission): Printed: Requests and replies, without the time
+ * between them. Used: No reply time and no time-out; the master chooses its time-out. Why: Neither
+ * the shortest nor the longest time from the end of a request to the reply is printed. Without a
+ * shortest time, the master must release the line right after the stop bit of its request, or the
+ * first byte of the reply is lost. [7.1 p.41; 7.2 p.41; it: 7.1 p.41; it: 7.2 p.41]
  * Editions before 1.8: Not there: value B of part mount of the order code. Why: AMM5B was
  * introduced with this revision. [Document release]
  * Editions before 1.7: Not known there: register serial_number. Why: The registers 44h to 47h were

@@ -19,6 +19,11 @@
  * Version 0.1.0 of these headers.
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * In brackets: its sections and pages.
+ *
+ * Where encoders of other editions of the manual may differ, it is said at the place; codewheel
+ * generate --edition sma21=1.0 makes files for such encoders.
+ * Editions before 1.1: may differ; the end of this file says how.
+ *
  * Other documents, by the word before a colon in brackets:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
@@ -529,7 +534,8 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
         {
             "encoder_inharmonious_error",
             "Encoder inharmonious error",
-            "active, although the manual says that this encoder does not have it",
+            "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what "
+            "sets it is not known",
             "",
             "7.3.3 p.39; 7.3.3.1 p.40"
         },
@@ -585,6 +591,7 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
  * Code: binary or Gray, by order code [5.2 p.20].
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
+ * Erratum ssi_pause (open, wrong limit).
  */
 #define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 1 MHz [5.3 p.22]. */
 #define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U
@@ -593,7 +600,10 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
  * transmission and sets the data line high [5.1].
  */
 #define LIKA_SMA21_SSI_MONOFLOP_TYPICAL_US 12U
-/** Tp: at least 16 us: Between two clock sequences [5.3 p.22]. */
+/**
+ * Tp: at least 16 us: Between two clock sequences; printed Tp > 16 us, so that exactly 16 us are no
+ * margin [5.3 p.22].
+ */
 #define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U
 
 /**
@@ -990,6 +1000,10 @@ static inline uint32_t lika_sma21_single_cycle_data_reports(
  * Erratum position_under_error (open, omission).
  * Erratum reset_interval (open, omission).
  * Erratum error_bit_level (settled, wrong data).
+ * Erratum rs485_reply_time (open, omission).
+ * Editions before 1.1: differs; the end of this file says how.
+ * Editions before 1.1: differs; the end of this file says how.
+ * Editions before 1.1: differs; the end of this file says how.
  */
 /** Port: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
 #define LIKA_SMA21_RS485_BAUD 2500000U
@@ -1177,7 +1191,11 @@ typedef struct lika_sma21_position_reply {
      * is active, the position is not usable.
      */
     bool hardware_error;
-    bool encoder_inharmonious_error; /**< Encoder inharmonious error: Not implemented. */
+    /**
+     * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
+     * 2023-11-10 removed. An older encoder may have it; what sets it is not known.
+     */
+    bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
     /**
      * Low amplitude error. Active at 1: amplitude of the signal too low. Inactive at 0: no low
@@ -1543,7 +1561,11 @@ typedef struct lika_sma21_identification_reply {
      * is active, the position is not usable.
      */
     bool hardware_error;
-    bool encoder_inharmonious_error; /**< Encoder inharmonious error: Not implemented. */
+    /**
+     * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
+     * 2023-11-10 removed. An older encoder may have it; what sets it is not known.
+     */
+    bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
     /**
      * Low amplitude error. Active at 1: amplitude of the signal too low. Inactive at 0: no low
@@ -3257,6 +3279,8 @@ static inline lika_result lika_sma21_reset_position(
 /**
  * Encoder inharmonious error: Not implemented [7.3.3 p.39; 7.3.3.1 p.40].
  * Flag: encoder_inharmonious_error in ALMC.
+ * Editions before 1.1: differs; the end of this file says how.
+ * Editions before 1.1: differs; the end of this file says how.
  */
 #define LIKA_SMA21_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U
 
@@ -3431,6 +3455,23 @@ static inline lika_result lika_sma21_reset_position(
  * default 00h; the list of defaults leaves it out. Used: 00h. Why: Whether loading the defaults
  * sets it back is not said; it is the only register of this kind that is missing from the list.
  * [6.4 p.33; 12 p.51]
+ * Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 16 us (Tp > 16 us). Used: At
+ * least 16 us; take more. Why: "At least" allows 16 us, the sign ">" does not. [5.1; 5.3 p.22]
+ * Erratum rs485_reply_time (open, omission): Printed: Requests and replies, without the time
+ * between them. Used: No reply time and no time-out; the master chooses its time-out. Why: Neither
+ * the shortest nor the longest time from the end of a request to the reply is printed. Without a
+ * shortest time, the master must release the line right after the stop bit of its request, or the
+ * first byte of the reply is lost. [7.1 p.37; 7.2 p.37]
+ * Editions before 1.1: The spec has implemented of field encoder_inharmonious_error of group of
+ * fields alarm_field and implemented of alarm encoder_inharmonious_error; there it is True. Why:
+ * The alarm was removed with this revision, so encoders of before may have it. [Release table]
+ * Editions before 1.1: The spec has when active of field encoder_inharmonious_error of group of
+ * fields alarm_field; there it is encoder inharmonious error. Why: Only the name of the alarm is
+ * known. How manual 1.0 described it is not said. [Release table]
+ * Editions before 1.1: The spec has the meaning of field encoder_inharmonious_error of group of
+ * fields alarm_field and the meaning of alarm encoder_inharmonious_error; there it is What sets it
+ * is not known. Why: Only the name of the alarm is known. How manual 1.0 described it is not said.
+ * [Release table]
  */
 
 #ifdef __cplusplus

@@ -52,7 +52,7 @@ from .._reports import ReadOnly, Report, Reports, Verdict
 MANUAL: Final = Manual(
     title="AM36 AMC36",
     revision="1.0",
-    date="",
+    date="2014",
     language="en",
     publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy; www.lika.biz",
     history=(Revision("1.0", "First issue."),),
@@ -241,6 +241,10 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
+# Erratum revolutions_4096 (open, wrong limit): Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as
+# default and maximum. Warning: with more than 4,096 set, at most 2,047 revolutions either way while switched off. Used:
+# 65,536 for the registers and the frame; 4096 as what the label says. [6.5 p.28; 6.5 p.31]
+#
 # Erratum biss_timeout_length (open, omission): Printed: BiSS time-out self-adaptable to the clock, 10 µs max. Used: At
 # most 10 µs, without a rule. [6.6 p.32; prot: p.18]
 #
@@ -309,8 +313,10 @@ BISS: Final = BissFacts(
         ),
     ),
     note=(
-        "The encoder is always a slave, alone with one master. It must never be installed in a network of several "
-        "slaves. For all that the manual leaves out it refers to www.biss-interface.com."
+        "As delivered, the shaft must not turn by more than 2,047 revolutions either way while the encoder is off, or "
+        "the absolute position is lost: the default of 65,536 revolutions is more than 4,096. The encoder is always a "
+        "slave, alone with one master. It must never be installed in a network of several slaves. For all that the "
+        "manual leaves out it refers to www.biss-interface.com."
     ),
     source="6",
 )
@@ -835,6 +841,15 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="cable_resistance", value="148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)", source="4.2"),
     Characteristic(name="cable_bending_radius", value="7.5 × outer diameter at least", source="4.2"),
     Characteristic(
+        name="revolutions_while_off",
+        value=(
+            "With more than 4,096 revolutions set, as delivered (65,536), the shaft must not turn by more than 2,047 "
+            "revolutions either way while the encoder is off, or the absolute position is lost."
+        ),
+        only="...-I7-...",
+        source="6.5 p.28",
+    ),
+    Characteristic(
         name="description_file",
         value=(
             "The BiSS encoders come with the file idbiss4C69.xml, to be installed in the BiSS master; to be had from "
@@ -992,7 +1007,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
-        affects=("order_code", "registers.number_of_revolutions", "registers.multiturn_bits_used"),
+        affects=(
+            "order_code",
+            "registers.number_of_revolutions",
+            "registers.multiturn_bits_used",
+            "procedures.restore_defaults",
+            "characteristics.revolutions_while_off",
+            "interfaces.biss.measurement",
+        ),
         source="6.5 p.28; 6.5 p.31",
     ),
     Erratum(

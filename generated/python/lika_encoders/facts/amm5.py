@@ -66,7 +66,7 @@ MANUAL: Final = Manual(
         Revision("1.0", "First issue.", date="2018-08-10"),
         Revision("1.1", "Mounting instructions and LED information updated.", date="2018-10-31"),
         Revision("1.2", "Cable information and battery replacement.", date="2019-01-18"),
-        Revision("1.3", "Marks for information still to come removed.", date="2019-06-10"),
+        Revision("1.3", "\"To-be-updated\" information removed.", date="2019-06-10"),
         Revision(
             "1.4",
             (
@@ -207,6 +207,9 @@ CRCS: Final[tuple[Crc, ...]] = (
 # MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 4
 # MHz. [5.3]
 #
+# Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 20 µs (Tp > 20 µs). Used: At least 20 µs; take more.
+# Why: "At least" allows 20 µs, the sign ">" does not. [5.1; 5.3; it: 5.3]
+#
 # Editions before 1.6: Not there: SSI and RS-485. Why: The versions with SSI and with RS-485 came with this revision;
 # before, all were BiSS. [Document release]
 
@@ -234,7 +237,13 @@ SSI: Final = SsiFacts(
             symbol="Tm",
             source="5.1",
         ),
-        Timing(name="pause", meaning="Between two clock sequences", at_least_us=20, symbol="Tp", source="5.3"),
+        Timing(
+            name="pause",
+            meaning="Between two clock sequences; printed Tp > 20 µs, so that exactly 20 µs are no margin",
+            at_least_us=20,
+            symbol="Tp",
+            source="5.3",
+        ),
     ),
     note=(
         "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
@@ -341,6 +350,9 @@ BISS: Final = BissFacts(
 # Erratum reset_interval (open, omission): Printed: Ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request in between, and 40 µs or more after each request before the next one begins. [7.4.2 p.45; it:
 # 7.4.2 p.45]
+#
+# Erratum rs485_reply_time (open, omission): Printed: Requests and replies, without the time between them. Used: No
+# reply time and no time-out; the master chooses its time-out. [7.1 p.41; 7.2 p.41; it: 7.1 p.41; it: 7.2 p.41]
 #
 # Editions before 1.6: Not there: SSI and RS-485. Why: The versions with SSI and with RS-485 came with this revision;
 # before, all were BiSS. [Document release]
@@ -2452,6 +2464,98 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="7.4.1 p.44; it: 7.4.1 p.44",
     ),
     Erratum(
+        name="ssi_pause",
+        printed="Pause of at least 20 µs (Tp > 20 µs)",
+        used="At least 20 µs; take more.",
+        why="\"At least\" allows 20 µs, the sign \">\" does not.",
+        status=Status.OPEN,
+        severity=Severity.WRONG_LIMIT,
+        affects=("interfaces.ssi.pause",),
+        source="5.1; 5.3; it: 5.3",
+    ),
+    Erratum(
+        name="rs485_polarity",
+        printed="A (RS-485) and B (RS-485), without + or -",
+        used="As printed; no polarity is assumed.",
+        why=(
+            "Which of A and B is the positive line is not said, and manufacturers name them in opposite ways. The "
+            "SMA21 manual prints A as REQ+ / SD+ and B as REQ- / SD-. If the encoder does not reply, swap A and B."
+        ),
+        status=Status.OPEN,
+        severity=Severity.OMISSION,
+        affects=("connectors.rs485_connector", "connectors.rs485_cable"),
+        source="4.1.3 p.21; 4.1.4 p.22; it: 4.1.3; it: 4.1.4; sma21: 4.2 p.16",
+    ),
+    Erratum(
+        name="rs485_reply_time",
+        printed="Requests and replies, without the time between them",
+        used="No reply time and no time-out; the master chooses its time-out.",
+        why=(
+            "Neither the shortest nor the longest time from the end of a request to the reply is printed. Without a "
+            "shortest time, the master must release the line right after the stop bit of its request, or the first "
+            "byte of the reply is lost."
+        ),
+        status=Status.OPEN,
+        severity=Severity.OMISSION,
+        affects=("interfaces.rs485.data_ids",),
+        source="7.1 p.41; 7.2 p.41; it: 7.1 p.41; it: 7.2 p.41",
+    ),
+    Erratum(
+        name="busy_detection",
+        printed="English: when the main power is turned on. Italian: when it is on (quando l'alimentazione è on)",
+        used="When the main power is turned on",
+        why=(
+            "The function of the flag is a delay at power-on and during a reset. By the Italian words it can come at "
+            "any time under power, which matters for how it clears: see busy_clear."
+        ),
+        status=Status.OPEN,
+        severity=Severity.WORDING,
+        affects=("alarms.busy",),
+        source="7.4.1 p.44; it: 7.4.1",
+    ),
+    Erratum(
+        name="cable_drain_wire",
+        printed="English: tinned copper braid with tinned copper drain wire. Italian: tinned copper braid alone",
+        used="With a drain wire",
+        why=(
+            "Both describe the same cable. Only a look at it can tell. Whether a wire reaches pin 1 depends on it, "
+            "see ground_wire."
+        ),
+        status=Status.OPEN,
+        severity=Severity.WORDING,
+        affects=("characteristics.cable_shield",),
+        source="4.1.5 p.22; it: 4.1.5",
+    ),
+    Erratum(
+        name="preset_at_standstill",
+        printed=(
+            "English: set the preset (setting) with the shaft in stop. Italian: activate it (attivare) with the shaft "
+            "in stop"
+        ),
+        used="Suggested for the procedures that activate a preset, not for the one that only stores it",
+        why=(
+            "The preset is given to the position at the moment of the activation. Storing it does not depend on where "
+            "the shaft is."
+        ),
+        status=Status.SETTLED,
+        severity=Severity.WORDING,
+        affects=("procedures.set_preset", "procedures.store_preset", "procedures.activate_preset"),
+        source="6.4 p.35; it: 6.4 p.35",
+    ),
+    Erratum(
+        name="preset_save_and_activate",
+        printed=(
+            "English: save, or both save and activate. Italian: save, or save and at the same time "
+            "(contemporaneamente) activate"
+        ),
+        used="Two commands, 01 to save and then 02 to activate",
+        why="Both editions continue with the command to activate after saving, and the example writes 01 and then 02.",
+        status=Status.SETTLED,
+        severity=Severity.WORDING,
+        affects=("procedures.set_preset", "procedures.store_preset"),
+        source="6.4 p.35; it: 6.4 p.35",
+    ),
+    Erratum(
         name="edition_before_1_8_1",
         printed="order_code.parts.mount.values.B",
         used="left out",
@@ -2648,6 +2752,18 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         source="Document release",
     ),
     Erratum(
+        name="edition_before_1_3_1",
+        printed="Everything that was marked as to be updated",
+        used="not known",
+        why=(
+            "The revision removed \"to-be-updated\" information. What was marked so, and whether it was right, is not "
+            "said."
+        ),
+        status=Status.OPEN,
+        severity=Severity.WRONG_DATA,
+        source="Document release",
+    ),
+    Erratum(
         name="edition_before_1_2_1",
         printed=(
             "characteristics.cable, characteristics.cable_model, characteristics.cable_cross_section, "
@@ -2714,4 +2830,5 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
         "AMM80 manual, English edition 1.5, Lika Electronic",
         url="https://manualshive.com/en/manual/lika/amm80/1915917?page=40",
     ),
+    Document("sma21", "SMA21 + MTA-A154 manual, Italian edition 1.2, Lika Electronic"),
 )

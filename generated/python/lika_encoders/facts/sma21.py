@@ -181,6 +181,9 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Erratum ssi_cable_50_m (open, wrong limit): Printed: Below 50 m less than 400 kHz; the clock ranges from 100 kHz to 1
 # MHz. Used: Both as printed. Why: 50 m is the shortest row, so that by the table no cable may be run at 400 kHz to 1
 # MHz. [5.3 p.22]
+#
+# Erratum ssi_pause (open, wrong limit): Printed: Pause of at least 16 µs (Tp > 16 µs). Used: At least 16 µs; take more.
+# Why: "At least" allows 16 µs, the sign ">" does not. [5.1; 5.3 p.22]
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=1_000_000, source="5.3 p.22"),
@@ -206,7 +209,13 @@ SSI: Final = SsiFacts(
             symbol="Tm",
             source="5.1",
         ),
-        Timing(name="pause", meaning="Between two clock sequences", at_least_us=16, symbol="Tp", source="5.3 p.22"),
+        Timing(
+            name="pause",
+            meaning="Between two clock sequences; printed Tp > 16 µs, so that exactly 16 µs are no margin",
+            at_least_us=16,
+            symbol="Tp",
+            source="5.3 p.22",
+        ),
     ),
     note=(
         "One master and one slave, point to point, one direction; two twisted pairs for clock and data, six wires in "
@@ -300,6 +309,9 @@ BISS: Final = BissFacts(
 # Erratum reset_interval (open, omission): Printed: Ten times in succession (in successione, in sequenza), at
 # transmission intervals of 40 µs or more. Used: No other request in between, and 40 µs or more after each request
 # before the next one begins. [7.3.2 p.38; 7.3.3.2 p.41]
+#
+# Erratum rs485_reply_time (open, omission): Printed: Requests and replies, without the time between them. Used: No
+# reply time and no time-out; the master chooses its time-out. [7.1 p.37; 7.2 p.37]
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
@@ -450,7 +462,10 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="encoder_inharmonious_error",
             printed_name="Encoder inharmonious error",
-            meaning="active, although the manual says that this encoder does not have it",
+            meaning=(
+                "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what sets it is not "
+                "known"
+            ),
             makes_position=Verdict.NOT_USABLE,
             source="7.3.3 p.39; 7.3.3.1 p.40",
         ),
@@ -677,6 +692,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="Encoder inharmonious error",
                 meaning="Not implemented",
                 active="high",
+                when_active=(
+                    "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what sets it is "
+                    "not known"
+                ),
                 implemented=False,
                 source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
             ),
@@ -882,6 +901,10 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="Encoder inharmonious error",
                 meaning="Not implemented",
                 active="high",
+                when_active=(
+                    "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what sets it is "
+                    "not known"
+                ),
                 implemented=False,
                 source="7.3.3 p.39; 7.3.3.1 p.40; a4: p.298",
             ),
@@ -2512,6 +2535,91 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity=Severity.OMISSION,
         affects=("registers.position_check",),
         source="6.4 p.33; 12 p.51",
+    ),
+    Erratum(
+        name="ssi_pause",
+        printed="Pause of at least 16 µs (Tp > 16 µs)",
+        used="At least 16 µs; take more.",
+        why="\"At least\" allows 16 µs, the sign \">\" does not.",
+        status=Status.OPEN,
+        severity=Severity.WRONG_LIMIT,
+        affects=("interfaces.ssi.pause",),
+        source="5.1; 5.3 p.22",
+    ),
+    Erratum(
+        name="rs485_reply_time",
+        printed="Requests and replies, without the time between them",
+        used="No reply time and no time-out; the master chooses its time-out.",
+        why=(
+            "Neither the shortest nor the longest time from the end of a request to the reply is printed. Without a "
+            "shortest time, the master must release the line right after the stop bit of its request, or the first "
+            "byte of the reply is lost."
+        ),
+        status=Status.OPEN,
+        severity=Severity.OMISSION,
+        affects=("interfaces.rs485.data_ids",),
+        source="7.1 p.37; 7.2 p.37",
+    ),
+    Erratum(
+        name="edition_before_1_2_1",
+        printed="order_code.parts.output.values.JP.meaning",
+        used="RS-485 serial interface",
+        why="Panasonic® was named with the RS-485 interface in this revision.",
+        status=Status.SETTLED,
+        severity=Severity.WORDING,
+        affects=("order_code.output",),
+        source="Release table",
+    ),
+    Erratum(
+        name="edition_before_1_1_1",
+        printed=(
+            "field_groups.alarm_field.fields.encoder_inharmonious_error.implemented, "
+            "alarms.encoder_inharmonious_error.implemented"
+        ),
+        used="True",
+        why="The alarm was removed with this revision, so encoders of before may have it.",
+        status=Status.SETTLED,
+        severity=Severity.WRONG_DATA,
+        affects=(
+            "field_groups.alarm_field.encoder_inharmonious_error.implemented",
+            "alarms.encoder_inharmonious_error.implemented",
+        ),
+        source="Release table",
+    ),
+    Erratum(
+        name="edition_before_1_1_2",
+        printed="field_groups.alarm_field.fields.encoder_inharmonious_error.when_active",
+        used="encoder inharmonious error",
+        why="Only the name of the alarm is known. How manual 1.0 described it is not said.",
+        status=Status.SETTLED,
+        severity=Severity.WRONG_DATA,
+        affects=("field_groups.alarm_field.encoder_inharmonious_error.when_active",),
+        source="Release table",
+    ),
+    Erratum(
+        name="edition_before_1_1_3",
+        printed=(
+            "field_groups.alarm_field.fields.encoder_inharmonious_error.meaning, "
+            "alarms.encoder_inharmonious_error.meaning"
+        ),
+        used="What sets it is not known",
+        why="Only the name of the alarm is known. How manual 1.0 described it is not said.",
+        status=Status.SETTLED,
+        severity=Severity.WRONG_DATA,
+        affects=(
+            "field_groups.alarm_field.encoder_inharmonious_error.meaning",
+            "alarms.encoder_inharmonious_error.meaning",
+        ),
+        source="Release table",
+    ),
+    Erratum(
+        name="edition_before_1_1_4",
+        printed="What sets Encoder inharmonious error, whether it is kept, and how it is cleared",
+        used="not known",
+        why="The description of the alarm was removed with the alarm.",
+        status=Status.OPEN,
+        severity=Severity.WRONG_DATA,
+        source="Release table",
     ),
 )
 

@@ -1,0 +1,106 @@
+"""Conditions of writing: what has to be set before or after a setting, and when a setting takes effect."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..spec.problems import listed
+
+Raw = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """A value that an object of the master must hold; ``text`` is the value as it is written."""
+
+    object: str
+    name: str
+    value: int | str
+    text: str
+
+    @property
+    def title(self) -> str:
+        return f"{self.object} ({self.name})" if self.name else self.object
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """When a written value takes effect: one member is set, the others are empty."""
+
+    in_state: str = ""
+    restart_of: str = ""
+    by_call: str = ""
+    at_once: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Writing:
+    """One condition of writing; exactly one of needs, after, then and takes_effect is not empty.
+
+    ``of`` names the settings that it is about, none where it is about all. ``needs`` are writes before these settings,
+    ``after`` names settings that are written before them, ``then`` are writes after them.
+    """
+
+    of: tuple[str, ...]
+    needs: tuple[Write, ...]
+    after: tuple[str, ...]
+    then: tuple[Write, ...]
+    takes_effect: Effect | None
+    standing: str
+    source: str
+    text: str
+
+
+def writing_of(rules: Iterable[Raw], names: Collection[str], standing: str) -> tuple[Writing, ...]:
+    """Return the conditions of writing the settings of a sheet, which are called ``names``."""
+    found = []
+    for rule in rules:
+        of, after = (tuple(item for item in rule.get(key, ()) if item in names) for key in ("of", "after"))
+        if ("of" in rule and not of) or ("after" in rule and not after):
+            continue
+        found.append(_writing(rule, of, after, standing))
+    return tuple(found)
+
+
+def _writing(rule: Raw, of: tuple[str, ...], after: tuple[str, ...], standing: str) -> Writing:
+    needs, then = (tuple(_write(item) for item in rule.get(key, ())) for key in ("needs", "then"))
+    effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
+    text = _sentence(of, needs, after, then, effect)
+    return Writing(of, needs, after, then, effect, rule.get("standing", standing), rule["source"], text)
+
+
+def _write(item: Raw) -> Write:
+    value = item["value"]
+    return Write(item["object"], item.get("name", ""), value, f"0x{value:X}" if item.get("as") == "hex" else str(value))
+
+
+def _sentence(
+    of: tuple[str, ...],
+    needs: tuple[Write, ...],
+    after: tuple[str, ...],
+    then: tuple[Write, ...],
+    effect: Effect | None,
+) -> str:
+    """Say a condition in one sentence."""
+    if needs:
+        return (
+            f"Before writing {listed(of) or 'any setting'}, {listed(f'{it.title} must be {it.text}' for it in needs)}."
+        )
+    if after:
+        return f"Write {listed(of)} after {listed(after)}."
+    if then:
+        return f"After writing {listed(of) or 'all settings'}, set {listed(f'{it.title} to {it.text}' for it in then)}."
+    assert effect is not None
+    return f"{listed(of) or 'All settings'} {'takes' if len(of) == 1 else 'take'} effect {_when(effect)}."
+
+
+def _when(effect: Effect) -> str:
+    if effect.in_state:
+        return f"only in the {effect.in_state} state"
+    if effect.restart_of:
+        return f"after a restart of {effect.restart_of}"
+    if effect.by_call:
+        return f"when {effect.by_call} is called"
+    return "immediately"

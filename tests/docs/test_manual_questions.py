@@ -1,0 +1,47 @@
+"""What the manuals leave open or print in two ways, at the places where a reader of the pages needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from codewheel.model import Device
+
+
+@pytest.mark.parametrize(
+    ("family", "erratum", "is_open", "printed", "affected"),
+    [
+        # 4.1.3 and 4.1.4 have A and B without a sign; SMA21 4.2 has A (REQ+ / SD+).
+        ("amm5", "rs485_polarity", True, "without + or -", "connectors.rs485_connector"),
+        # Neither 7.2 has a time between request and reply.
+        ("amm5", "rs485_reply_time", True, "without the time", "interfaces.rs485.data_ids"),
+        ("sma21", "rs485_reply_time", True, "without the time", "interfaces.rs485.data_ids"),
+        # 5.3: at least 20 µs and Tp > 20 µs; 16 µs in SMA21.
+        ("amm5", "ssi_pause", True, "Tp > 20 µs", "interfaces.ssi.pause"),
+        ("sma21", "ssi_pause", True, "Tp > 16 µs", "interfaces.ssi.pause"),
+        # The English and the Italian AMM5 1.9.
+        ("amm5", "busy_detection", True, "quando l'alimentazione è on", "alarms.busy"),
+        ("amm5", "cable_drain_wire", True, "drain wire", "characteristics.cable_shield"),
+        ("amm5", "preset_at_standstill", False, "attivare", "procedures.store_preset"),
+        ("amm5", "preset_save_and_activate", False, "contemporaneamente", "procedures.set_preset"),
+    ],
+)
+def test_a_question_is_an_erratum(
+    devices: Mapping[str, Device], family: str, erratum: str, is_open: bool, printed: str, affected: str
+) -> None:
+    (found,) = [item for item in devices[family].errata if item.name == erratum]
+    assert (found.status == "open") == is_open
+    assert printed in found.printed
+    assert affected in found.affects
+
+
+def test_revolutions_while_off(pages: Mapping[str, str]) -> None:
+    """AM36, 6.5, 4Eh: 2,047 revolutions. It holds as delivered, since the default is 65,536, and after a restore."""
+    limit = "2,047 revolutions"
+    assert limit in pages["docs/am36/hardware.md"]
+    # The first lines of the page of the interface and of an order code.
+    assert limit in pages["docs/am36/biss.md"].split("## ")[0]
+    assert limit in pages["docs/am36/AM3616-4096-I7.md"].split("## ")[0]
+    assert limit not in pages["docs/am36/AM3616-4096-BG.md"].split("## ")[0]
+    restore = pages["docs/am36/biss.md"].split('<a id="procedure-restore_defaults"></a>')[1].split("<a id=")[0]
+    assert limit in " ".join(restore.split())

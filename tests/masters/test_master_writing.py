@@ -1,0 +1,100 @@
+"""Conditions of writing, with the values and words of the masters' documents."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.masters.sheet import Sheet
+from codewheel.masters.writing import Effect, Writing
+
+SheetOf = Callable[[str, str], Sheet]
+
+
+def about(found: Sheet, name: str) -> list[Writing]:
+    return [item for item in found.writing if name in item.of]
+
+
+def effects(rules: list[Writing]) -> list[Effect]:
+    return [item.takes_effect for item in rules if item.takes_effect is not None]
+
+
+def test_supply_of_el5042(sheet_of: SheetOf) -> None:
+    """infosys el5042/12438243083: F008 must hold 72657375h ("user"), INIT adopts 8008:12. The default is 5.0 V (50)."""
+    for code in ("AMM5A21/65KSC1", "SMA21-SC4-0050"):
+        found = sheet_of("beckhoff_el5042", code)
+        voltage = next(item for item in found.settings if item.name == "Supply Voltage")
+        assert (voltage.at, voltage.value, voltage.default) == ("8008:12", 50, 50)
+        rules = about(found, "Supply Voltage")
+        assert [(item.object, item.value) for rule in rules for item in rule.needs] == [
+            ("F008", int.from_bytes(b"user", "little"))
+        ]
+        assert effects(rules) == [Effect(in_state="INIT")]
+
+
+def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
+    """Mode sets CRC Polynomial and Disable Status Bits by itself, so both are written after it."""
+    rules = [item for item in sheet_of("beckhoff_el5042", "AMM5A21/65KBG1").writing if item.after]
+    assert [(item.of, item.after) for item in rules] == [(("Disable Status Bits", "CRC Polynomial"), ("Mode",))]
+
+
+@pytest.mark.parametrize(
+    ("master", "code", "name", "effect"),
+    [
+        # W524, A-28: Y is effective after restart; A-49: 5005 hex has Y.
+        ("omron_nx", "AM3619/4096-GG", "Valid Data Length", Effect(restart_of="the NX Unit")),
+        ("ti_c2000", "AMM5A21/65KSC1", "positionSTBits", Effect(by_call="PM_bissc_initParams")),
+        ("ti_motor_control_sdk", "AMM5A21/65KSC1", "Clock, in MHz", Effect(by_call="bissc_clock_config")),
+        ("linuxcnc_hostmot2", "AMM5A21/65KSC1", "biss_chan_0", Effect(by_call="loadrt for the board driver")),
+        ("linuxcnc_hostmot2", "AMM5A21/65KBG1", "ssi_chan_0", Effect(by_call="loadrt for the board driver")),
+        ("kollmorgen_akd", "AMM5A21/65KSC1", "FB1.SELECT", Effect(restart_of="the drive")),
+    ],
+)
+def test_when_it_takes_effect(sheet_of: SheetOf, master: str, code: str, name: str, effect: Effect) -> None:
+    assert effects(about(sheet_of(master, code), name)) == [effect]
+
+
+def test_of_all_settings(sheet_of: SheetOf) -> None:
+    """moteus changes values immediately. The dsPIC33A has CLCHCFG at 1 for BiSS C, and ON and INIT at the end."""
+    (at_once,) = sheet_of("moteus", "AMM5A21/65KSC1").writing
+    assert (at_once.of, at_once.takes_effect) == ((), Effect(at_once=True))
+    found = sheet_of("microchip_dspic33a", "AMM5A21/65KSC1")
+    needs, then = found.shared_writing
+    assert [(item.object, item.value) for item in needs.needs] == [("CLCHCFGx", 1)]
+    assert [(item.object, item.value) for item in then.then] == [("ON", 1), ("INIT", 1)]
+    assert then.text == "After writing all settings, set ON (B1CON) to 1 and INIT (B1INSTR) to 1."
+
+
+def test_an_order_names_only_settings_of_the_sheet(sheet_of: SheetOf) -> None:
+    """CRCPOLYx is no setting for a polynomial that CRCLENx selects."""
+    rules = about(sheet_of("microchip_dspic33a", "AMM5A21/65KSC1"), "SCDENx")
+    assert [item.after for item in rules] == [("SCDLENx", "CRCSELx", "CRCLENx")]
+
+
+def test_what_is_printed(capsys: pytest.CaptureFixture[str], pages: dict[str, str]) -> None:
+    said = [
+        "50 is the factory default: leave it unless it was changed.",
+        "Before writing Supply Voltage, F008 (Code word) must be 0x72657375.",
+        "Supply Voltage takes effect only in the INIT state.",
+        "Write Disable Status Bits and CRC Polynomial after Mode. ",
+    ]
+    assert main(["master", "AMM5A21/65KSC1", "--master", "beckhoff_el5042"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    page = pages["docs/amm5-masters.md"]
+    for sentence in said:
+        assert sentence in out
+        assert sentence in page
+    assert "All settings take effect immediately." in page
+
+
+def test_as_data(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["master", "AMM5A21/65KSC1", "--master", "beckhoff_el5042", "--json"]) == 0
+    data: dict[str, Any] = json.loads(capsys.readouterr().out)["masters"][0]
+    voltage = next(item for item in data["settings"] if item["name"] == "Supply Voltage")
+    assert voltage["default"] == voltage["value"] == 50
+    rules = [item for item in data["writing"] if item["of"] == ["Supply Voltage"]]
+    assert [item["value"] for rule in rules for item in rule["needs"]] == [0x72657375]
+    assert [rule["takes_effect"]["in_state"] for rule in rules if rule["takes_effect"]] == ["INIT"]
