@@ -10,12 +10,15 @@ from .facts import Sources
 
 
 class Verdict(Enum):
-    """What the position of a sound frame is worth, the worst first; the last where nothing in the frame tells."""
+    """Worth of the position of a valid frame, from worst to best: an unknown one ranks below those that may be used.
+
+    C and the Python columns number the verdicts in this order.
+    """
 
     NOT_USABLE = "not_usable"
+    NOT_TOLD = "not_told"
     USABLE_WITH_WARNING = "usable_with_warning"
     USABLE = "usable"
-    NOT_TOLD = "not_told"
 
 
 @dataclass(frozen=True, slots=True)

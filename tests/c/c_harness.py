@@ -44,6 +44,7 @@ SPECS = Path(__file__).resolve().parents[1] / "specs"
 _HERE = Path(__file__).resolve().parent
 #: Specs that use what no family of the library does, by the name of their device.
 MADE_UP = {
+    "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",
     "reserved": _HERE / "specs" / "reserved.yaml",
     "shapes": _HERE / "specs" / "shapes.yaml",

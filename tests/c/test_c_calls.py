@@ -20,7 +20,8 @@ SHARED = {
     "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late slave_init"
     " slave_allow slave_give slave_stored slave_next request_encode",
     "encoder": "step_send step_poll",
-    "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats ask take resume late",
+    "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats"
+    " ask take resume late reason",
     "runner": "start next done close",
     "tracker": "start restart add speed",
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import subprocess
 from collections.abc import Mapping
 from dataclasses import replace
@@ -107,6 +108,23 @@ def test_a_program_prints_what_the_manual_prints(name: str, package: Path) -> No
     assert status == 0
     for part in PRINTED[name]:
         assert part in text
+
+
+@pytest.mark.slow
+def test_a_program_names_a_driver_that_is_released_too_late(package: Path, tmp_path: Path) -> None:
+    """The first byte of every reply is lost, as the simulated port begins to receive with the second."""
+    shutil.copytree(package, tmp_path / "c")
+    path = tmp_path / "c" / "examples" / "amm5_rs485.c"
+    text = path.read_text(encoding="ascii")
+    for whole, cut in (("    taken = 0U;\n", "    taken = 1U;\n"), ("(polls == 3U) ? 0U", "(polls == 3U) ? 1U")):
+        assert text.count(whole) == 1
+        text = text.replace(whole, cut)
+    path.write_text(text, encoding="ascii")
+    status, said = ran(tmp_path / "c", "amm5_rs485")
+    assert status == 1
+    # The third poll is the one that the simulated line loses whole.
+    whys = re.findall(r"us: (a reply without its first byte: is the driver released too late\?|no reply)", said)
+    assert [why[:2] for why in whys[:4]] == ["a ", "a ", "no", "a "]
 
 
 @pytest.mark.slow

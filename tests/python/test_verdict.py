@@ -22,7 +22,7 @@ from codewheel.targets.python.context import Context
 
 #: The manual's only reply to data ID 5, with a bit in SF that the manual has at 0 (7.3.4).
 DATA_ID_5 = bytes.fromhex("2A 02 DA 04 00 43 25 00 90")
-WORDS = ["not_usable", "usable_with_warning", "usable", "not_told"]
+WORDS = ["not_usable", "not_told", "usable_with_warning", "usable"]
 
 
 @pytest.fixture(scope="session")
@@ -110,7 +110,7 @@ def test_the_published_frames(lika: Any, vectors: list[dict[str, Any]]) -> None:
     for row in rows:
         frame = encoder.decode("00" + row["frame_hex_or_bits"])
         error, warning = not row["fields"]["nE"], not row["fields"]["nW"]
-        assert frame.verdict is lika.Verdict(WORDS[0 if error else 1 if warning else 2])
+        assert frame.verdict is lika.Verdict(WORDS[0 if error else 2 if warning else 3])
         assert names(frame) == [name for name, active in (("error", error), ("warning", warning)) if active]
     # EE_1 is set in the reply of the T format, and data ID 0 does not tell which of four errors it is.
     reply = next(row for row in vectors if row["protocol"].startswith("Tamagawa T-format response"))

@@ -20,9 +20,13 @@ static void anything(void)
     word = 0x5AU;
     require(@maker@_ssi_receive(rx, size, bits, &word) == @MAKER@_OK || word == 0x5AU, "a fault that changes the word");
     (void)(@maker@_biss_receive_cds(rx, size, &cds) == @MAKER@_OK);
-    require(@maker@_received_samples(rx, size, mask, made) == size / 8U, "samples that are no whole bytes");
-    require(@maker@_received_samples(rx, size, mask, rx) == size / 8U, "samples that are no whole bytes");
-    require(memcmp(rx, made, size / 8U) == 0, "samples that are read otherwise in place");
+    word = 0x5AU;
+    require(@maker@_biss_receive_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), bits, &word) == @MAKER@_OK || word == 0x5AU,
+        "a fault that changes the word");
+    (void)(@maker@_biss_receive_cds_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), &cds) == @MAKER@_OK);
+    require(@maker@_received_samples(rx, size, mask, made) == (size + 7U) / 8U, "samples that are lost");
+    require(@maker@_received_samples(rx, size, mask, rx) == (size + 7U) / 8U, "samples that are lost");
+    require(memcmp(rx, made, (size + 7U) / 8U) == 0, "samples that are read otherwise in place");
     free(rx);
     free(made);
 }
@@ -35,7 +39,9 @@ static void drawn(void)
     const size_t acknowledge = 1U + (size_t)(take(1U) % 60U);
     const bool ssi = (take(1U) & 1U) != 0U;
     const size_t first = ssi ? 1U : rest + acknowledge + 2U;
-    const size_t size = (first + bits + 8U) / 8U;
+    /* A line of BiSS may end with the last bit of the word. */
+    const size_t received = first + bits + (ssi ? 1U : (size_t)(take(1U) & 1U));
+    const size_t size = (received + 7U) / 8U;
     uint8_t *const rx = calloc(size, 1U);
     uint64_t word = 0U;
     size_t at;
@@ -50,7 +56,7 @@ static void drawn(void)
             rx[(first + at) / 8U] |= (uint8_t)(0x80U >> ((first + at) % 8U));
         }
     }
-    require((ssi ? @maker@_ssi_receive(rx, size, bits, &word) : @maker@_biss_receive(rx, size, bits, &word)) == @MAKER@_OK && word == sent,
+    require((ssi ? @maker@_ssi_receive(rx, size, bits, &word) : @maker@_biss_receive_bits(rx, received, bits, &word)) == @MAKER@_OK && word == sent,
         "a line that is read as another word");
     free(rx);
 }
@@ -64,6 +70,7 @@ static void serial(void)
     const uint32_t now = (uint32_t)take(4U);
     const @maker@_result asked = @maker@_rs485_ask(&line, control, length, echo, now, (uint32_t)take(2U));
     require((asked == @MAKER@_OK) == (length != 0U && length <= @MAKER@_RECEIVE_RS485_BYTES), "a length that does not fit");
+    require(asked != @MAKER@_OK || @maker@_rs485_reason(&line) == @MAKER@_FAULT_TIMEOUT, "a reason of a line that is new");
     while (asked == @MAKER@_OK && left > 0U) {
         if (@maker@_rs485_take(&line, (uint8_t)take(1U))) {
             require(line.count == length && line.bytes[0] == control && !@maker@_rs485_late(&line, now + 0x7FFFFFFFU), "a reply that is none");

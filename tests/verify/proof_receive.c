@@ -16,6 +16,7 @@ size_t nondet_size(void);
 
 static uint8_t rx[SIZE];
 static size_t size;
+static size_t received; /* bits, at most 8 * size */
 
 static void any_buffer(void)
 {
@@ -25,6 +26,8 @@ static void any_buffer(void)
     }
     size = nondet_size();
     __CPROVER_assume(size <= SIZE);
+    received = nondet_size();
+    __CPROVER_assume(received <= (8U * size));
 }
 
 static unsigned bit(size_t place)
@@ -35,7 +38,7 @@ static unsigned bit(size_t place)
 /* The place of the first bit from this one on that is so; the end where there is none. */
 static size_t next(size_t place, unsigned wanted)
 {
-    while ((place < (8U * size)) && (bit(place) != wanted)) {
+    while ((place < received) && (bit(place) != wanted)) {
         place++;
     }
     return place;
@@ -53,26 +56,40 @@ void a_frame_of_biss(void)
     any_buffer();
     low = next(0U, 0U);
     start = next(low, 1U);
-    result = @maker@_biss_receive(rx, size, bits, &word);
+    result = @maker@_biss_receive_bits(rx, received, bits, &word);
     __CPROVER_assert((result == @MAKER@_OK) || (word == 0x5AU), "a fault leaves the word as it was");
-    __CPROVER_assert((result == @MAKER@_FAULT_LINE_HIGH) == (low == (8U * size)), "never low");
-    __CPROVER_assert((result == @MAKER@_FAULT_LINE_LOW) == ((size != 0U) && (low == 0U)), "low before the frame");
-    if ((low == 0U) || (low == (8U * size))) {
+    __CPROVER_assert((result == @MAKER@_FAULT_LINE_HIGH) == (low == received), "never low");
+    __CPROVER_assert((result == @MAKER@_FAULT_LINE_LOW) == ((received != 0U) && (low == 0U)), "low before the frame");
+    if ((low == 0U) || (low == received)) {
         return;
     }
-    __CPROVER_assert((result == @MAKER@_FAULT_NO_START) == (start == (8U * size)), "no start");
-    if (start == (8U * size)) {
+    __CPROVER_assert((result == @MAKER@_FAULT_NO_START) == (start == received), "no start");
+    if (start == received) {
         return;
     }
-    if ((bits > 64U) || ((start + 2U + bits) >= (8U * size))) {
+    if ((bits > 64U) || ((start + 2U + bits) > received)) {
         __CPROVER_assert(result == @MAKER@_FAULT_LENGTH, "too few bits");
         return;
     }
-    __CPROVER_assert(result == ((bit(start + 2U + bits) != 0U) ? @MAKER@_FAULT_CONSTANT : @MAKER@_OK), "the stop bit");
+    const bool wrong = ((start + 2U + bits) < received) && (bit(start + 2U + bits) != 0U);
+    __CPROVER_assert(result == (wrong ? @MAKER@_FAULT_CONSTANT : @MAKER@_OK), "the stop bit, if there is one");
     for (at = start + 2U; at < (start + 2U + bits); at++) {
         expected = (2U * expected) + bit(at);
     }
     __CPROVER_assert((result != @MAKER@_OK) || (word == expected), "the word");
+}
+
+void a_frame_in_whole_bytes(void)
+{
+    const uint32_t bits = nondet_word();
+    uint64_t word = 0x5AU, same = 0x5AU;
+    bool cds = false, again = false;
+    any_buffer();
+    received = 8U * size;
+    __CPROVER_assert(@maker@_biss_receive(rx, size, bits, &word) == @maker@_biss_receive_bits(rx, received, bits, &same)
+        && word == same, "the frame");
+    __CPROVER_assert(@maker@_biss_receive_cds(rx, size, &cds) == @maker@_biss_receive_cds_bits(rx, received, &again)
+        && cds == again, "and its CDS");
 }
 
 void its_cds(void)
@@ -82,8 +99,8 @@ void its_cds(void)
     size_t start;
     any_buffer();
     start = next(next(0U, 0U), 1U);
-    result = @maker@_biss_receive_cds(rx, size, &cds);
-    __CPROVER_assert((result == @MAKER@_OK) == ((start + 1U) < (8U * size)), "where there is one");
+    result = @maker@_biss_receive_cds_bits(rx, received, &cds);
+    __CPROVER_assert((result == @MAKER@_OK) == ((start + 1U) < received), "where there is one");
     __CPROVER_assert((result != @MAKER@_OK) || (cds == (bit(start + 1U) != 0U)), "the bit after start");
 }
 
@@ -136,22 +153,23 @@ void other_shapes(void)
     const uint16_t halves[2] = { (uint16_t)(nondet_word() & 0xFFFFU), (uint16_t)(nondet_word() & 0xFFFFU) };
     const uint32_t words[2] = { nondet_word(), nondet_word() };
     const uint8_t mask = nondet_byte();
-    uint8_t samples[17];
+    uint8_t samples[16];
     uint8_t made[8];
     size_t at;
     @maker@_received_words16(halves, 2U, made);
     __CPROVER_assert(((made[2] * 256U) + made[3]) == halves[1], "two bytes of each word");
     @maker@_received_words32(words, 2U, made);
     __CPROVER_assert(((((((made[4] * 256ULL) + made[5]) * 256U) + made[6]) * 256U) + made[7]) == words[1], "four bytes of each word");
-    for (at = 0U; at < 17U; at++) {
+    for (at = 0U; at < 16U; at++) {
         samples[at] = nondet_byte();
     }
     at = nondet_size();
     __CPROVER_assume(at < 16U);
     size = nondet_size();
-    __CPROVER_assume(size <= 17U);
-    __CPROVER_assert(@maker@_received_samples(samples, size, mask, rx) == (size / 8U), "whole bytes");
-    __CPROVER_assert((at >= (size - (size % 8U))) || (bit(at) == (((samples[at] & mask) != 0U) ? 1U : 0U)), "a bit of each sample");
+    __CPROVER_assume(size <= 16U);
+    __CPROVER_assert(@maker@_received_samples(samples, size, mask, rx) == ((size + 7U) / 8U), "bytes for all of them");
+    __CPROVER_assert((at >= size) || (bit(at) == (((samples[at] & mask) != 0U) ? 1U : 0U)), "a bit of each sample");
+    __CPROVER_assert((at < size) || (at >= (8U * ((size + 7U) / 8U))) || (bit(at) == 1U), "and ones after them");
 }
 
 static bool line_can_be(const @maker@_rs485_line *line)
@@ -175,6 +193,26 @@ void one_more_byte_of_a_line(void)
     before = line.count;
     @maker@_rs485_resume(&line);
     __CPROVER_assert(line_can_be(&line) && ((line.count < before) || (before == 0U)), "and looks on behind the first byte");
+}
+
+/* What came first and began no reply is told as that, whatever came then. */
+void a_reply_without_its_first_byte(void)
+{
+    @maker@_rs485_line line;
+    const uint8_t control = nondet_byte();
+    const uint8_t first = nondet_byte();
+    @maker@_result reason;
+    if (@maker@_rs485_ask(&line, control, 4U, 0U, 0U, 1U) != @MAKER@_OK) {
+        return;
+    }
+    __CPROVER_assert(@maker@_rs485_reason(&line) == @MAKER@_FAULT_TIMEOUT, "nothing came");
+    __CPROVER_assume(first != control);
+    (void)@maker@_rs485_take(&line, first);
+    __CPROVER_assert(@maker@_rs485_reason(&line) == @MAKER@_FAULT_HEAD_MISSING, "one byte");
+    (void)@maker@_rs485_take(&line, nondet_byte());
+    (void)@maker@_rs485_take(&line, nondet_byte());
+    reason = @maker@_rs485_reason(&line);
+    __CPROVER_assert(reason == @MAKER@_FAULT_HEAD_MISSING, "three of four bytes");
 }
 
 void a_line_that_waits(void)

@@ -30,12 +30,16 @@ def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> Non
     ("claim", "sound", "instead"),
     [
         ("a_frame_of_biss", "first = at + 2U;", "first = at + 1U;"),
-        ("a_frame_of_biss", "((first + bits) >= end)", "((first + bits) > end)"),
+        ("a_frame_of_biss", "((first + (size_t)bits) > end)", "((first + (size_t)bits) > (end + 1U))"),
+        ("a_frame_of_biss", "((first + (size_t)bits) < end)", "((first + (size_t)bits) <= end)"),
+        ("a_frame_in_whole_bytes", "_bits(rx, 8U * size, bits", "_bits(rx, 7U * size, bits"),
         ("its_cds", "if ((at + 1U) >= end) {", "if (at >= end) {"),
         ("a_word_of_ssi", "((size_t)bits + 2U)", "((size_t)bits + 1U)"),
         ("two_readings", "(modulus - apart)", "(modulus - apart - 1U)"),
         ("other_shapes", "8U * (at % 4U)", "8U * (at % 3U)"),
-        ("one_more_byte_of_a_line", "(line->count == line->length) || ", ""),
+        ("other_shapes", "(at >= count) ||", "(at > count) ||"),
+        ("one_more_byte_of_a_line", "line->length) {\n        return false;", "9999U) {\n        return false;"),
+        ("a_reply_without_its_first_byte", "0xFFFFFFFFU) ? 1U", "0xFFFFFFFFU) ? 0U"),
         ("a_line_that_waits", "(uint64_t)1U << 32U", "(uint64_t)1U << 31U"),
     ],
 )

@@ -41,7 +41,11 @@ static uint8_t wire[LIKA_RECEIVE_RS485_BYTES];
 static size_t arrived;
 static size_t taken;
 
-/* Sends a request of one byte; false where the port cannot. */
+/*
+ * Sends a request of one byte; false where the port cannot. The encoder answers within microseconds.
+ * Let the UART switch the driver of the line (hardware driver enable), or release it in the
+ * interrupt of transmit complete, and have the receiver enabled before the request ends.
+ */
 static bool serial_send(uint8_t request)
 {
     static unsigned polls;
@@ -100,9 +104,9 @@ static lika_result show_frame(const uint8_t *bytes, size_t length)
     /* By lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
+        "nothing in this frame tells whether the position is usable",
         "the position is usable, with a warning",
-        "the position is usable",
-        "nothing in this frame tells whether the position is usable"
+        "the position is usable"
     };
     lika_verdict verdict;
     const lika_result result = lika_amm5_singleturn_reply_decode(&encoder, bytes, length, &frame);
@@ -153,10 +157,23 @@ static void reply_came(void)
     }
 }
 
-/* No reply, or none that is sound. The line is left quiet, so that a late one is not the next. */
+/* Why there is no valid reply. */
+static const char *reason(void)
+{
+    const lika_result why = lika_rs485_reason(&line);
+    if (refused != LIKA_OK) {
+        return "disturbed";
+    }
+    if (why == LIKA_FAULT_HEAD_MISSING) {
+        return "a reply without its first byte: is the driver released too late?";
+    }
+    return (why == LIKA_FAULT_LENGTH) ? "not a whole reply" : "no reply";
+}
+
+/* No reply, or none that is valid. The line is left quiet, so that a late one is not the next. */
 static void reply_failed(void)
 {
-    printf("%lu us: %s\n", (unsigned long)now_us, (refused == LIKA_OK) ? "no reply" : "disturbed");
+    printf("%lu us: %s\n", (unsigned long)now_us, reason());
     asked = false;
     since_us = now_us;
     pause_us = REPLY_US;

@@ -393,7 +393,7 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
         speaking.setdefault(item.verdict, []).append(where)
     worth[:] = otherwise
     if Verdict.USABLE_WITH_WARNING in speaking:
-        less = np.uint8(otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING))
+        less = np.uint8((otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         worth -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
     if Verdict.NOT_USABLE in speaking:
         worth *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)

@@ -67,8 +67,11 @@ class DeviceView:
         ]
         self.lengths = {item.name: LengthCode(context, item, self.variants.rows) for item in device.interfaces}
         self.positions = list(positions(context))
+        # A register that selects banks comes first: functions of the registers in its banks use its address.
+        selecting = {device.bank_selector(item) for item in device.registers}
         self.registers = [
-            _at(partial(RegisterCode, context, item), "registers", item.name) for item in device.registers
+            _at(partial(RegisterCode, context, item), "registers", item.name)
+            for item in sorted(device.registers, key=lambda item: item.name not in selecting)
         ]
         codes = {item.register.name: item for item in self.registers}
         self.takers = [Taker(context, item, codes[item.register.name].access) for item in held_parameters(device)]

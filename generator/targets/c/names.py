@@ -69,9 +69,9 @@ class Names:
 #: What the headers that all families share declare, after the prefix of the manufacturer.
 _ENCODER_H = """
     ACCESS_READ_ONLY ACCESS_READ_WRITE ACCESS_WRITE_ONLY ENCODER_H FAULT_CONSTANT FAULT_CRC FAULT_LENGTH
-    FAULT_LINE_HIGH FAULT_LINE_LOW FAULT_NO_START FAULT_RANGE FAULT_REPEAT FAULT_TIMEOUT FAULT_TRANSPORT
-    FAULT_UNSUPPORTED GENERATION INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485 INTERFACE_SSI NODISCARD NOT_TOLD
-    NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US REPLY_BYTES STEP_CLOSE STEP_POLL STEP_READ STEP_SEND STEP_WAIT
+    FAULT_HEAD_MISSING FAULT_LINE_HIGH FAULT_LINE_LOW FAULT_LOST FAULT_NO_START FAULT_RANGE FAULT_REPEAT FAULT_TIMEOUT
+    FAULT_TRANSPORT FAULT_UNSUPPORTED GENERATION INTERFACE_BISS INTERFACE_NONE INTERFACE_RS485 INTERFACE_SSI NODISCARD
+    NOT_TOLD NOT_USABLE NO_CODE OK POLL_AT_MOST POLL_PAUSE_US REPLY_BYTES STEP_CLOSE STEP_POLL STEP_READ STEP_SEND STEP_WAIT
     STEP_WRITE USABLE USABLE_WITH_WARNING VERSION above access capital difference failed failed_at failure field
     fits_signed from_gray interface is_digit is_letter_or_digit label_ends label_match mask open_code parity read
     reply_check report_text result run run_closing run_poll run_reads run_send run_step run_together run_write send
@@ -80,8 +80,9 @@ _ENCODER_H = """
 """
 #: The same of receive.h.
 _RECEIVE_H = """
-    RECEIVE_H RECEIVE_RS485_BYTES biss_receive biss_receive_cds received_bit received_bits received_samples
-    received_words16 received_words32 rs485_ask rs485_late rs485_line rs485_resume rs485_take ssi_receive ssi_repeats
+    RECEIVE_H RECEIVE_RS485_BYTES biss_receive biss_receive_bits biss_receive_cds biss_receive_cds_bits received_bit
+    received_bits received_samples received_words16 received_words32 rs485_ask rs485_late rs485_line rs485_reason
+    rs485_resume rs485_take ssi_receive ssi_repeats
 """
 #: The same of runner.h, tracker.h and angle.h.
 _USE_H = """

@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0x7AA467DCU
+#define LIKA_GENERATION 0x5F1DAE20U
 
 #ifdef __cplusplus
 extern "C" {
@@ -54,20 +54,25 @@ typedef enum lika_result {
     LIKA_FAULT_CONSTANT = 3,   /**< a fixed bit or a parity bit is not as it has to be */
     LIKA_FAULT_RANGE = 4,      /**< a value that the manual does not list or that does not fit */
     LIKA_FAULT_TRANSPORT = 5,  /**< a function of the transport failed; its own number says why */
-    LIKA_FAULT_TIMEOUT = 6,    /**< what a poll waits for has not come within its bound */
+    LIKA_FAULT_TIMEOUT = 6,    /**< what a poll or a request waits for has not come in time */
     LIKA_FAULT_UNSUPPORTED = 7, /**< the transport does not have a function that is needed */
     LIKA_FAULT_LINE_HIGH = 8,   /**< the data line stayed high: nothing answers, or it is cut */
     LIKA_FAULT_LINE_LOW = 9,    /**< the data line was low before the frame: busy, or a short */
     LIKA_FAULT_NO_START = 10,   /**< the acknowledge lasted longer than what was received */
-    LIKA_FAULT_REPEAT = 11      /**< two readings of one position do not agree */
+    LIKA_FAULT_REPEAT = 11,     /**< two readings of one position do not agree */
+    LIKA_FAULT_HEAD_MISSING = 12, /**< RS-485: bytes came, but not the first one of the reply */
+    LIKA_FAULT_LOST = 13        /**< the tracker has lost the axis, until it is restarted */
 } lika_result;
 
-/** What the position of a sound frame is worth, the worst first. */
+/**
+ * What the position of a valid frame is worth, the worst first. verdict >= LIKA_USABLE is true only
+ * for a position that the encoder vouches for.
+ */
 typedef enum lika_verdict {
     LIKA_NOT_USABLE = 0,          /**< wrong, frozen, 0 or in doubt */
-    LIKA_USABLE_WITH_WARNING = 1, /**< it can be used, but something wants attention */
-    LIKA_USABLE = 2,              /**< the encoder reports nothing against it */
-    LIKA_NOT_TOLD = 3             /**< nothing in such frames tells */
+    LIKA_NOT_TOLD = 1,            /**< nothing in such frames tells */
+    LIKA_USABLE_WITH_WARNING = 2, /**< it can be used, but something wants attention */
+    LIKA_USABLE = 3               /**< the encoder reports nothing against it */
 } lika_verdict;
 
 /** What a report means; a member is empty where the manual has nothing. */

@@ -16,8 +16,8 @@
  *
  * What these functions see is told apart by its fault: LINE_HIGH is a cut cable or no supply,
  * LINE_LOW an encoder that is still busy or a short, NO_START and LENGTH a buffer that is too
- * short, CONSTANT a frame that is shorter or longer than said. Everything inside the word is for
- * its decoder.
+ * short, CONSTANT a frame that is shorter or longer than said, HEAD_MISSING a driver of RS-485 that
+ * is released too late. Everything inside the word is for its decoder.
  *
  * C99 or C++11. No library, no allocation; the state of a line is in a struct of yours. Pointers
  * must not be null. Nothing here was tried on an encoder.
@@ -27,7 +27,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7AA467DCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x5F1DAE20U)
 #error "lika/receive.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -48,10 +48,11 @@ static inline uint32_t lika_received_bit(const uint8_t *rx, size_t place)
 static inline uint64_t lika_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {
     /* In halves, since small machines shift 64 bits slowly. */
+    const size_t end = first + (size_t)bits;
     uint32_t high = 0U;
     uint32_t low = 0U;
     size_t at;
-    for (at = first; at < (first + bits); at++) {
+    for (at = first; at < end; at++) {
         high = ((high & 0x7FFFFFFFU) << 1U) | (low >> 31U);
         low = ((low & 0x7FFFFFFFU) << 1U) | lika_received_bit(rx, at);
     }
@@ -79,20 +80,22 @@ static inline void lika_received_words32(const uint32_t *words, size_t count, ui
 }
 
 /**
- * Puts samples of the data line, a byte for each clock as DMA copies them from a port, into
- * count / 8 bytes, and says how many those are; what is left of 8 falls away. Mask has the pin's
- * bit. Samples and rx may be the same array.
+ * Packs samples of the data line, one byte per clock as DMA copies them from a port, into bytes and
+ * returns their number, (count + 7) / 8. Mask selects the pin's bit. Samples and rx may be the same
+ * array. The last byte is filled up with ones, which cannot pass for the 0 after a word.
+ * For BiSS pass count to lika_biss_receive_bits, which does not look at them.
  */
 static inline size_t lika_received_samples(
     const uint8_t *samples, size_t count, uint8_t mask, uint8_t *rx)
 {
-    const size_t size = count / 8U;
+    const size_t size = (count / 8U) + (((count % 8U) != 0U) ? 1U : 0U);
     size_t byte;
     for (byte = 0U; byte < size; byte++) {
         uint32_t bits = 0U;
         size_t at;
         for (at = 8U * byte; at < ((8U * byte) + 8U); at++) {
-            bits = (bits << 1U) | ((((uint32_t)samples[at] & mask) != 0U) ? 1U : 0U);
+            bits = (bits << 1U) | (((at >= count) ||
+                (((uint32_t)samples[at] & mask) != 0U)) ? 1U : 0U);
         }
         rx[byte] = (uint8_t)bits;
     }
@@ -106,25 +109,35 @@ static inline size_t lika_received_samples(
  *   1 1 ...      0 0 0 ...     1       CDS   D ... D nE nW CRC   0      0 or 1 ...
  *   rest, delay  acknowledge   start         the word            stop   not looked at
  *
- * Sample SLO at the rising edge of MA, which rests high: SPI mode 3. (Register access takes
- * another mode now and then, see lika/biss.h.) At least one bit of rest comes before the
- * acknowledge, and the whole word and its stop bit lie in the buffer; so the acknowledge is
- * bounded by its length. Leave the time-out before the next frame, since a master that clocks on
- * sees SLO rise without a frame, and no pause so long between two bytes, since that ends the
- * frame.
+ * MA rests high. The encoder changes SLO after the rising edge of MA, so that both SPI modes with
+ * CPOL = 1 bring the same bits: mode 3 samples at the rising edge, mode 2 half a clock earlier, at
+ * the falling one. Either works with any cable, since the start bit shows the delay.
+ *
+ *   MA      1 1 1 0 1 0 1 0 1 0 1
+ *   SLO     1 1 1 1 1 1 a a b b c    each rising edge brings the next bit
+ *   mode 3        ^   ^   ^   ^      CPOL = 1, CPHA = 1: 1 1 a b
+ *   mode 2      ^   ^   ^   ^        CPOL = 1, CPHA = 0: 1 1 a b
+ *
+ * Register access switches between modes 3 and 0, which both sample at the rising edge: see
+ * lika/biss.h. At least one bit of rest comes before the acknowledge, and the whole word is in the
+ * buffer, so that the length of the buffer limits the acknowledge. The stop bit is checked if it
+ * was received. Clock it in unless your receiver cannot: it reveals a frame of another length. Wait for the time-out before the next frame, since a master that clocks on sees SLO rise without
+ * a frame. Do not pause that long between two bytes, since that ends the frame.
  *   LINE_LOW   the first bit is 0: a short, or the time-out of the frame before is not over
  *   LINE_HIGH  no 0 at all: no encoder, no supply, or no clock
  *   NO_START   no 1 after the acknowledge: it lasts longer than the buffer
- *   LENGTH     the start comes so late that word and stop bit do not fit
+ *   LENGTH     the start comes so late that the word does not fit
  *   CONSTANT   the stop bit is 1: a frame of another length, or disturbed
  * A disturbed acknowledge or start bit moves the word. The decoder's CRC of 6 bits overlooks one of
  * 64 such words; only a limit on the change of position sees that one.
+ *
+ * This form takes the number of bits that were received, for samples that do not fill whole bytes.
  */
 LIKA_NODISCARD
-static inline lika_result lika_biss_receive(
-    const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
+static inline lika_result lika_biss_receive_bits(
+    const uint8_t *rx, size_t received, uint32_t bits, uint64_t *word)
 {
-    const size_t end = 8U * size;
+    const size_t end = received;
     size_t at = 0U;
     size_t first;
     while ((at < end) && (lika_received_bit(rx, at) != 0U)) {
@@ -143,25 +156,33 @@ static inline lika_result lika_biss_receive(
         return LIKA_FAULT_NO_START;
     }
     first = at + 2U;
-    if ((bits > 64U) || ((first + bits) >= end)) {
+    if ((bits > 64U) || ((first + (size_t)bits) > end)) {
         return LIKA_FAULT_LENGTH;
     }
-    if (lika_received_bit(rx, first + bits) != 0U) {
+    if (((first + (size_t)bits) < end) && (lika_received_bit(rx, first + (size_t)bits) != 0U)) {
         return LIKA_FAULT_CONSTANT;
     }
     *word = lika_received_bits(rx, first, bits);
     return LIKA_OK;
 }
 
+/** The same for size whole bytes. */
+LIKA_NODISCARD
+static inline lika_result lika_biss_receive(
+    const uint8_t *rx, size_t size, uint32_t bits, uint64_t *word)
+{
+    return lika_biss_receive_bits(rx, 8U * size, bits, word);
+}
+
 /**
  * The CDS bit, for register access by lika/biss.h. Take it from each frame, also from one whose
  * CRC is bad: the slave goes on by a bit with every frame. LENGTH: there is no frame; give up what
- * is under way.
+ * is under way. This form takes the number of bits that were received.
  */
 LIKA_NODISCARD
-static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
+static inline lika_result lika_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
-    const size_t end = 8U * size;
+    const size_t end = received;
     size_t at = 0U;
     while ((at < end) && (lika_received_bit(rx, at) != 0U)) {
         at++;
@@ -174,6 +195,13 @@ static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, 
     }
     *cds = lika_received_bit(rx, at + 1U) != 0U;
     return LIKA_OK;
+}
+
+/** The same for size whole bytes. */
+LIKA_NODISCARD
+static inline lika_result lika_biss_receive_cds(const uint8_t *rx, size_t size, bool *cds)
+{
+    return lika_biss_receive_cds_bits(rx, 8U * size, cds);
 }
 
 /* -- SSI --------------------------------------------------------------------------------------- */
@@ -251,7 +279,16 @@ static inline lika_result lika_ssi_repeats(
  *           lika_rs485_resume(&line);
  *       }
  *   }
- *   if (lika_rs485_late(&line, now_us)) {                      from time to time: ask again
+ *   if (lika_rs485_late(&line, now_us)) {                      from time to time: ask again,
+ *                                                                lika_rs485_reason says why
+ *
+ * Release the line fast: expect the reply a few microseconds after the request. The manuals give no
+ * time; a driver for another encoder of this format (vedderb/bldc) found 3 us. A byte at 2.5 MBd
+ * takes 4 us, so a driver that a task or a slow interrupt releases cuts off the first byte of every
+ * reply. Have the UART switch the driver (hardware driver enable), or release it in the interrupt of
+ * transmit complete, which comes after the last stop bit; transmit register empty comes a byte too
+ * early. Enable the receiver before the last byte of the request has left. If the transceiver then
+ * hears the request, tell _ask by echo.
  *
  * A reply begins with the control byte of its request; what comes before that is dropped. Where a
  * decoder refuses the bytes, _resume looks for the reply further on among them, so that a
@@ -261,7 +298,8 @@ static inline lika_result lika_ssi_repeats(
 typedef struct lika_rs485_line {
     uint8_t bytes[LIKA_RECEIVE_RS485_BYTES]; /**< the reply, whole once _take says so */
     size_t length;                          /**< how many bytes it has */
-    /** What follows is the machine's own. */
+    uint32_t dropped;                       /**< bytes since _ask that began no reply */
+    /** Private. */
     size_t count;
     size_t echo;
     uint8_t control;
@@ -285,6 +323,7 @@ static inline lika_result lika_rs485_ask(
         return LIKA_FAULT_LENGTH;
     }
     line->length = length;
+    line->dropped = 0U;
     line->count = 0U;
     line->echo = echo;
     line->control = control;
@@ -300,7 +339,11 @@ static inline bool lika_rs485_take(lika_rs485_line *line, uint8_t byte)
         line->echo--;
         return false;
     }
-    if ((line->count == line->length) || ((line->count == 0U) && (byte != line->control))) {
+    if (line->count == line->length) {
+        return false;
+    }
+    if ((line->count == 0U) && (byte != line->control)) {
+        line->dropped += (line->dropped != 0xFFFFFFFFU) ? 1U : 0U;
         return false;
     }
     line->bytes[line->count] = byte;
@@ -333,6 +376,29 @@ static inline bool lika_rs485_late(const lika_rs485_line *line, uint32_t now_us)
     /* now - since, in more bits: without the wrap that checkers warn of. */
     const uint64_t passed = ((((uint64_t)1U << 32U) + now_us) - line->since_us) & 0xFFFFFFFFU;
     return (passed > line->at_most_us) && (line->count != line->length);
+}
+
+/**
+ * Why there is no reply, to be asked once _late is true. If a decoder refused one meanwhile, its
+ * result is the reason instead.
+ *   OK            there is one
+ *   TIMEOUT       nothing came: no supply, a cut cable, or the request did not get through
+ *   HEAD_MISSING  what came did not begin as a reply does. If every request ends like this, the
+ *                 driver is released too late after it, or the receiver enabled too late, and the
+ *                 first byte of the reply is lost: see above. Else the baud rate is wrong, or the
+ *                 byte was disturbed
+ *   LENGTH        the reply began and is not whole: a byte was lost, or at_most_us is too short
+ */
+LIKA_NODISCARD
+static inline lika_result lika_rs485_reason(const lika_rs485_line *line)
+{
+    if (line->count == line->length) {
+        return LIKA_OK;
+    }
+    if (line->dropped != 0U) {
+        return LIKA_FAULT_HEAD_MISSING;
+    }
+    return (line->count != 0U) ? LIKA_FAULT_LENGTH : LIKA_FAULT_TIMEOUT;
 }
 
 #ifdef __cplusplus
