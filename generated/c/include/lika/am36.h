@@ -57,7 +57,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7AA467DCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x5F1DAE20U)
 #error "lika/am36.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -653,8 +653,9 @@ static inline lika_verdict lika_am36_ssi_word_verdict(const lika_am36_ssi_word *
  * that it comes in.
  * The bits are those of the encoder as delivered, since registers change them; the bytes are enough
  * for whatever the registers hold.
- * A buffer has room for 40 bits of acknowledge and line delay. No manual says how long an encoder
- * takes: where NO_START or LENGTH is said, take more bytes.
+ * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
+ * assumption, since no manual says how long an encoder takes. Any other size works too: make it
+ * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
  */
 #define LIKA_AM36_AM3616_4096_I7_BISS_BITS 44U
 #define LIKA_AM36_AM3616_4096_I7_BISS_RX_BYTES 12U

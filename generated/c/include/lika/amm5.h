@@ -59,7 +59,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7AA467DCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x5F1DAE20U)
 #error "lika/amm5.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -726,8 +726,9 @@ static inline lika_verdict lika_amm5_ssi_word_verdict(const lika_amm5_ssi_word *
 /**
  * By order code, for lika/receive.h: the bits of single_cycle_data, and the bytes of a buffer
  * that it comes in.
- * A buffer has room for 40 bits of acknowledge and line delay. No manual says how long an encoder
- * takes: where NO_START or LENGTH is said, take more bytes.
+ * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
+ * assumption, since no manual says how long an encoder takes. Any other size works too: make it
+ * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
  */
 #define LIKA_AMM5_A17_1SC1_BISS_BITS 25U
 #define LIKA_AMM5_A17_1SC1_BISS_RX_BYTES 9U
