@@ -534,8 +534,8 @@ static inline const lika_report_text *lika_sma21_report_text(uint32_t reports)
         {
             "encoder_inharmonious_error",
             "Encoder inharmonious error",
-            "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what "
-            "sets it is not known",
+            "an alarm that manual 1.1 of November 2023 removed. An older encoder may have it; "
+            "what sets it is not known",
             "",
             "7.3.3 p.39; 7.3.3.1 p.40"
         },
@@ -1193,7 +1193,7 @@ typedef struct lika_sma21_position_reply {
     bool hardware_error;
     /**
      * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
-     * 2023-11-10 removed. An older encoder may have it; what sets it is not known.
+     * November 2023 removed. An older encoder may have it; what sets it is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
@@ -1563,7 +1563,7 @@ typedef struct lika_sma21_identification_reply {
     bool hardware_error;
     /**
      * Encoder inharmonious error: Not implemented. Active at 1: an alarm that manual 1.1 of
-     * 2023-11-10 removed. An older encoder may have it; what sets it is not known.
+     * November 2023 removed. An older encoder may have it; what sets it is not known.
      */
     bool encoder_inharmonious_error;
     bool higher_track_error; /**< Higher track error: Not implemented. */
