@@ -1152,7 +1152,7 @@ class PositionReply(NamedTuple):
         hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
             the position is not usable.
         encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True at 1: an alarm that manual 1.1 of
-            2023-11-10 removed. An older encoder may have it; what sets it is not known.
+            November 2023 removed. An older encoder may have it; what sets it is not known.
         higher_track_error: Higher track error: Not implemented.
         low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
             amplitude error. While it is True, the position is not usable.
@@ -1605,7 +1605,7 @@ class IdentificationReply(NamedTuple):
         hardware_error: Hardware error. True at 1: error in the EEPROM. False at 0: no hardware error. While it is True,
             the position is not usable.
         encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True at 1: an alarm that manual 1.1 of
-            2023-11-10 removed. An older encoder may have it; what sets it is not known.
+            November 2023 removed. An older encoder may have it; what sets it is not known.
         higher_track_error: Higher track error: Not implemented.
         low_amplitude_error: Low amplitude error. True at 1: amplitude of the signal too low. False at 0: no low
             amplitude error. While it is True, the position is not usable.

@@ -463,7 +463,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="encoder_inharmonious_error",
             printed_name="Encoder inharmonious error",
             meaning=(
-                "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what sets it is not "
+                "an alarm that manual 1.1 of November 2023 removed. An older encoder may have it; what sets it is not "
                 "known"
             ),
             makes_position=Verdict.NOT_USABLE,
@@ -693,7 +693,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 when_active=(
-                    "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what sets it is "
+                    "an alarm that manual 1.1 of November 2023 removed. An older encoder may have it; what sets it is "
                     "not known"
                 ),
                 implemented=False,
@@ -902,7 +902,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 when_active=(
-                    "an alarm that manual 1.1 of 2023-11-10 removed. An older encoder may have it; what sets it is "
+                    "an alarm that manual 1.1 of November 2023 removed. An older encoder may have it; what sets it is "
                     "not known"
                 ),
                 implemented=False,
