@@ -244,7 +244,7 @@ def _run(
     """
     with subprocess.Popen(command, stdin=given, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
         late = Event()
-        timer = Timer(_PATIENCE_S, lambda: (late.set(), running.kill()))
+        timer = Timer(_PATIENCE_S, _stop, (running, late))
         timer.start()
         try:
             printed = running.stdout.read(most + 1) if running.stdout else b""
@@ -258,3 +258,8 @@ def _run(
     if len(printed) > most:
         raise RevisionError(f"git lists more than {most // 2**20} MB here; name the folder of the specs")
     return code, printed
+
+
+def _stop(running: subprocess.Popen[bytes], late: Event) -> None:
+    late.set()
+    running.kill()
