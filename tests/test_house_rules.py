@@ -78,7 +78,8 @@ def test_there_is_no_circle() -> None:
         ("say", {"model"}),
         ("plan", {"model", "reference"}),
         ("reference", {"model", "say"}),
-        ("write", set()),
+        ("write", {"lock"}),
+        ("lock", set()),
     ],
 )
 def test_what_a_room_may_import(room: str, may: set[str]) -> None:
