@@ -27,6 +27,7 @@ from jinja2 import (
 )
 from jinja2.bccache import Bucket
 
+from .sandbox import Sandbox
 from .say.lines import plain, wrapped
 from .spec.problems import suggestion
 
@@ -76,6 +77,8 @@ class _OwnTemplates(FileSystemLoader):
 
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
         path = self.folder / template
+        if not path.resolve().is_relative_to(self.folder.resolve()):
+            raise TemplateFault(f"{path.as_posix()}: this leads out of the folder of templates")
         try:
             found = super().get_source(environment, template)
         except TemplateNotFound:
@@ -151,7 +154,11 @@ class Templates:
             TemplateFault: A template of the user's is at fault.
         """
         try:
-            text = environment(self, own).get_template(template).render(values)
+            made = environment(self, own)
+            if isinstance(made, Sandbox):
+                text = made.text_of(template, values)
+            else:
+                text = made.get_template(template).render(values)
             text.encode()
             return text
         except TemplateFault:
@@ -164,12 +171,14 @@ class Templates:
 
 @cache
 def environment(templates: Templates, own: Path | None = None) -> Environment:
-    """The environment in which templates are rendered, a user's folder of templates before ours."""
+    """Return the environment in which templates are rendered: a sandbox if a user's templates come before ours."""
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
     by_name = PrefixLoader({_SHIPPED: shipped})
-    made = Environment(
+    # Code that was compiled for one of the two does not serve the other, so that of the sandbox is not kept.
+    kind = Environment if own is None else Sandbox
+    made = kind(
         loader=shipped if own is None else ChoiceLoader([_own_loader(own), by_name, shipped]),
-        bytecode_cache=_compiled(),
+        bytecode_cache=_compiled() if own is None else None,
         undefined=StrictUndefined,
         autoescape=templates.autoescape,
         trim_blocks=True,
@@ -180,6 +189,8 @@ def environment(templates: Templates, own: Path | None = None) -> Environment:
     tests: dict[str, Callable[..., bool]] = {name: partial(_is, kind) for name, kind in templates.tests.items()}
     made.tests.update(tests)
     made.globals |= templates.functions
+    if isinstance(made, Sandbox):
+        made.finish({*COMMON_FILTERS, *templates.filters})
     return made
 
 
@@ -207,6 +218,8 @@ def _reason(error: Exception) -> str:
         return f"there is no template '{plain(error.name)}'"
     if isinstance(error, UnicodeEncodeError):
         return f"the text holds U+{ord(error.object[error.start]):04X}, which is no character"
+    if isinstance(error, MemoryError):
+        return "the template takes too much memory"
     module = type(error).__module__
     kind = "" if module.startswith("jinja2") else f"{type(error).__name__}: "
     return f"{kind}{plain(error)}"

@@ -1,7 +1,7 @@
 """Writing: the only module that touches the output folder.
 
 Each target owns one folder of the output. Its new content is put together in a stage beside the old one,
-in full, and only when every target is complete do the folders change places.
+in full, and only when every target is complete do the folders change places. One process at a time does this.
 Files and folders of a target folder that are not ours are kept; a list in the folder names those that are ours.
 Nothing else is ever overwritten or removed, unless the user asks for it.
 """
@@ -14,17 +14,21 @@ import re
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from .lock import PATIENCE_S, Busy, locked
 
 LIST = ".codewheel"
 _LIST_HEAD = "# Written by codewheel generate, which removes files of this list that it no longer writes.\n"
 _LIST_SIGN = b"# Written by codewheel generate"
 #: The first file in a stage, so that a later run knows the stage of a killed one from a folder of the user's.
 _MARK = ".codewheel-stage"
+_PREFIX = ".codewheel-"
 _MARK_TEXT = "codewheel generate put files together here; its next run removes this folder.\n"
+_NEW, _OLD = "new", "old"
 _A_FOLDER = ", a folder where a file belongs"
 _SAFE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._-]*)*")
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
@@ -64,38 +68,68 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
     return sorted(found, key=lambda item: item.path)
 
 
-def write(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool = False) -> list[Change]:
+def write(
+    folder: Path,
+    targets: Mapping[str, Mapping[str, str]],
+    force: bool = False,
+    waiting: Callable[[], None] = lambda: None,
+) -> list[Change]:
     """Make the folders of ``targets`` hold exactly their files, besides files that are not ours.
 
     Args:
         folder: The output folder.
         targets: The files of each target, by its name.
         force: Overwrite files that are in the way and not ours.
+        waiting: Called if another run writes into the folder, before the wait for its end.
 
     Raises:
-        WriteError: A file that is not ours is in the way, or something could not be written. Nothing has changed then,
-            or the message names the targets that were written before.
+        WriteError: A file that is not ours is in the way, another run does not end, or something could not be written.
+            Nothing has changed then, or the message names the targets that could not be put back as they were.
     """
+    for target, files in targets.items():
+        _refuse_bad_paths(folder, target, files)
+    is_new = not os.path.lexists(folder)
+    try:
+        with locked(folder, waiting):
+            try:
+                return _written(folder, targets, force)
+            finally:
+                if is_new:
+                    with suppress(OSError):  # It stays if anything is in it.
+                        folder.rmdir()
+    except Busy:
+        wrong = f"another run of codewheel has been writing into {folder} for {PATIENCE_S:.0f} s"
+        raise WriteError(f"{wrong}; nothing has changed; try again when it has ended") from None
+    except OSError as error:
+        raise WriteError(
+            f"cannot write {error.filename or folder}: {error.strerror or error}; nothing has changed"
+        ) from None
+
+
+def _written(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool) -> list[Change]:
+    """Write the targets into the folder, whose lock this process holds."""
+    _clear(folder, targets)
     found = {target: changes(folder, target, files) for target, files in targets.items()}
     to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name])]
     _refuse_what_is_in_the_way(folder, {name: targets[name] for name in to_write}, found, force)
     stages: list[_Stage] = []
-    written: list[str] = []
+    exchanged: list[_Stage] = []
     try:
-        _clear(folder, targets)
         for target in to_write:
-            folder.mkdir(parents=True, exist_ok=True)
-            stages.append(_Stage(Path(tempfile.mkdtemp(prefix=f".{target}-", dir=folder)), folder / target))
+            stages.append(_Stage(Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{target}-", dir=folder)), folder / target))
             stages[-1].fill(targets[target], {item.path for item in found[target] if item.what == "unchanged"})
         for stage in stages:
             _exchange(stage.new, stage.place)
-            written.append(stage.place.name)
-    except OSError as error:
+            exchanged.append(stage)
+    except BaseException as error:
+        written = [stage.place.name for stage in exchanged if not _taken_back(stage)]
+        if not isinstance(error, OSError):
+            raise
         place = _shown(error, stages, folder)
         raise WriteError(f"cannot write {place}: {error.strerror or error}; {_state(written)}") from None
     finally:
         for stage in stages:
-            _remove(stage.folder)
+            _remove(stage.folder, stage.place)
     return [change for changed in found.values() for change in changed]
 
 
@@ -117,29 +151,59 @@ def _state(written: list[str]) -> str:
     return f"written before that: {', '.join(written)}; the rest is as it was" if written else "nothing has changed"
 
 
+def _taken_back(stage: _Stage) -> bool:
+    """Put the old content of a target's folder back, if the system lets us."""
+    try:
+        if os.path.lexists(stage.old):
+            os.rename(stage.place, stage.new)
+            os.rename(stage.old, stage.place)
+        elif os.path.lexists(stage.new):
+            _exchange(stage.new, stage.place)
+        else:
+            os.rename(stage.place, stage.new)
+    except OSError:
+        return False
+    return True
+
+
 def _clear(folder: Path, targets: Iterable[str]) -> None:
     """Remove what a killed run has left behind: stages of ours by name and by mark, nothing else."""
-    name_of_a_stage = re.compile(rf"\.({'|'.join(map(re.escape, targets))})-[a-z0-9_]{{8}}")
-    with suppress(FileNotFoundError), os.scandir(folder) as entries:
+    name_of_a_stage = re.compile(rf"{re.escape(_PREFIX)}({'|'.join(map(re.escape, targets))})-[a-z0-9_]{{8}}")
+    with os.scandir(folder) as entries:
         for entry in list(entries):
-            if name_of_a_stage.fullmatch(entry.name) and entry.is_dir(follow_symlinks=False):
+            named = name_of_a_stage.fullmatch(entry.name)
+            if named and entry.is_dir(follow_symlinks=False):
                 with suppress(OSError, WriteError):
-                    if _read(Path(entry.path, _MARK)) == _MARK_TEXT.encode():
-                        _remove(Path(entry.path))
+                    if _is_a_stage(Path(entry.path)):
+                        _remove(Path(entry.path), folder / named[1])
 
 
-def _remove(stage: Path) -> None:
+def _is_a_stage(folder: Path) -> bool:
+    """Tell a stage by its mark. A run that was killed before the mark was complete has put nothing beside it."""
+    mark = _read(folder / _MARK)
+    if mark == _MARK_TEXT.encode():
+        return True
+    return set(os.listdir(folder)) <= {_MARK} and _MARK_TEXT.encode().startswith(mark or b"")
+
+
+def _remove(stage: Path, place: Path) -> None:
     """Remove a stage, its mark last, so that a run that is killed here leaves one that can still be known."""
+    if os.path.lexists(stage / _OLD) and not os.path.lexists(place):
+        with suppress(OSError):  # The run was stopped between two renames.
+            os.rename(stage / _OLD, place)
     for root, folders, _ in os.walk(stage):
         for name in folders:
             with suppress(OSError):
                 if not os.path.islink(os.path.join(root, name)):
                     # It may be a folder of the old content in which nothing can be removed.
                     os.chmod(os.path.join(root, name), 0o700)
-    shutil.rmtree(stage / "new", ignore_errors=True)
-    with suppress(OSError):
-        (stage / _MARK).unlink()
-        stage.rmdir()
+    shutil.rmtree(stage / _NEW, ignore_errors=True)
+    if os.path.lexists(place):
+        shutil.rmtree(stage / _OLD, ignore_errors=True)
+    if not os.path.lexists(stage / _OLD):
+        with suppress(OSError):
+            (stage / _MARK).unlink(missing_ok=True)
+            stage.rmdir()
 
 
 def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> None:
@@ -231,7 +295,10 @@ def _ours(folder: Path, target: str) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Stage:
-    """Where the new content of a target's folder is put together: ``folder`` with a mark, and ``new`` in it."""
+    """Where the new content of a target's folder is put together: ``folder`` with a mark, and ``new`` in it.
+
+    The old content ends in ``new``, or in ``old`` where two folders cannot change places in one step.
+    """
 
     folder: Path
     place: Path
@@ -239,7 +306,11 @@ class _Stage:
 
     @property
     def new(self) -> Path:
-        return self.folder / "new"
+        return self.folder / _NEW
+
+    @property
+    def old(self) -> Path:
+        return self.folder / _OLD
 
     def fill(self, files: Mapping[str, str], unchanged: set[str]) -> None:
         """Put in all that the target's folder shall hold; what stays the same becomes a second name of its file."""
@@ -313,11 +384,10 @@ def _exchange(stage: Path, place: Path) -> None:
     except (AttributeError, OSError, TypeError):
         pass
     # No exchange here: two renames, and back again if the second one fails.
-    old = stage.parent.with_name(stage.parent.name + "-old")
+    old = stage.with_name(_OLD)
     os.rename(place, old)
     try:
         os.rename(stage, place)
     except OSError:
         os.rename(old, place)
         raise
-    os.rename(old, stage)

@@ -96,7 +96,8 @@ def test_no_test_names_a_place_of_the_machine() -> None:
         ("say", {"model"}),
         ("plan", {"model", "reference"}),
         ("reference", {"model", "say"}),
-        ("write", set()),
+        ("write", {"lock"}),
+        ("lock", set()),
     ],
 )
 def test_what_a_room_may_import(room: str, may: set[str]) -> None:

@@ -112,7 +112,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
 def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
     """The lists of changes on the way to a revision: where each stands, and what outputs call it."""
     order = [item.revision for item in family.device.editions]
-    own, wanted = order.index(family.document.data["manual"]["revision"]), order.index(revision)
+    own, wanted = order.index(family.device.manual.revision), order.index(revision)
     listed_ = {item["revision"]: (index, item) for index, item in enumerate(family.document.data.get("editions", ()))}
     way = range(own, wanted, -1) if wanted < own else range(own + 1, wanted + 1)
     key = "before" if wanted < own else "then"

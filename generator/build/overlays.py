@@ -140,7 +140,7 @@ def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
         told = {"severity": "wrong_data", **items[0].raw}
         yield record(
             Erratum,
-            {key: told[key] for key in ("severity", "why", "source")},
+            {key: told[key] for key in ("severity", "why", "source") if key in told},  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{numbers[name]}",
             printed=few(without_examples([item.was for item in items])),
             used=(few([item.now for item in items if item.now]) or LEFT_OUT) if items[0].is_known else NOT_KNOWN,

@@ -1,26 +1,48 @@
 """Specs as they were: a file or folder of a git revision, such as ``v1.0:specs/lika``, laid out in a folder.
 
 git is only asked for what it holds: no shell, no filter, no hook and no network has a part in it, and no text of the
-user's stands where git looks for an option.
+user's stands where git looks for an option. A tree is untrusted input: its names choose no folder, and sizes are
+checked before a file is read.
 """
 
 from __future__ import annotations
 
 import os
 import posixpath
+import re
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
+from tempfile import TemporaryFile
+from threading import Event, Timer
+from typing import IO
 
 from ..spec.files import SUFFIXES
 from ..spec.problems import suggestion, visible
 from ..spec.yaml import MAX_BYTES
 
 _MOST_FILES = 1000
+#: All specs of a revision, in bytes.
+_MOST_BYTES = 16 * MAX_BYTES
+#: The list of all files of a revision, in bytes. A tree of a few kB can list more files than any disk holds.
+_MOST_LISTED = 16 * 2**20
 _PATIENCE_S = 60
 _FILE, _EXECUTABLE = "100644", "100755"
 _BESIDE = "manufacturer.yaml"
+#: A part of a path that git does not check out, or that leads elsewhere on some system.
+_BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
+#: A file name that is safe on every system. It is kept, since the family in a spec is named after its file.
+_PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
+#: git fetches nothing, not even what a partial clone left on the server. A version that does not know
+#: GIT_NO_LAZY_FETCH is not allowed to use any protocol.
+_QUIET = {
+    "GIT_TERMINAL_PROMPT": "0",
+    "GIT_OPTIONAL_LOCKS": "0",
+    "GIT_NO_LAZY_FETCH": "1",
+    "GIT_ALLOW_PROTOCOL": "",
+    "LC_ALL": "C",
+}
 
 
 class RevisionError(ValueError):
@@ -38,20 +60,27 @@ class Named:
         return f"{self.revision}:{self.path}"
 
 
+@dataclass(frozen=True, slots=True)
+class LaidOut:
+    """Specs of a revision on disk: the file or folder to read, and the name in history of each path."""
+
+    place: Path
+    names: Mapping[str, str]
+
+
 def named(text: str) -> Named | None:
     """The revision and path that ``text`` names; None where it is a path, or no revision."""
     revision, colon, path = text.partition(":")
     return Named(revision, path) if colon and not os.path.lexists(text) else None
 
 
-def lay_out(place: Named, folder: Path) -> Path:
-    """Write the specs of a revision into ``folder``, each at its path in the repository.
+def lay_out(place: Named, folder: Path) -> LaidOut:
+    """Write the specs of a revision below an empty folder, together with a manufacturer's file beside a single spec.
 
-    Returns:
-        Where the file or folder lies that was named; a manufacturer's file beside a file is there as well.
+    Folders get numbers for names. Files keep theirs where every system can have it.
 
     Raises:
-        RevisionError: It cannot be read.
+        RevisionError: The revision cannot be read, or holds names or sizes that specs do not have.
     """
     commit = _commit(place.revision)
     path = _in_repository(place)
@@ -62,15 +91,46 @@ def lay_out(place: Named, folder: Path) -> Path:
         beside = posixpath.join(posixpath.dirname(path), _BESIDE)
         entries |= {} if path == beside else _entries(commit, beside)
     specs = {name: blob for name, blob in entries.items() if name.endswith(SUFFIXES) or name == path}
+    _refuse_bad_names(place.revision, specs)
+    if path not in entries:
+        specs = {name: blob for name, blob in specs.items() if not _is_hidden(name.removeprefix(path))}
     if len(specs) > _MOST_FILES:
         raise RevisionError(f"{visible(str(place))} holds {len(specs)} YAML files; name the folder of the specs")
-    for name, blob in specs.items():
-        file = folder / PurePosixPath(name)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(_git(["cat-file", "blob", blob])[: MAX_BYTES + 1])
-    made = folder / PurePosixPath(path)
-    if not made.exists():
-        made.mkdir(parents=True)
+    _refuse_large_files(place, specs)
+    contents = _contents(specs.values())
+    files = _neutral(specs, folder)
+    for name, file in files.items():
+        file.parent.mkdir(exist_ok=True)
+        with open(file, "xb") as new:
+            new.write(contents[specs[name]])
+    names = {str(file): f"{place.revision}:{name}" for name, file in files.items()}
+    return LaidOut(files.get(path, folder), {str(folder): str(Named(place.revision, path)), **names})
+
+
+def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
+    for name in names:
+        bad = next(filter(_BAD_PART.fullmatch, name.split("/")), None)
+        if bad is not None:
+            where = f"{visible(revision)} holds a file '{visible(name)}'"
+            raise RevisionError(f"{where}; '{visible(bad)}' is not a safe name, so nothing of the revision is read")
+
+
+def _is_hidden(name: str) -> bool:
+    """Tell whether a part of the name begins with a dot; folders of specs are read without such files."""
+    return any(part.startswith(".") for part in name.split("/"))
+
+
+def _neutral(names: Iterable[str], folder: Path) -> dict[str, Path]:
+    """Return where the file of each name is written; what is in one folder stays in one folder."""
+    folders: dict[str, Path] = {}
+    made: dict[str, Path] = {}
+    taken: set[str] = set()
+    for number, name in enumerate(names):
+        above, _, own = name.rpartition("/")
+        inside = folders.setdefault(above, folder / str(len(folders)))
+        is_kept = _PLAIN_NAME.fullmatch(own) and name.lower() not in taken
+        made[name] = inside / (own if is_kept else f"{number}.yaml")
+        taken.add(name.lower())
     return made
 
 
@@ -79,7 +139,7 @@ def _commit(revision: str) -> str:
     if not revision or revision.startswith("-") or "\0" in revision:
         raise RevisionError(f"'{shown}' is no revision; write it as in v1.0:specs/my_encoder.yaml")
     try:
-        found = _git(["rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}"])
+        found = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
         names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
         near = suggestion(revision, [name for name in names if name][:_MOST_FILES])
@@ -112,33 +172,94 @@ def _entries(commit: str, path: str) -> dict[str, str]:
     return found
 
 
+def _refuse_large_files(place: Named, specs: Mapping[str, str]) -> None:
+    asked = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
+    told = (line.split(" ") for line in _git(asked, specs.values()).decode().splitlines())
+    sizes = {line[0]: int(line[2]) for line in told if len(line) == 3 and line[1] == "blob"}
+    for name, blob in specs.items():
+        shown = f"{visible(place.revision)}:{visible(name)}"
+        if blob not in sizes:
+            raise RevisionError(f"this repository does not hold the content of {shown}; fetch it first")
+        if sizes[blob] > MAX_BYTES:
+            wrong = f"{shown} is larger than {MAX_BYTES // 2**20} MB, so it is not a spec"
+            raise RevisionError(f"{wrong}; name the folder of the specs")
+    if sum(sizes[blob] for blob in specs.values()) > _MOST_BYTES:
+        wrong = f"the YAML files of {visible(str(place))} are larger than {_MOST_BYTES // 2**20} MB together"
+        raise RevisionError(f"{wrong}; name the folder of the specs")
+
+
+def _contents(blobs: Iterable[str]) -> dict[str, bytes]:
+    """Return the content of each blob. Their sizes have been checked."""
+    printed = _git(["cat-file", "--batch"], blobs, most=2 * _MOST_BYTES)
+    found = {}
+    start = 0
+    while start < len(printed):
+        head_end = printed.index(b"\n", start)
+        blob, _, size = printed[start:head_end].decode().split(" ")
+        start = head_end + 1 + int(size) + 1
+        found[blob] = printed[head_end + 1 : start - 1]
+    return found
+
+
 class _Refused(RevisionError):
     """git says no."""
 
 
-def _git(arguments: Sequence[str]) -> bytes:
-    """What git prints.
+def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_LISTED) -> bytes:
+    """Run git on these arguments and lines of input, and return what it prints.
 
     Raises:
-        RevisionError: There is no git or no repository, or git takes too long.
+        RevisionError: There is no git or no repository, or git takes too long or prints more than ``most`` bytes.
         _Refused: git ends with an error.
     """
     kept = {name: value for name, value in os.environ.items() if name != "GIT_LITERAL_PATHSPECS"}
-    quiet = {"GIT_TERMINAL_PROMPT": "0", "GIT_OPTIONAL_LOCKS": "0", "GIT_NO_LAZY_FETCH": "1", "LC_ALL": "C"}
     command = ["git", "--no-pager", "--no-replace-objects", "--literal-pathspecs", *arguments]
     try:
-        done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, timeout=_PATIENCE_S, env=kept | quiet
-        )
+        with TemporaryFile() as given, TemporaryFile() as errors:
+            given.write("".join(f"{line}\n" for line in lines).encode())
+            given.seek(0)
+            code, printed = _run(command, given, errors, kept | _QUIET, most)
+            errors.seek(0)
+            said = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
+    except RevisionError:
+        raise
     except FileNotFoundError:
         raise RevisionError("git is not installed; without it only files and folders can be compared") from None
-    except subprocess.TimeoutExpired:
-        raise RevisionError(f"git did not answer within {_PATIENCE_S} s") from None
     except (OSError, ValueError) as error:
         raise RevisionError(f"git cannot be run: {error}") from None
-    if done.returncode == 0:
-        return done.stdout
-    said = visible(done.stderr.decode(errors="replace").strip().split("\n")[0])
+    if code == 0:
+        return printed
     if "not a git repository" in said:
         raise RevisionError("the current folder is in no git repository, so there are no revisions to read")
-    raise _Refused(f"git cannot read that: {said.removeprefix('fatal: ')}")
+    raise _Refused(f"git cannot read that: {said.removeprefix('fatal: ') or f'it ended with {code}'}")
+
+
+def _run(
+    command: Sequence[str], given: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], most: int
+) -> tuple[int, bytes]:
+    """Run a command, and return its exit code and what it prints.
+
+    Raises:
+        RevisionError: It takes too long, or prints more than ``most`` bytes.
+    """
+    with subprocess.Popen(command, stdin=given, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
+        late = Event()
+        timer = Timer(_PATIENCE_S, _stop, (running, late))
+        timer.start()
+        try:
+            printed = running.stdout.read(most + 1) if running.stdout else b""
+            if len(printed) > most:
+                running.kill()
+            code = running.wait()
+        finally:
+            timer.cancel()
+    if late.is_set():
+        raise RevisionError(f"git did not answer within {_PATIENCE_S} s")
+    if len(printed) > most:
+        raise RevisionError(f"git lists more than {most // 2**20} MB here; name the folder of the specs")
+    return code, printed
+
+
+def _stop(running: subprocess.Popen[bytes], late: Event) -> None:
+    late.set()
+    running.kill()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -156,19 +156,19 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
 
     place = named(text)
     with ExitStack() as stack:
-        prefix = ""
+        names: Mapping[str, str] = {}
         if place is None:
             path = Path(text)
             look_up.refuse_missing([path])
         else:
             folder = stack.enter_context(TemporaryDirectory(prefix="codewheel-"))
             try:
-                path = lay_out(place, Path(folder))
+                laid_out = lay_out(place, Path(folder))
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
-            prefix = folder
+            path, names = laid_out.place, laid_out.names
         families, report = load_families([path])
-    problems = [_renamed(problem, prefix, place.revision if place else "") for problem in report.problems]
+    problems = [replace(problem, file=names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), frozenset(), ())
     if lenient and families:
@@ -183,13 +183,6 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     said = f"not compared, for {counted(len(problems), 'problem')} by today's spec language: {', '.join(left_out)}"
     _show(problems)
     return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
-
-
-def _renamed(problem: Problem, prefix: str, revision: str) -> Problem:
-    """The problem with the name of its file in history."""
-    if not prefix or not problem.file.startswith(prefix):
-        return problem
-    return replace(problem, file=f"{revision}:{Path(problem.file).relative_to(prefix).as_posix()}")
 
 
 def _show(problems: Sequence[Problem]) -> None:

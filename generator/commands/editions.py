@@ -92,7 +92,8 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
             raise Stop(str(error), 2) from None
         if asked == family.device.manual.revision:
             raise Stop(f"{name} is of edition {asked} already", 2)
-        found = in_edition(family, asked, report)
+        # An edition is laid over the spec as it was read, so it takes one that keeps to the schema.
+        found = in_edition(family, asked, report) if not report.faults(family.document) else None
         if found is not None:
             made[found.device.name] = found.device
     return list(made.values())

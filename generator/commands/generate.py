@@ -27,7 +27,7 @@ def run(chosen: argparse.Namespace, library: Library, targets: Sequence[Target],
         if chosen.check:
             found = [item for name, texts in files.items() for item in changes(chosen.output, name, texts)]
         else:
-            found = write(chosen.output, files, chosen.force)
+            found = write(chosen.output, files, chosen.force, lambda: _tell_of_the_wait(chosen.output))
     except (TargetError, TemplateFault, WriteError) as error:
         raise Stop(str(error), 1) from None
     words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
@@ -37,6 +37,10 @@ def run(chosen: argparse.Namespace, library: Library, targets: Sequence[Target],
     if chosen.biss_dtd is not None:
         _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
     return 0
+
+
+def _tell_of_the_wait(output: Path) -> None:
+    print(f"codewheel: waiting for another run that writes into {output.as_posix()}", file=sys.stderr, flush=True)
 
 
 def _files(library: Library, targets: Sequence[Target], options: Mapping[str, Options]) -> dict[str, Mapping[str, str]]:

@@ -58,6 +58,11 @@ is misspelt or it lies in the wrong folder. An undefined name is a mistake, not 
 but a statement leaves nothing behind. Values hold text from specs, which can be anything; the filters of a target make
 it harmless in its language.
 
+Your templates run in the sandbox of Jinja, and so do ours when yours come before them. They can neither change values
+nor reach files outside their folder, modules or other programs. Each file has a bound of a million steps: items of
+loops, calls and printed values. A template that takes more ends with a message. See [what is
+trusted](../SECURITY.md).
+
 All templates have the filters of Jinja and these:
 """
 

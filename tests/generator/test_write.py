@@ -140,23 +140,82 @@ def test_what_a_killed_run_left_is_cleared_by_the_next(
     assert tree(tmp_path) == {**files, "python/mine.txt": "mine"}
 
 
+@pytest.mark.parametrize("after", [1, 2])
+def test_a_kill_between_two_renames_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int) -> None:
+    write(tmp_path, {"python": FILES})
+    (tmp_path / "python/mine.txt").write_text("mine")
+    real = os.rename
+    calls: list[object] = []
+
+    def rename(old: Path, new: Path) -> None:
+        calls.append(old)
+        if len(calls) > after:
+            raise Killed
+        real(old, new)
+        if len(calls) == 2:
+            raise Killed
+
+    def killed(*_: object) -> None:
+        raise Killed
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ctypes, "CDLL", no_exchange)
+        patch.setattr(os, "rename", rename)
+        patch.setattr(module, "_remove", killed)
+        with pytest.raises(Killed):
+            write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}})
+    assert (tmp_path / "python").exists() == (after == 2)
+    write(tmp_path, {"python": FILES})
+    assert tree(tmp_path) == {**FILES, "python/mine.txt": "mine"}
+    assert [path.name for path in tmp_path.iterdir()] == ["python"]
+
+
 def test_hidden_folders_of_the_user_are_left_alone(tmp_path: Path) -> None:
-    kept = [".python-virtualenv", ".python-drafts-2024", ".python-packages", ".python-abcd1234-old", ".python-abcd1234"]
-    for name in kept:
-        (tmp_path / name).mkdir()
+    """Also those that are named like a stage, and whose content is named like that of a stage."""
+    names = [".python-virtualenv", ".python-packages", ".python-abcd1234", ".python-abcd1234-old", ".codewheel-python"]
+    names += [".codewheel-python-drafts-2024", ".codewheel-python-abcd1234", ".codewheel-python-packages"]
+    names += [".codewheel-c-abcd1234"]
+    for name in names:
+        (tmp_path / name / "new").mkdir(parents=True)
+        (tmp_path / name / "new/x").write_text("precious")
         (tmp_path / name / "x").write_text("precious")
-    (tmp_path / ".python-abcd1234" / ".codewheel-stage").write_text("mine as well")
+        (tmp_path / name / ".codewheel-stage").write_text("mine as well")
+    (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").unlink()
+    (tmp_path / ".codewheel-python-packages/.codewheel-stage").write_text("")
+    (tmp_path / ".codewheel-python-abcdefgh").mkdir()
+    (tmp_path / ".codewheel-python-abcdefgh/.codewheel-stage").write_text("only this")
+    (tmp_path / ".codewheel-python-file1234").write_text("a file")
+    (tmp_path / ".codewheel-python-link1234").symlink_to(tmp_path / ".codewheel-python-abcdefgh")
+    before = {path.relative_to(tmp_path) for path in tmp_path.rglob("*")}
     for text in ("a", "b"):
-        write(tmp_path, {"python": {"python/a.py": text}})
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*kept, "python"])
-    assert all((tmp_path / name / "x").read_text() == "precious" for name in kept)
+        write(tmp_path, {"python": {"python/a.py": text}, "c": {"c/x.h": text}})
+    left = {path.relative_to(tmp_path) for path in tmp_path.rglob("*")}
+    made = {
+        Path("python"),
+        Path("python/a.py"),
+        Path("python/.codewheel"),
+        Path("c"),
+        Path("c/x.h"),
+        Path("c/.codewheel"),
+    }
+    assert left == before | made
+
+
+@pytest.mark.parametrize("mark", [None, "", module._MARK_TEXT[:20], module._MARK_TEXT])
+def test_a_stage_of_a_run_that_was_killed_at_its_mark_is_cleared(tmp_path: Path, mark: str | None) -> None:
+    stage = tmp_path / ".codewheel-python-abcd1234"
+    stage.mkdir()
+    if mark is not None:
+        (stage / ".codewheel-stage").write_text(mark)
+    write(tmp_path, {"python": FILES})
+    assert [path.name for path in tmp_path.iterdir()] == ["python"]
 
 
 def test_check_removes_nothing_of_a_run_under_way(tmp_path: Path) -> None:
-    (tmp_path / ".python-abcd1234").mkdir()
-    (tmp_path / ".python-abcd1234/.codewheel-stage").write_text(module._MARK_TEXT)
+    (tmp_path / ".codewheel-python-abcd1234").mkdir()
+    (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").write_text(module._MARK_TEXT)
     changes(tmp_path, "python", FILES)
-    assert (tmp_path / ".python-abcd1234/.codewheel-stage").is_file()
+    assert (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").is_file()
 
 
 def test_folders_keep_their_modes_and_empty_ones_stay(tmp_path: Path) -> None:
@@ -249,7 +308,18 @@ def test_a_file_with_the_name_of_a_target_is_kept(tmp_path: Path, force: bool) -
     assert (tmp_path / "python").read_text() == "mine"
 
 
-def test_a_failure_after_the_first_target_says_what_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def no_exchange(*_: object, **__: object) -> None:
+    """Stands for a system on which two folders cannot change places in one step."""
+    raise OSError
+
+
+@pytest.mark.parametrize("can_exchange", [True, False])
+def test_a_failure_after_the_first_target_puts_it_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, can_exchange: bool
+) -> None:
+    write(tmp_path, {"python": FILES, "c": {"c/x.h": "x"}})
+    (tmp_path / "python/mine.txt").write_text("mine")
+    before = tree(tmp_path)
     real = module._exchange
 
     def busy(stage: Path, place: Path) -> None:
@@ -258,21 +328,41 @@ def test_a_failure_after_the_first_target_says_what_is_written(tmp_path: Path, m
         real(stage, place)
 
     monkeypatch.setattr(module, "_exchange", busy)
+    if not can_exchange:
+        monkeypatch.setattr(ctypes, "CDLL", no_exchange)
+    new = {"docs": {"docs/x.md": "x"}, "python": dict.fromkeys(FILES, "new"), "c": {"c/x.h": "new"}}
     with pytest.raises(WriteError) as caught:
-        write(tmp_path, {"python": FILES, "c": {"c/x.h": "x"}, "docs": {"docs/x.md": "x"}})
+        write(tmp_path, new)
+    assert str(caught.value) == f"cannot write {tmp_path}/c: Device or resource busy; nothing has changed"
+    assert tree(tmp_path) == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["c", "python"]
+
+
+def test_a_target_that_cannot_be_put_back_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, {"python": FILES})
+    real = module._exchange
+    calls: list[str] = []
+
+    def busy(stage: Path, place: Path) -> None:
+        calls.append(place.name)
+        if calls != ["python"]:
+            raise OSError(errno.EBUSY, os.strerror(errno.EBUSY), str(stage))
+        real(stage, place)
+
+    monkeypatch.setattr(module, "_exchange", busy)
+    new = dict.fromkeys(FILES, "new")
+    with pytest.raises(WriteError) as caught:
+        write(tmp_path, {"python": new, "c": {"c/x.h": "x"}})
     assert (
         str(caught.value)
         == f"cannot write {tmp_path}/c: Device or resource busy; written before that: python; the rest is as it was"
     )
-    assert tree(tmp_path) == FILES
+    assert tree(tmp_path) == new
     assert [path.name for path in tmp_path.iterdir()] == ["python"]
 
 
 def test_works_without_an_exchange_of_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(*_: object, **__: object) -> None:
-        raise OSError
-
-    monkeypatch.setattr(ctypes, "CDLL", none)
+    monkeypatch.setattr(ctypes, "CDLL", no_exchange)
     write(tmp_path, {"python": FILES})
     write(tmp_path, {"python": {"python/a.py": "new\n"}})
     assert tree(tmp_path) == {"python/a.py": "new\n"}

@@ -1,0 +1,191 @@
+"""``codewheel diff`` on a git tree that somebody else made: it writes nowhere, runs nothing and reads no giant."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from shutil import copytree
+
+import pytest
+from codewheel.changes import revisions
+from codewheel.changes.revisions import LaidOut, Named, RevisionError, lay_out
+from codewheel.commands.cli import main
+from pair import BASE
+
+#: They start git.
+pytestmark = pytest.mark.slow
+Git = Callable[..., str]
+Entry = tuple[str, str, str]
+FILE, FOLDER = "100644", "40000"
+
+
+@pytest.fixture
+def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
+    """A repository with the base in the folder ``specs``; temporary folders are made in ``tmp_path/deep/down/tmp``."""
+    repository = tmp_path / "repository"
+    copytree(BASE, repository / "specs")
+    monkeypatch.chdir(repository)
+    for name in ("GIT_DIR", "GIT_INDEX_FILE", "GIT_WORK_TREE"):
+        monkeypatch.delenv(name, raising=False)
+    (tmp_path / "deep/down/tmp").mkdir(parents=True)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "deep/down/tmp"))
+
+    def run(*words: str, given: bytes = b"") -> str:
+        settings = ("-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
+        done = subprocess.run(["git", *settings, *words], check=True, capture_output=True, input=given)
+        return done.stdout.decode().strip()
+
+    run("init", "-q")
+    run("add", ".")
+    run("commit", "-q", "-m", "first")
+    return run
+
+
+def blob(git: Git, content: bytes) -> str:
+    return git("hash-object", "-w", "--stdin", given=content)
+
+
+def tree(git: Git, *entries: Entry) -> str:
+    """The tree of these entries, whatever their names; git itself refuses to make such a one."""
+    raw = b"".join(f"{mode} ".encode() + os.fsencode(name) + b"\0" + bytes.fromhex(of) for mode, name, of in entries)
+    return git("hash-object", "-t", "tree", "--literally", "-w", "--stdin", given=raw)
+
+
+def commit(git: Git, top: str) -> None:
+    git("tag", "evil", git("commit-tree", "-m", "evil", top))
+
+
+def below(folder: Path) -> dict[str, bytes]:
+    found = (path for path in folder.rglob("*") if path.is_file() and ".git" not in path.relative_to(folder).parts)
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
+
+
+SPEC = (BASE / "demo.yaml").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("parts", "shown", "bad"),
+    [
+        (["..", "..", "..", "victim.yaml"], "../../../victim.yaml", ".."),
+        (["../../../victim.yaml"], "../../../victim.yaml", ".."),
+        (["{tmp}/victim.yaml"], "{tmp}/victim.yaml", ""),
+        (["sub", "{tmp}", "victim.yaml"], "sub/{tmp}/victim.yaml", ""),
+        ([".", "victim.yaml"], "./victim.yaml", "."),
+        (["..\\..\\victim.yaml"], "..\\..\\victim.yaml", "..\\..\\victim.yaml"),
+        (["C:victim.yaml"], "C:victim.yaml", "C:victim.yaml"),
+    ],
+)
+@pytest.mark.parametrize("asked", ["evil:specs", "evil:"])
+def test_a_name_that_leads_elsewhere_is_refused(
+    git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str], asked: str, parts: list[str], shown: str, bad: str
+) -> None:
+    (tmp_path / "victim.yaml").write_text("precious")
+    inside, mode = blob(git, SPEC), FILE
+    for part in reversed(parts):
+        inside, mode = tree(git, (mode, part.format(tmp=tmp_path), inside)), FOLDER
+    commit(git, tree(git, (FOLDER, "specs", inside)))
+    before = below(tmp_path)
+    assert main(["diff", "HEAD:specs", asked]) == 2
+    name = f"specs/{shown.format(tmp=tmp_path)}"
+    assert capsys.readouterr().err == (
+        f"codewheel: evil holds a file '{name}'; '{bad}' is not a safe name, so nothing of the revision is read\n"
+    )
+    assert below(tmp_path) == before
+
+
+def laid_out(tmp_path: Path, path: str, revision: str = "evil") -> LaidOut:
+    (tmp_path / "out").mkdir()
+    return lay_out(Named(revision, path), tmp_path / "out")
+
+
+def test_folders_have_neutral_names_and_messages_the_true_ones(git: Git, tmp_path: Path) -> None:
+    spec, other = blob(git, SPEC), blob(git, b"a: 1\n")
+    deep = tree(git, (FILE, "demo.yaml", spec), (FILE, "manufacturer.yaml", other))
+    odd = tree(git, (FILE, "a.yaml", other), (FILE, "A.yaml", spec), (FILE, "con\n.yaml", other))
+    hidden = tree(git, (FILE, "x.yaml", other))
+    commit(git, tree(git, (FOLDER, "$(id)", deep), (FOLDER, ".hidden", hidden), (FOLDER, "odd", odd)))
+    made = laid_out(tmp_path, "")
+    assert {path: made.names[str(tmp_path / "out" / path)] for path in below(tmp_path / "out")} == {
+        "0/demo.yaml": "evil:$(id)/demo.yaml",
+        "0/manufacturer.yaml": "evil:$(id)/manufacturer.yaml",
+        "1/a.yaml": "evil:odd/a.yaml",
+        "1/3.yaml": "evil:odd/A.yaml",
+        "1/4.yaml": "evil:odd/con\n.yaml",
+    }
+    assert (tmp_path / "out/1/3.yaml").read_bytes() == SPEC
+    assert (made.place, made.names[str(made.place)]) == (tmp_path / "out", "evil:")
+
+
+def test_a_giant_is_not_read(git: Git, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "trace").touch()
+    monkeypatch.setenv("GIT_TRACE", str(tmp_path / "trace"))
+    commit(git, tree(git, (FILE, "big.yaml", blob(git, b"#" * (4 * 2**20 + 1)))))
+    with pytest.raises(
+        RevisionError, match=r"^evil:big\.yaml is larger than 4 MB, so it is not a spec; name the folder"
+    ):
+        laid_out(tmp_path, "")
+    trace = (tmp_path / "trace").read_text()
+    assert "--batch-check" in trace
+    assert "cat-file --batch\n" not in trace
+
+
+def test_many_large_files_are_not_read(git: Git, tmp_path: Path) -> None:
+    large = blob(git, b"#" * (4 * 2**20))
+    commit(git, tree(git, *((FILE, f"{number:02}.yaml", large) for number in range(17))))
+    with pytest.raises(
+        RevisionError, match=r"^the YAML files of evil: are larger than 64 MB together; name the folder"
+    ):
+        laid_out(tmp_path, "")
+
+
+def test_a_tree_that_lists_more_than_any_disk_holds(git: Git, tmp_path: Path) -> None:
+    inside = tree(git, *((FILE, f"{number}.yaml", blob(git, b"")) for number in range(10)))
+    for _ in range(20):
+        inside = tree(git, *((FOLDER, str(number), inside) for number in range(10)))
+    commit(git, inside)
+    with pytest.raises(RevisionError, match=r"^git lists more than 16 MB here; name the folder of the specs"):
+        laid_out(tmp_path, "")
+
+
+@pytest.fixture
+def partial(git: Git, tmp_path: Path) -> Path:
+    """Make the repository a partial clone that lacks one spec, and whose server is a command; returns its mark."""
+    lost = git("rev-parse", "HEAD:specs/demo.yaml")
+    mark = tmp_path / "run"
+    for key, value in {
+        "core.repositoryFormatVersion": "1",
+        "extensions.partialClone": "origin",
+        "remote.origin.url": f"ext::sh -c touch% {mark}",
+        "remote.origin.promisor": "true",
+        "remote.origin.partialCloneFilter": "blob:none",
+        "protocol.ext.allow": "always",
+    }.items():
+        git("config", key, value)
+    (Path(".git/objects") / lost[:2] / lost[2:]).unlink()
+    return mark
+
+
+def test_nothing_is_fetched(partial: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "trace").touch()
+    monkeypatch.setenv("GIT_TRACE", str(tmp_path / "trace"))
+    with pytest.raises(RevisionError):
+        laid_out(tmp_path, "specs", "HEAD")
+    assert "fetch" not in (tmp_path / "trace").read_text()
+    assert not partial.exists()
+
+
+def test_a_git_that_fetches_all_the_same_finds_no_protocol(
+    partial: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delitem(revisions._QUIET, "GIT_NO_LAZY_FETCH")
+    with pytest.raises(RevisionError):
+        laid_out(tmp_path, "specs", "HEAD")
+    assert not partial.exists()
+
+
+def test_a_revision_never_becomes_an_option(git: Git, tmp_path: Path) -> None:
+    with pytest.raises(RevisionError, match=r"^'--git-dir' is no revision"):
+        laid_out(tmp_path, "specs", "--git-dir")

@@ -1,0 +1,184 @@
+"""Two runs that write into one folder: one after the other, also where one of them is killed."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import random
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from codewheel import lock, write
+from codewheel.commands import generate
+
+TARGETS = ("c", "docs", "python")
+HEAD = """
+import ctypes, sys, time
+from pathlib import Path
+from codewheel import write
+out, here = Path(sys.argv[1]), Path(sys.argv[2])
+def files(text):
+    return {name: {f"{name}/{n}/x": f"{text} {n}" for n in range(20)} for name in ("c", "docs", "python")}
+def waiting():
+    print("waiting", flush=True)
+"""
+#: Stops after the first target until there is a file ``go``.
+SLOW = """
+real = write._exchange
+def slow(stage, place):
+    real(stage, place)
+    (here / "begun").touch()
+    while not (here / "go").exists():
+        time.sleep(0.01)
+write._exchange = slow
+"""
+WRITE = "write.write(out, files(sys.argv[3]), waiting=waiting)"
+
+
+def files(text: str) -> dict[str, dict[str, str]]:
+    return {name: {f"{name}/{number}/x": f"{text} {number}" for number in range(20)} for name in TARGETS}
+
+
+def content(folder: Path) -> dict[str, str]:
+    found = (path for path in folder.rglob("*") if path.is_file() and path.name != ".codewheel")
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in found}
+
+
+def all_of(text: str) -> dict[str, str]:
+    return {path: text for of_target in files(text).values() for path, text in of_target.items()}
+
+
+@contextmanager
+def started(program: str, tmp_path: Path, text: str = "") -> Iterator[subprocess.Popen[str]]:
+    command = [sys.executable, "-c", HEAD + program, str(tmp_path / "out"), str(tmp_path), text]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        try:
+            yield running
+        finally:
+            running.kill()
+
+
+def wait_for(file: Path) -> None:
+    while not file.exists():
+        time.sleep(0.01)
+
+
+@pytest.mark.slow
+def test_the_second_run_waits_for_the_first(tmp_path: Path) -> None:
+    with started(SLOW + WRITE, tmp_path, "first") as first:
+        wait_for(tmp_path / "begun")
+        with started(WRITE, tmp_path, "second") as second:
+            assert second.stdout is not None
+            assert second.stdout.readline() == "waiting\n"
+            (tmp_path / "go").touch()
+            assert (first.wait(), second.wait()) == (0, 0)
+    assert content(tmp_path / "out") == all_of("second")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(TARGETS)
+
+
+@pytest.mark.slow
+def test_the_lock_of_a_killed_run_is_gone(tmp_path: Path) -> None:
+    with started(SLOW + WRITE, tmp_path, "first") as first:
+        wait_for(tmp_path / "begun")
+        first.kill()
+        first.wait()
+    waited: list[bool] = []
+    write.write(tmp_path / "out", files("second"), waiting=lambda: waited.append(True))
+    assert (content(tmp_path / "out"), waited) == (all_of("second"), [])
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(TARGETS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("system", ["", "def none(*_, **__): raise OSError\nctypes.CDLL = none\n"])
+def test_kills_at_random_moments_leave_each_target_whole(tmp_path: Path, system: str) -> None:
+    out = tmp_path / "out"
+    endless = (
+        "print(write.write(out, files('a')) and 'ready', flush=True)\n"
+        "while True:\n    write.write(out, files('b'))\n    write.write(out, files('a'))\n"
+    )
+    moments = random.Random(1)
+    for _ in range(12):
+        with started(system + endless, tmp_path) as running:
+            assert running.stdout is not None
+            assert running.stdout.readline() == "ready\n"
+            (out / "c/mine.txt").write_text("mine")
+            time.sleep(moments.random() / 20)
+            running.kill()
+            running.wait()
+        for name in TARGETS if not system else ():
+            found = {path: text for path, text in content(out / name).items() if path != "mine.txt"}
+            whole = [{path.partition("/")[2]: of for path, of in files(text)[name].items()} for text in "ab"]
+            assert found in whole
+        write.write(out, files("a"))
+        assert content(out) == {**all_of("a"), "c/mine.txt": "mine"}
+        assert sorted(path.name for path in out.iterdir()) == sorted(TARGETS)
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lock, "PATIENCE_S", 0.0)
+
+
+@pytest.mark.parametrize("way", ["out", "link", "other/../out"])
+@pytest.mark.usefixtures("impatient")
+def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
+    out = tmp_path / "out"
+    (tmp_path / "other").mkdir()
+    (tmp_path / "link").symlink_to(out)
+    with lock.locked(out, list):
+        waited: list[bool] = []
+        with pytest.raises(write.WriteError) as caught:
+            write.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
+        assert str(caught.value) == (
+            f"another run of codewheel has been writing into {tmp_path / way} for 60 s; nothing has changed; "
+            "try again when it has ended"
+        )
+        assert waited == [True]
+        assert list(out.iterdir()) == []
+        write.write(tmp_path / "another", files("a"))
+    write.write(tmp_path / way, files("a"))
+
+
+def test_a_folder_that_is_made_anew_meanwhile_is_locked_anew(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with lock.locked(out, list):
+        write.write(out, files("a"), waiting=lambda: out.rename(tmp_path / "away") and None)
+        assert content(out) == all_of("a")
+
+
+def test_a_folder_that_is_replaced_before_it_is_locked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = fcntl.flock
+    out = tmp_path / "out"
+
+    def flock(handle: int, operation: int) -> None:
+        if not (tmp_path / "away").exists():
+            out.rename(tmp_path / "away")
+        real(handle, operation)
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    write.write(out, files("a"))
+    assert content(out) == all_of("a")
+
+
+def test_where_folders_cannot_be_locked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def flock(*_: object) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    write.write(tmp_path, files("a"))
+    assert content(tmp_path) == all_of("a")
+
+
+def test_a_folder_that_was_not_there_is_not_left_behind_empty(tmp_path: Path) -> None:
+    write.write(tmp_path / "out", {"c": {}})
+    assert not (tmp_path / "out").exists()
+
+
+def test_who_waits_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    generate._tell_of_the_wait(Path("generated"))
+    assert capsys.readouterr().err == "codewheel: waiting for another run that writes into generated\n"
