@@ -3395,7 +3395,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\xc2", times=10, every_us=40, in_succession=True),
+        Send(b"\xc2", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(18_000, "execution takes 18 ms at most, EEPROM writing included"),
     )
 
@@ -3432,7 +3432,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\x62", times=10, every_us=40, in_succession=True),
+        Send(b"\x62", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 
@@ -3468,7 +3468,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\xba", times=10, every_us=40, in_succession=True),
+        Send(b"\xba", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
     )
 

@@ -3080,7 +3080,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\xda", times=10, every_us=40, in_succession=True),
+        Send(b"\xda", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
     )
 
 
@@ -3115,7 +3115,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485)
     return (
-        Send(b"\x7a", times=10, every_us=40, in_succession=True),
+        Send(b"\x7a", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
     )
 
 
