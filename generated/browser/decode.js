@@ -191,7 +191,7 @@
       case "signed":
         return { value: BigInt.asIntN(width, raw) };
       case "text": {
-        const codes = bytesOf(2, raw, width / 8).map((byte) => (byte < 128 ? byte : 0xfffd));
+        const codes = bytesOf(2, raw, width / 8);
         return { value: String.fromCharCode(...codes) };
       }
       default:
@@ -318,7 +318,7 @@
 
   function rawOfText({ field, width }, given) {
     const codes = [...given].map((one) => one.codePointAt(0));
-    if (codes.length !== width / 8 || codes.some((code) => code > 127)) {
+    if (codes.length !== width / 8 || codes.some((code) => code > 255)) {
       throw new Refusal(said("too_wide", field.name, `"${given}"`, width));
     }
     return numberOf(2, codes);

@@ -57,7 +57,7 @@ def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
         if name in ("fault", "verdict"):
             continue
         if column.dtype.kind == "S":
-            texts = [text.decode("ascii", "replace") for text in column[sound].tolist()]
+            texts = [text.decode("latin-1") for text in column[sound].tolist()]
             assert texts == [getattr(frames[place], name).rstrip("\0") for place in sound], name
             continue
         assert column[sound].tolist() == [getattr(frames[place], name) for place in sound], (case.layout.name, name)

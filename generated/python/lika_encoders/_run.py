@@ -5,8 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import reduce
-from operator import xor
 from time import monotonic, sleep
 from typing import NamedTuple, Protocol, cast
 
@@ -151,7 +149,10 @@ def _check_reply(step: Send, reply: bytes) -> None:
         raise ValueError(f"{shown}: {len(reply)} bytes, not {step.reply}")
     if reply[0] != step.request[0]:
         raise ValueError(f"{shown}: it belongs to another request")
-    if step.is_xor and reduce(xor, reply):
+    crc = 0
+    for byte in reply[:-1]:
+        crc ^= byte
+    if step.is_xor and crc != reply[-1]:
         echo = "; is it an echo of the request?" if reply.startswith(step.request * 2) else ""
         raise ValueError(f"{shown}: its CRC is wrong{echo}")
 

@@ -41,7 +41,7 @@ def target_kind(path: str) -> TargetKind:
 
 
 def _texts(column: Any) -> list[str]:
-    return [item.decode("ascii", "replace") for item in column.tolist()]
+    return [item.decode("latin-1") for item in column.tolist()]
 
 
 def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:

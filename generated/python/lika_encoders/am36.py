@@ -1798,10 +1798,10 @@ class DeviceId(NamedTuple):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
-            data[2:4].decode("ascii", "replace"),
-            data[4:5].decode("ascii", "replace"),
-            data[5:6].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
+            data[2:4].decode("latin-1"),
+            data[4:5].decode("latin-1"),
+            data[5:6].decode("latin-1"),
         )
         return made(cls, values)
 
@@ -1868,7 +1868,7 @@ class ManufacturerId(NamedTuple):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
         )
         return made(cls, values)
 

@@ -2700,7 +2700,7 @@ class DeviceId(NamedTuple):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:4].decode("ascii", "replace"),
+            data[0:4].decode("latin-1"),
             data[4] << 8 | data[5],
         )
         return made(cls, values)
@@ -2756,7 +2756,7 @@ class ManufacturerId(NamedTuple):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
         )
         return made(cls, values)
 

@@ -129,7 +129,12 @@ class ClassNames:
     def __init__(self, layout: Layout, register: Register | None, crcs: Iterable[str]) -> None:
         made = [f"from_{attribute(item.name, CLASS_NAMES)}" for item in layout.joins]
         limits = map(meaning_limits, register.meanings) if register is not None else ()
-        self._own = {*CLASS_NAMES, *made, *limits, *(["unused"] if layout.unused else [])}
+        self._own = {
+            *CLASS_NAMES,
+            *made,
+            *limits,
+            *(["unused"] if layout.unused or layout.gaps == "unspecified" else []),
+        }
         self._locals = {*LOCAL_NAMES, *(name for crc in crcs for name in (crc, f"{crc}_of_bits"))}
 
     def attribute(self, name: str) -> str:
