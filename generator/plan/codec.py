@@ -247,6 +247,11 @@ class Codec:
     terms: tuple[Term, ...]
 
     @property
+    def keeps_others(self) -> bool:
+        """Whether bits without a field are kept: those of a register, where the manual does not say what they are."""
+        return self.layout.gaps == "unspecified" and not self.layout.sender
+
+    @property
     def in_bytes(self) -> bool:
         return self.layout.in_bytes
 

@@ -100,8 +100,8 @@ def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
 
 
 def number_of_text(text: str) -> int:
-    """The bits of a field of characters as one number."""
-    return int.from_bytes(text.encode("ascii", "replace"), "big")
+    """The bits of a field of characters as one number; Latin-1 has a character for every byte."""
+    return int.from_bytes(text.encode("latin-1", "replace"), "big")
 
 
 def select(
@@ -302,7 +302,7 @@ def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem
                 wrong = fault.constant(name, f"{raw:#x}", f"{constant:#x}")
                 problems.append(Problem(Fault.CONSTANT, name, wrong))
         case Text():
-            value = raw.to_bytes(item.width // 8, "big").decode("ascii", "replace")
+            value = raw.to_bytes(item.width // 8, "big").decode("latin-1")
         case Decimal() as decimal:
             if raw >= decimal.limit:
                 wrong = fault.digits(name, f"{raw}", f"{decimal.digits}")

@@ -89,7 +89,9 @@ def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
     ):
         send = getattr(amm5, name)()[0]
         # 7.4.2 p.45: ten times in succession, at intervals of 40 µs or more.
-        assert send == lika.Send(bytes([byte]), times=10, every_us=40, in_succession=True)
+        # 7.2.1 p.41 and 7.4.2: each is answered by a reply of six bytes, whose last is the XOR of the others.
+        expected = lika.Send(bytes([byte]), times=10, every_us=40, in_succession=True, reply=6, is_xor=True)
+        assert send == expected
         assert "stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
 
 

@@ -74,7 +74,8 @@ def test_what_one_frame_refuses_columns_refuse(family: Family) -> None:
 def values_around(column: Any) -> list[Any]:
     """Values at and beyond the bounds of what a field may have."""
     if column.dtype.kind == "S":
-        return ["\u00e9" * column.dtype.itemsize, "x" * (column.dtype.itemsize + 1), "x" * column.dtype.itemsize]
+        length = column.dtype.itemsize
+        return ["\u00e9" * length, "\u0100" * length, "x" * (length + 1), "x" * length]
     if column.dtype.kind == "b":
         return [True, False]
     return [-1, 0, 1, 2, 3, *(base + step for base in map((1).__lshift__, range(2, 63, 3)) for step in (-1, 0, 1))]
@@ -83,6 +84,8 @@ def values_around(column: Any) -> list[Any]:
 def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, row: int) -> bool:
     """Whether a frame is refused; columns that have it in a row have to be, or to make what it makes."""
     column = columns[name]
+    if column.dtype.kind == "S":
+        column = numpy.char.decode(column, "latin-1")
     value = getattr(frame, name)
     kind = numpy.asarray(value).dtype if isinstance(value, str) else numpy.int64
     changed = column.astype(numpy.result_type(column.dtype, kind)) if column.dtype.kind != "b" else column.copy()

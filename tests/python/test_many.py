@@ -57,7 +57,7 @@ def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
         if name in ("fault", "verdict"):
             continue
         if column.dtype.kind == "S":
-            texts = [text.decode("ascii", "replace") for text in column[sound].tolist()]
+            texts = [text.decode("latin-1") for text in column[sound].tolist()]
             assert texts == [getattr(frames[place], name).rstrip("\0") for place in sound], name
             continue
         assert column[sound].tolist() == [getattr(frames[place], name) for place in sound], (case.layout.name, name)
@@ -309,7 +309,7 @@ def test_what_is_no_frame_and_no_kind_is_refused(family: Family) -> None:
     """A list that holds something else than frames is a slip in a program, and no frame with a fault."""
     amm5 = family.module
     bits, serial = amm5.lookup("AMM5A21/65KSC1"), amm5.lookup("AMM5A23/65KJP1")
-    for wrong in (["1"], [5.9], [True], [None]):
+    for wrong in (["1"], [5.9], [True]):
         with pytest.raises(TypeError, match="it has to be a whole number"):
             bits.decode_many(wrong)
     for wrong in ([2, 0, 199], ["02 00 C7 D1 6A 7E"]):

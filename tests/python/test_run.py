@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import pickle
+import re
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -120,17 +121,62 @@ def test_what_is_read_is_given(lika: Any) -> None:
     assert found[0].data == b"\x07"
 
 
-def test_requests_are_sent(lika: Any) -> None:
-    sent: list[bytes] = []
-    waited: list[float] = []
+class Encoder485:
+    """An encoder at the other end of a serial line: what it answers waits until it is read, or discarded."""
 
-    class Line:
+    def __init__(self, *answers: bytes) -> None:
+        self.answers, self.sent, self.waiting = list(answers), 0, b""
+
+    def drain(self) -> None:
+        self.waiting = b""
+
+    def send(self, request: bytes, /) -> None:
+        self.sent += 1
+        self.waiting += self.answers.pop(0) if self.answers else request + bytes(4) + request
+
+    def receive(self, length: int, /) -> bytes:
+        found, self.waiting = self.waiting[:length], self.waiting[length:]
+        return found
+
+
+def test_a_request_owns_its_reply(lika: Any) -> None:
+    """A reply that is left from before is not taken for one, and none is left behind."""
+    line, waited = Encoder485(), []
+    line.waiting = bytes.fromhex("BA 00 01 02 03 BA")
+    steps = lika.amm5.reset_errors(lika.lookup("AMM5A23/65KJP1"))
+    lika.run(steps, line, wait=waited.append)
+    assert (line.sent, line.waiting) == (10, b"")
+    assert waited == [*[0.00004] * 10, 0.002]
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ("", "no reply to BA"),
+        ("BA 00 00 00 00", "the reply to BA is BA 00 00 00 00: 5 bytes, not 6"),
+        ("02 00 00 00 00 02", "it belongs to another request"),
+        ("BA 00 01 00 00 BA", "its CRC is wrong"),
+        ("BA BA 00 01 00 00", "its CRC is wrong; is it an echo of the request?"),
+    ],
+)
+def test_a_reply_to_another_request_is_refused(lika: Any, answer: str, said: str) -> None:
+    steps = lika.amm5.reset_errors(lika.lookup("AMM5A23/65KJP1"))
+    good = bytes.fromhex("BA 00 00 00 00 BA")
+    with pytest.raises(lika.StepError, match=re.escape(said)):
+        lika.run(steps, line := Encoder485(good, bytes.fromhex(answer)), wait=lambda seconds: None)
+    assert line.sent == 2
+
+
+def test_a_line_that_cannot_receive_is_refused(lika: Any) -> None:
+    sent: list[bytes] = []
+
+    class Port:
         def send(self, request: bytes, /) -> None:
             sent.append(request)
 
-    lika.run(lika.amm5.reset_errors(lika.lookup("AMM5A23/65KJP1")), Line(), wait=waited.append)
-    assert sent == [b"\xba"] * 10
-    assert waited == [*[0.00004] * 10, 0.002]
+    with pytest.raises(lika.StepError, match="Port has no 'drain': a line drains, sends and receives"):
+        lika.run(lika.amm5.reset_errors(), Port())
+    assert sent == []
 
 
 def test_over_the_registers_of_biss(lika: Any) -> None:

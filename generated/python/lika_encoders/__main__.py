@@ -21,24 +21,31 @@ if TYPE_CHECKING:
     from ._stream import Summary
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+#: More errors than this among a hundred frames are no disturbance, but a mistake in the settings or the wiring.
+DEFAULT_MAX_ERRORS: Final = 10.0
 _COMMAND: Final = "python -m lika_encoders"
 _EPILOG: Final = """\
 what is read (by the name of FILE, or --read):
   binary   frames one after the other. RS-485: their bytes. SSI and BiSS: as few
            bytes as hold a frame, most significant first, bits that are left
-           over 0 in front; or --words little or big, eight bytes a frame
+           over 0 in front; or --words little or big, eight bytes a frame, or
+           little32 or big32, four
   csv      a column of 0x... or 0b... or, with --digits, of plain numbers; for
            RS-485 of hex bytes. Between columns there is a comma, a semicolon or
            a tab; lines after # are skipped
   parquet  a column of whole numbers, of bytes or of text as in CSV
 
-what is written has a row for each frame, in order, with a column for each
-field, 'verdict' (what the position is worth) and 'fault': none, or length, crc,
-constant, range. Of a frame with a fault the other columns mean nothing.
+what is written has a row for each frame, in order, with the other columns of
+the file, a column for each field, 'verdict' (what the position is worth) and
+'fault': none, or length, crc, constant, range. The position is empty where it
+is not usable, and in a frame with a fault, whose other fields mean nothing. An
+empty cell or one that is cut is a row with a length fault.
 
-exit codes: 0 done, whatever the frames hold; 1 a file cannot be read or
-written, or does not hold such frames; 2 wrong usage or an unknown order code;
-130 interrupted. Without 0 no file is written, and one that was there stays.
+exit codes: 0 done; 1 a file cannot be read or written, does not hold such
+frames, or more of them have a fault than --max-errors allows (the file is
+written then, and only then); 2 wrong usage or an unknown order code;
+130 interrupted. Otherwise, without 0 no file is written, and one that was
+there stays.
 """
 
 
@@ -87,7 +94,15 @@ def _add_output(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("output").add_argument
     add("-o", "--output", default="-", metavar="FILE", help="where to (default: CSV on standard output)")
     add("--write", choices=("parquet", "arrow", "csv"), help="the kind of file (default: by its name, else csv)")
-    add("--columns", type=_names, default=(), metavar="NAME,...", help="these columns only")
+    add("--columns", type=_names, default=(), metavar="NAME,...", help="these columns only, those of FILE too")
+    add("--raw", action="store_true", help="write the position of every frame, also where it means nothing")
+    add(
+        "--max-errors",
+        type=_percent,
+        default=DEFAULT_MAX_ERRORS,
+        metavar="PERCENT",
+        help="end with 1 if more of the frames have a fault (default: %(default)g)",
+    )
     add("--limit", type=_count, metavar="COUNT", help="the first frames only")
     add("--force", action="store_true", help="replace a file that is there")
 
@@ -95,8 +110,8 @@ def _add_output(parser: argparse.ArgumentParser) -> None:
 def _add_input(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("input").add_argument
     add("--read", choices=("binary", "csv", "parquet"), help="the kind of file (default: by its name, else binary)")
-    words = ("packed", "little", "big")
-    add("--words", choices=words, default="packed", help="how a frame of bits is in a binary file")
+    words = ("packed", "little", "big", "little32", "big32")
+    add("--words", choices=words, default="packed", metavar="FORM", help=f"the form of a frame: {', '.join(words)}")
     add("--column", default="", metavar="NAME", help="the column with the frames, in CSV also by its place from 1")
     add("--digits", choices=("hex", "decimal"), help="the digits of numbers in text without 0x")
     add("--cut", action="store_true", help="leave out bytes at the end that make no whole frame")
@@ -142,6 +157,12 @@ def _count(text: str) -> int:
     return count
 
 
+def _percent(text: str) -> float:
+    if not 0 <= (number := float(text)) <= 100:
+        raise ValueError
+    return number
+
+
 def _register(text: str) -> tuple[int, int]:
     address, _, value = text.partition("=")
     return _number(address), _number(value)
@@ -155,7 +176,7 @@ def _answer(text: str) -> tuple[str, Enum | str]:
 
 
 # argparse names these in its messages.
-for _kind, _name in ((_count, "count"), (_register, "ADDRESS=BYTE"), (_answer, "NAME=ANSWER")):
+for _kind, _name in ((_count, "count"), (_percent, "percent"), (_register, "ADDRESS=BYTE"), (_answer, "NAME=ANSWER")):
     _kind.__name__ = _name
 
 
@@ -197,6 +218,7 @@ def _decode(chosen: argparse.Namespace) -> int:
                 cut=chosen.cut,
                 columns=chosen.columns,
                 limit=chosen.limit,
+                raw=chosen.raw,
                 force=chosen.force,
                 answers=dict(chosen.choose),
                 progress=progress.show if sys.stderr.isatty() else None,
@@ -216,12 +238,14 @@ def _decode(chosen: argparse.Namespace) -> int:
         return _failed(error, FAILED)
     finally:
         progress.clear()
-    return _told(summary, chosen.output)
+    return _told(summary, chosen.output, chosen.max_errors)
 
 
-def _told(summary: Summary, output: str) -> int:
+def _told(summary: Summary, output: str, max_errors: float) -> int:
     """The last line; it is no part of a table that goes to the same place."""
     print(summary, file=sys.stderr if output == "-" else sys.stdout)
+    if 100 * summary.error_rate > max_errors:
+        return _failed(f"{summary.error_rate:.0%} of the frames have a fault; --max-errors is {max_errors:g}", FAILED)
     return DONE
 
 

@@ -332,10 +332,17 @@ def choice(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
 
 
 def text_number(field: str, text: str, length: int) -> int:
-    """``length`` ASCII characters as one number, the first most significant."""
-    if len(text) != length or not text.isascii():
-        raise RangeError(field, text, f"{length} ASCII characters")
-    return int.from_bytes(text.encode("ascii"), "big")
+    """``length`` characters as one number, the first most significant.
+
+    Latin-1 has a character for each byte, so that whatever was decoded can be encoded again.
+    """
+    try:
+        data = text.encode("latin-1")
+    except UnicodeEncodeError:
+        data = b""
+    if len(data) != length:
+        raise RangeError(field, text, f"{length} characters, each of one byte")
+    return int.from_bytes(data, "big")
 
 
 def signed(value: int, bits: int) -> int:

@@ -177,11 +177,13 @@ def _fitting(bits: Any, width: int, values: Any, refused: Refused, name: str) ->
 def _text(values: Any, item: Column, refused: Refused) -> Iterator[tuple[int, int, Any]]:
     """The characters of text, the first most significant; text that ends in zeros may leave them out."""
     length = item.width // 8
-    text = values if values.dtype.kind == "S" else np.char.encode(values, "utf-8")
-    letters = np.zeros((len(text), max(length, text.dtype.itemsize)), np.uint8)
-    letters[:, : text.dtype.itemsize] = np.ascontiguousarray(text).view(np.uint8).reshape(len(text), -1)
-    wrong = (letters > 127).any(1) | letters[:, length:].any(1)
-    refused.add(wrong, item.name, values, f"{length} ASCII characters")
+    kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
+    count = values.dtype.itemsize // kind.itemsize
+    letters = np.zeros((len(values), max(length, count)), kind)
+    native = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
+    letters[:, :count] = native.view(kind).reshape(len(values), count)
+    wrong = (letters > 255).any(1) | letters[:, length:].any(1)
+    refused.add(wrong, item.name, values, f"{length} characters, each of one byte")
     for place in range(length):
         yield item.low + 8 * (length - 1 - place), 8, letters[:, place].astype(np.uint64)
 

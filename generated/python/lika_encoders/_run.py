@@ -24,10 +24,21 @@ class Bus(Protocol):
 
 
 class Line(Protocol):
-    """Something that sends requests, such as a serial port, and takes what is answered."""
+    """A line on which a request is sent and its reply received, such as a serial port.
+
+    The reply of each request is read and checked, so that none is left to be taken for a later one.
+    """
+
+    def drain(self) -> object:
+        """Discard all bytes that were received and not read."""
+        ...
 
     def send(self, request: bytes, /) -> object:
-        """Sends one request."""
+        """Send one request."""
+        ...
+
+    def receive(self, length: int, /) -> bytes:
+        """Return as many bytes as asked for, or fewer if no more come in time; without an echo of the request."""
         ...
 
 
@@ -96,9 +107,17 @@ class _Run:
                 raise TimeoutError(f"the register does not become what is waited for within {self.poll_s:g} s")
 
     def _send(self, step: Send) -> None:
+        line = cast(Line, self.bus)
+        for name in ("drain", "send", "receive"):
+            if not callable(getattr(line, name, None)):
+                raise TypeError(f"{type(line).__name__} has no '{name}': a line drains, sends and receives")
         for _ in range(step.times):
-            cast(Line, self.bus).send(step.request)
+            line.drain()
+            line.send(step.request)
+            if step.reply:
+                _check_reply(step, bytes(line.receive(step.reply)))
             self.wait(step.every_us / 1_000_000)
+        line.drain()
 
     def put_back(self, left: Sequence[Step]) -> tuple[str, ...]:
         """Closes what was opened and is closed by a step that is left, and puts back what was modified.
@@ -121,6 +140,23 @@ class _Run:
         return []
 
 
+def _check_reply(step: Send, reply: bytes) -> None:
+    """Raise an error unless ``reply`` is a whole reply to the request of the step."""
+    shown = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
+    if not reply:
+        raise TimeoutError(f"no reply to {step.request.hex(' ').upper()}")
+    if len(reply) != step.reply:
+        raise ValueError(f"{shown}: {len(reply)} bytes, not {step.reply}")
+    if reply[0] != step.request[0]:
+        raise ValueError(f"{shown}: it belongs to another request")
+    crc = 0
+    for byte in reply[:-1]:
+        crc ^= byte
+    if step.is_xor and crc != reply[-1]:
+        echo = "; is it an echo of the request?" if reply.startswith(step.request * 2) else ""
+        raise ValueError(f"{shown}: its CRC is wrong{echo}")
+
+
 def run(
     steps: Sequence[Step],
     bus: Bus | Line,
@@ -134,9 +170,12 @@ def run(
     If a step fails or is interrupted, a register that was opened is closed again, and one of which bits were changed
     gets back what it held before; commands are not taken back. Nothing of it was tried on an encoder.
 
+    What is left in a line is discarded before each request. The reply to a request is awaited and checked before the
+    next one is sent.
+
     Args:
         steps: What a procedure of a family gives.
-        bus: What reads and writes registers, or for requests of RS-485 what sends them.
+        bus: What reads and writes registers, or for requests of RS-485 a line that sends them and receives replies.
         progress: Called before each step with its place from 0 on, the number of steps, and the step.
         poll_s: For how long a register is polled, in seconds.
         wait: Waits for so many seconds.

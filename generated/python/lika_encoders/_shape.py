@@ -197,6 +197,15 @@ def late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
     return [(i.name, low, i.width) for i, low in plain if i.kind == "number" and not i.zero_means]
 
 
+def measured(shape: Shape) -> frozenset[str]:
+    """Return the columns that say where the encoder is: the position and its parts, or the numbers of a part of it."""
+    if shape.position:
+        parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
+        return frozenset((shape.position, *parts))
+    is_told = shape.otherwise is not None
+    return frozenset(item.name for item in shape.columns if is_told and item.kind in ("number", "signed"))
+
+
 class Sound(NamedTuple):
     """What a quick look asks of a frame: ``fixed`` bits under a mask in each limb of 64, what ``bytes`` can be.
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from pathlib import PurePath
 from types import TracebackType
-from typing import Any, Final, Literal, Protocol, cast
+from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
 from ._reports import Verdict
 from ._table import Fault, Table
@@ -41,33 +41,53 @@ def target_kind(path: str) -> TargetKind:
 
 
 def _texts(column: Any) -> list[str]:
-    return [item.decode("ascii", "replace") for item in column.tolist()]
+    return [item.decode("latin-1") for item in column.tolist()]
 
 
-def arrow_columns(table: Table, names: tuple[str, ...]) -> dict[str, Any]:
-    """Columns as arrays of Arrow; faults and verdicts are words."""
+def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
+    """Columns as arrays of Arrow; faults and verdicts are words, a position that is not usable is null unless raw."""
     pa: Any = import_module("pyarrow")
     found: dict[str, Any] = {}
     for name in names:
-        column = table[name]
+        column, hidden = table[name], None if raw else table.hidden(name)
         if name in _WORDS:
             found[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(_WORDS[name]))
         else:
-            found[name] = pa.array(_texts(column), pa.string()) if column.dtype.kind == "S" else pa.array(column)
+            is_text = column.dtype.kind == "S"
+            found[name] = pa.array(_texts(column), pa.string()) if is_text else pa.array(column, mask=hidden)
     return found
 
 
-def pandas_columns(table: Table, names: tuple[str, ...]) -> dict[str, Any]:
-    """Columns as pandas has them; faults and verdicts are categories."""
+def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
+    """Columns as pandas has them; faults and verdicts are categories, a position is nullable unless raw."""
     pd: Any = import_module("pandas")
     found: dict[str, Any] = {}
     for name in names:
-        column = table[name]
+        column, hidden = table[name], None if raw else table.hidden(name)
         if name in _WORDS:
             found[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
+        elif hidden is not None:
+            found[name] = pd.arrays.IntegerArray(column, hidden)
         else:
             found[name] = _texts(column) if column.dtype.kind == "S" else column
     return found
+
+
+class Plan(NamedTuple):
+    """What a file gets: the columns by name, in order; ``kept`` are those of the source, each with an empty column.
+
+    ``empty`` is a table without frames.
+    """
+
+    names: tuple[str, ...]
+    kept: Mapping[str, Any]
+    empty: Table
+    raw: bool = False
+
+    @property
+    def decoded(self) -> tuple[str, ...]:
+        """The columns that come of the frames."""
+        return tuple(name for name in self.names if name not in self.kept)
 
 
 class Sink(Protocol):
@@ -79,30 +99,58 @@ class Sink(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
 
-    def write(self, table: Table) -> None:
-        """Appends the frames of a table."""
+    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+        """Appends the frames of a table, and other columns of the same rows."""
+
+    @property
+    def lost(self) -> int:
+        """How many cells of other columns are left empty, since they are not numbers like those before them."""
+        ...
+
+
+class Texts:
+    """A column of text as an array of Arrow: of numbers, if all cells of the first part are."""
+
+    def __init__(self) -> None:
+        self._pa: Any = import_module("pyarrow")
+        self.kind: Any = None
+        self.lost = 0
+
+    def array(self, cells: Sequence[str]) -> Any:
+        """Return the cells; an empty one is null, and so is one that is not a number like those before it."""
+        texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
+        if self.kind is None:
+            self.kind = self._kind_of(texts)
+        try:
+            return texts.cast(self.kind)
+        except self._pa.ArrowInvalid:
+            found = [self._number(cell) for cell in texts]
+            self.lost += sum(cell is None for cell in found) - texts.null_count
+            return self._pa.array(found, self.kind)
+
+    def _kind_of(self, texts: Any) -> Any:
+        for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
+            try:
+                texts.cast(kind)
+            except self._pa.ArrowInvalid:
+                continue
+            return kind
+        return self._pa.string()
+
+    def _number(self, cell: Any) -> Any:
+        try:
+            return cell.cast(self.kind).as_py()
+        except self._pa.ArrowInvalid:
+            return None
 
 
 class ArrowSink:
     """Parquet, or a file of Arrow's own."""
 
-    def __init__(self, file: Any, empty: Table, names: tuple[str, ...], parquet: bool) -> None:
+    def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
         self._pa: Any = import_module("pyarrow")
-        self._names = names
-        columns = arrow_columns(empty, names)
-        self._schema = self._pa.schema([(name, column.type) for name, column in columns.items()])
-        if parquet:
-            self._writer: Any = import_module("pyarrow.parquet").ParquetWriter(
-                file,
-                self._schema,
-                compression="zstd",
-                compression_level=1,
-                use_dictionary=[name for name in names if name in _WORDS],
-                # A position is near the one before: what lies between takes few bits, and less time.
-                column_encoding={name: "DELTA_BINARY_PACKED" for name in names if columns[name].type == "int64"},
-            )
-        else:
-            self._writer = self._pa.ipc.new_file(file, self._schema)
+        self._file, self._plan, self._parquet, self._writer = file, plan, parquet, cast(Any, None)
+        self._texts = {name: Texts() for name, column in plan.kept.items() if isinstance(column, list)}
 
     def __enter__(self) -> ArrowSink:
         return self
@@ -110,23 +158,53 @@ class ArrowSink:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._writer.close()
+        if kind is None and self._writer is None:
+            self.write(self._plan.empty, self._plan.kept)
+        if self._writer is not None:
+            self._writer.close()
 
-    def write(self, table: Table) -> None:
-        """Appends the frames of a table."""
-        columns = arrow_columns(table, self._names)
-        self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._schema))
+    @property
+    def lost(self) -> int:
+        """How many cells of other columns are left empty, since they are not numbers like those before them."""
+        return sum(item.lost for item in self._texts.values())
+
+    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+        """Appends the frames of a table, and other columns of the same rows."""
+        found = arrow_columns(table, self._plan.decoded, self._plan.raw)
+        for name in self._plan.kept:
+            found[name] = self._texts[name].array(others[name]) if name in self._texts else others[name]
+        columns = {name: found[name] for name in self._plan.names}
+        if self._writer is None:
+            # Only the first cells of other columns tell of what type they are.
+            self._writer = self._opened(self._pa.schema([(name, column.type) for name, column in columns.items()]))
+        self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
+
+    def _opened(self, schema: Any) -> Any:
+        self._writer_schema = schema
+        if not self._parquet:
+            return self._pa.ipc.new_file(self._file, schema)
+        decoded = self._plan.decoded
+        return import_module("pyarrow.parquet").ParquetWriter(
+            self._file,
+            schema,
+            compression="zstd",
+            compression_level=1,
+            use_dictionary=[name for name in decoded if name in _WORDS],
+            # A position is near the one before: what lies between takes few bits, and less time.
+            column_encoding={name: "DELTA_BINARY_PACKED" for name in decoded if schema.field(name).type == "int64"},
+        )
 
 
 class CsvSink:
     """CSV with a line of names; it needs nothing but NumPy."""
 
-    def __init__(self, file: Any, empty: Table, names: tuple[str, ...]) -> None:
-        self._names = names
+    def __init__(self, file: Any, plan: Plan) -> None:
+        # No cell is changed.
+        self._plan, self.lost = plan, 0
         self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
         out = self._own or sys.stdout
-        out.write(",".join(names) + "\n")
         self._flush, self._rows = out.flush, csv.writer(out, lineterminator="\n").writerows
+        self._rows([plan.names])
 
     def __enter__(self) -> CsvSink:
         return self
@@ -140,15 +218,29 @@ class CsvSink:
             # The file is closed by whoever opened it.
             self._own.detach()
 
-    def write(self, table: Table) -> None:
-        """Appends the frames of a table."""
-        columns = [(name, table[name]) for name in self._names]
+    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+        """Appends the frames of a table, and other columns of the same rows."""
+        kept = self._plan.kept
+        hidden = {name: None if self._plan.raw else table.hidden(name) for name in self._plan.decoded}
         # Numbers and texts of Python take much room: some rows after the other.
         for start in range(0, len(table.fault), _ROWS):
-            self._rows(zip(*(self._cells(name, column[start : start + _ROWS]) for name, column in columns)))
+            rows = slice(start, start + _ROWS)
+            self._rows(
+                zip(
+                    *(
+                        _plain(others[name][rows])
+                        if name in kept
+                        else self._cells(name, table[name][rows], hidden[name], rows)
+                        for name in self._plan.names
+                    )
+                )
+            )
 
     @staticmethod
-    def _cells(name: str, column: Any) -> list[Any]:
+    def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
+        if hidden is not None:
+            cells = zip(column.tolist(), hidden[rows].tolist())
+            return ["" if is_hidden else cell for cell, is_hidden in cells]
         if name in _WORDS:
             words = _WORDS[name]
             return [words[item] for item in column.tolist()]
@@ -157,16 +249,31 @@ class CsvSink:
         return _texts(column) if column.dtype.kind == "S" else cast("list[Any]", column.tolist())
 
 
-def _parquet(file: Any, empty: Table, names: tuple[str, ...]) -> Sink:
-    return ArrowSink(file, empty, names, parquet=True)
+def _plain(column: Any) -> list[Any]:
+    """Return the cells of another column for CSV: text as it is, else in the plainest form."""
+    is_arrow = hasattr(column, "to_pylist")
+    cells: list[Any] = [_plain_cell(item) for item in column.to_pylist()] if is_arrow else column
+    return cells
 
 
-def _arrow(file: Any, empty: Table, names: tuple[str, ...]) -> Sink:
-    return ArrowSink(file, empty, names, parquet=False)
+def _plain_cell(item: Any) -> Any:
+    if item is None:
+        return ""
+    if isinstance(item, bool):
+        return "true" if item else "false"
+    return item.hex() if isinstance(item, bytes) else item
+
+
+def _parquet(file: Any, plan: Plan) -> Sink:
+    return ArrowSink(file, plan, parquet=True)
+
+
+def _arrow(file: Any, plan: Plan) -> Sink:
+    return ArrowSink(file, plan, parquet=False)
 
 
 #: What writes each kind of file.
-SINKS: Final[Mapping[TargetKind, Callable[[Any, Table, tuple[str, ...]], Sink]]] = {
+SINKS: Final[Mapping[TargetKind, Callable[[Any, Plan], Sink]]] = {
     "parquet": _parquet,
     "arrow": _arrow,
     "csv": CsvSink,

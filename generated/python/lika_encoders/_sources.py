@@ -4,33 +4,23 @@
 
 from __future__ import annotations
 
-import csv
 import io
-import re
 import sys
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from os import fspath
 from pathlib import PurePath
-from typing import Any, BinaryIO, Final, Literal, NamedTuple, cast
+from typing import Any, BinaryIO, Final, cast, get_args
 
+from . import _input
+from ._arrow import parquet
+from ._input import FIRST, WORDS, FileKind, InputError, Part, Share, Source, Stored, UsageError, WordKind
+from ._input import check_form, numbers
 from ._shape import Shape
+from ._text import csv_rows
 
 np: Any = import_module("numpy")
-
-#: So many frames are read at once: enough that a step costs little for each, few enough that memory stays small.
-CHUNK: Final = 1 << 17
-#: The same of frames that come as text, each an object of its own.
-ROWS: Final = 1 << 16
-#: No line of a CSV file is longer; one that is belongs to another kind of file.
-_LONGEST: Final = 1 << 20
-#: So many bytes of a column of Parquet are read at once.
-_BUFFER: Final = 1 << 20
-
-FileKind = Literal["binary", "csv", "parquet"]
-WordKind = Literal["packed", "little", "big"]
-DigitKind = Literal["hex", "decimal"]
 
 _SUFFIXES: Final[dict[str, FileKind]] = {
     ".csv": "csv",
@@ -39,56 +29,6 @@ _SUFFIXES: Final[dict[str, FileKind]] = {
     ".parquet": "parquet",
     ".pq": "parquet",
 }
-#: What a column of frames is called where nobody says it.
-_NAMES: Final = ("frame", "word")
-
-
-class InputError(ValueError):
-    """A file does not hold what it is said to hold. ``place`` is the offset, line or row; ``file`` its name."""
-
-    def __init__(self, file: str, place: str, message: str) -> None:
-        super().__init__(file, place, message)
-        self.file, self.place, self.message = file, place, message
-
-    def __str__(self) -> str:
-        return f"{self.file}{', ' if self.place else ''}{self.place}: {self.message}"
-
-
-class UsageError(ValueError):
-    """What is asked for cannot be, whatever the file holds."""
-
-
-class Stored(NamedTuple):
-    """How a file holds its frames; what is empty follows from the file.
-
-    Attributes:
-        kind: What kind of file it is; else its name tells.
-        words: In a binary file, a frame of bits is ``packed`` into as few bytes as hold it, the most significant first,
-            or is a number of eight bytes, ``little`` or ``big`` end first.
-        column: The column of the frames, by its name, or in CSV by its place from 1.
-        digits: What the digits of a number in text are, unless ``0x`` or ``0b`` in front says it.
-        cut: Whether bytes at the end that make no whole frame are left out.
-    """
-
-    kind: FileKind | None = None
-    words: WordKind = "packed"
-    column: str = ""
-    digits: DigitKind | None = None
-    cut: bool = False
-
-
-class Part(NamedTuple):
-    """Some frames as ``decode_many`` takes them, and how much of the source is read with them, in bytes or rows."""
-
-    frames: Any
-    done: int
-
-
-class Source(NamedTuple):
-    """The frames of a file, and how much there is to read, if that is known."""
-
-    parts: Generator[Part, None, None]
-    total: int | None
 
 
 def kind_of(path: str) -> FileKind:
@@ -97,26 +37,28 @@ def kind_of(path: str) -> FileKind:
 
 
 @contextmanager
-def opened(path: str, stored: Stored, shape: Shape) -> Generator[Source, None, None]:
-    """The frames of a file, or for ``-`` those of standard input."""
+def opened(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
+    """The frames of a file, or for ``-`` those of standard input; ``share`` returns which part of some is valid."""
     kind = stored.kind or kind_of(path)
     if not shape.length:
         if shape.bits > 64:
             raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
+        if kind == "binary" and stored.words.endswith("32") and shape.bits > 32:
+            raise UsageError(f"frames of {shape.bits} bits do not fit into words of 32")
     elif stored.words != "packed" and kind == "binary":
         raise UsageError(f"a frame of {shape.length} bytes is no number: words are for frames of bits")
     if path == "-":
         if kind == "parquet":
             raise UsageError("a Parquet file has to be a file; it cannot come by standard input")
         file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
-        with _closed(_source(file, "standard input", None, kind, stored, shape)) as source:
+        with _closed(_source(file, "standard input", None, kind, stored, shape, share)) as source:
             yield source
         return
     with open(path, "rb") as file:
         size = file.seek(0, io.SEEK_END) if file.seekable() else None
         if size is not None:
             file.seek(0)
-        with _closed(_source(file, fspath(path), size, kind, stored, shape)) as source:
+        with _closed(_source(file, fspath(path), size, kind, stored, shape, share)) as source:
             yield source
 
 
@@ -129,18 +71,33 @@ def _closed(source: Source) -> Generator[Source, None, None]:
         source.parts.close()
 
 
-def _source(file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape) -> Source:
+def _source(
+    file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape, share: Share
+) -> Source:
     if kind == "parquet":
-        return _parquet(file, name, stored, shape)
+        return parquet(file, name, stored, shape)
     if kind == "csv":
-        return Source(_csv(file, name, stored, shape), size)
-    length = shape.length or (8 if stored.words != "packed" else (shape.bits + 7) // 8)
-    if size is not None and size % length and not stored.cut:
-        raise _rest(name, size, length)
-    return Source(_binary(file, name, length, stored, shape), size)
+        return csv_rows(file, name, size, stored, shape, share)
+    return Source(_binary(file, name, size, stored, shape, share), size)
 
 
-# Binary
+def _binary(
+    file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share
+) -> Generator[Part, None, None]:
+    length, done = shape.length or _length(stored.words, shape), 0
+    while data := _read(file, length * _input.CHUNK):
+        if not done and not shape.length:
+            head = data[: 8 * FIRST]
+            forms = ((f"--words {words}", _first(head, words, shape)) for words in _other_forms(stored.words, shape))
+            check_form(name, _first(head, stored.words, shape), forms, share)
+        if not done and size is not None and size % length and not stored.cut:
+            raise _rest(name, size, length)
+        done += len(data)
+        rest = len(data) % length
+        if rest and not stored.cut:
+            raise _rest(name, done, length)
+        rows = np.frombuffer(data, np.uint8, len(data) - rest).reshape(-1, length)
+        yield Part(rows if shape.length else numbers(rows, stored.words), done)
 
 
 def _rest(name: str, size: int, length: int) -> InputError:
@@ -148,17 +105,6 @@ def _rest(name: str, size: int, length: int) -> InputError:
     more = "1 more byte follows" if rest == 1 else f"{rest} more bytes follow"
     said = f"{whole} whole frames of {length} bytes end here, and {more}"
     return InputError(name, f"offset {whole * length}", f"{said}; cut leaves out what is left over")
-
-
-def _binary(file: BinaryIO, name: str, length: int, stored: Stored, shape: Shape) -> Generator[Part, None, None]:
-    done = 0
-    while data := _read(file, length * CHUNK):
-        done += len(data)
-        rest = len(data) % length
-        if rest and not stored.cut:
-            raise _rest(name, done, length)
-        rows = np.frombuffer(data, np.uint8, len(data) - rest).reshape(-1, length)
-        yield Part(_numbers(rows, stored.words) if not shape.length else rows, done)
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
@@ -173,276 +119,18 @@ def _read(file: BinaryIO, size: int) -> bytes:
     return b"".join(pieces)
 
 
-def _numbers(rows: Any, words: WordKind = "packed") -> Any:
-    """Rows of at most eight bytes as numbers."""
-    if words == "little":
-        return rows.reshape(-1).view("<u8").astype(np.uint64, copy=False)
-    length = rows.shape[1]
-    if length == 8:
-        return np.ascontiguousarray(rows).reshape(-1).view(">u8").astype(np.uint64)
-    wide = np.zeros((len(rows), 8), np.uint8)
-    wide[:, 8 - length :] = rows
-    return wide.reshape(-1).view(">u8").astype(np.uint64)
+def _length(words: WordKind, shape: Shape) -> int:
+    """Return the number of bytes of a frame of bits."""
+    return WORDS[words][0] or (shape.bits + 7) // 8
 
 
-# Text
-
-_PREFIXED: Final = re.compile(r"0([xX][0-9a-fA-F]+|[bB][01]+)")
-_HEX: Final = re.compile(r"[0-9a-fA-F]+")
-_DECIMAL: Final = re.compile(r"[0-9]+")
+def _other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
+    """Yield the other forms that can hold such a frame."""
+    return (other for other in get_args(WordKind) if other != words and 8 * _length(other, shape) >= shape.bits)
 
 
-def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """A frame as text: hex bytes, or a number. Raises :class:`ValueError` where it is none."""
-    packed = text.replace(" ", "").replace("_", "")
-    if shape.length:
-        packed = packed[2:] if packed[:2] in ("0x", "0X") else packed
-        if not _HEX.fullmatch(packed) or len(packed) % 2:
-            raise ValueError(f"{_short(text)} is no row of bytes in hexadecimal")
-        return bytes.fromhex(packed)
-    if _PREFIXED.fullmatch(packed):
-        return int(packed, 0)
-    pattern, base = (_DECIMAL, 10) if digits == "decimal" else (_HEX, 16)
-    if not pattern.fullmatch(packed):
-        raise ValueError(f"{_short(text)} is no {'decimal' if base == 10 else 'hexadecimal'} number")
-    if digits is None:
-        raise ValueError(f"{_short(text)} may be decimal or hexadecimal; say which digits it has, or put 0x in front")
-    return int(packed, base)
-
-
-def _short(text: str) -> str:
-    return repr(text if len(text) <= 40 else f"{text[:40]}...")
-
-
-def _csv(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Generator[Part, None, None]:
-    # It stays open for whoever opened it.
-    text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
-    try:
-        lines = _Lines(text, name)
-        rows = _rows(lines)
-        first = next(rows, None)
-        if first is None:
-            return
-        place, is_header = _place(first, name, stored, shape)
-        frames: list[int | bytes] = []
-        for row in rows if is_header else _before(first, rows):
-            if len(row) <= place:
-                raise lines.wrong(f"there is no column {place + 1}: {len(row)} of them")
-            try:
-                frames.append(of_text(row[place], shape, stored.digits))
-            except ValueError as error:
-                raise lines.wrong(str(error)) from None
-            if len(frames) == ROWS:
-                yield Part(frames, lines.read)
-                frames = []
-        if frames:
-            yield Part(frames, lines.read)
-    finally:
-        text.detach()
-
-
-def _before(first: list[str], rows: Iterable[list[str]]) -> Iterator[list[str]]:
-    yield first
-    yield from rows
-
-
-class _Lines:
-    """The lines of a text; it counts them, and refuses those that nobody wrote."""
-
-    def __init__(self, file: io.TextIOWrapper, name: str) -> None:
-        self._file, self._name, self.number, self.read = file, name, 0, 0
-
-    def __iter__(self) -> Iterator[str]:
-        while line := self._file.readline(_LONGEST):
-            self.number += 1
-            self.read += len(line)
-            if len(line) == _LONGEST:
-                raise self.wrong(f"a line of more than {_LONGEST} characters: this is no CSV file")
-            yield line
-
-    def wrong(self, message: str) -> InputError:
-        return InputError(self._name, f"line {self.number}", message)
-
-
-def _rows(lines: _Lines) -> Iterator[list[str]]:
-    """The rows of a CSV file, without empty ones and comments after #; its first line tells what is between columns."""
-    found = iter(lines)
-    first = next(found, "")
-    while first and (not first.strip() or first.lstrip().startswith("#")):
-        first = next(found, "")
-    if not first:
-        return
-    between = max(",;\t", key=first.count)
-    reader = csv.reader(_chained(first, found), delimiter=between)
-    try:
-        for row in reader:
-            if row and any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
-                yield row
-    except csv.Error as error:
-        raise lines.wrong(str(error)) from None
-
-
-def _chained(first: str, lines: Iterator[str]) -> Iterator[str]:
-    yield first
-    yield from lines
-
-
-def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[int, bool]:
-    """Where the frames are in a row, and whether the first row names the columns."""
-    names = [cell.strip() for cell in first]
-    wanted = stored.column
-    if wanted and wanted in names:
-        return names.index(wanted), True
-    if wanted:
-        place = int(wanted) - 1 if wanted.isascii() and wanted.isdigit() and len(wanted) < 9 else -1
-        if not 0 <= place < len(names):
-            raise InputError(name, "line 1", f"there is no column {_short(wanted)}; there are {_listed(names)}")
-    elif len(names) == 1:
-        place = 0
-    else:
-        named = [place for place, text in enumerate(names) if text.lower() in _NAMES]
-        if len(named) != 1:
-            raise InputError(name, "line 1", f"say which column has the frames; there are {_listed(names)}")
-        return named[0], True
-    return place, not _is_frame(first[place], shape)
-
-
-def _is_frame(text: str, shape: Shape) -> bool:
-    """Whether it can be a frame, and no heading."""
-    try:
-        of_text(text, shape, "hex")
-    except ValueError:
-        return False
-    # 'face' is a heading, and hexadecimal too.
-    return any(character.isdigit() for character in text)
-
-
-def _listed(names: list[str]) -> str:
-    shown = ", ".join(_short(item) for item in names[:8])
-    return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown
-
-
-# Parquet and Arrow
-
-
-def _parquet(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
-    with _told(name):
-        # Without a buffer a column is read as a whole, however long it is.
-        opened_file = import_module("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
-        column = column_of(list(opened_file.schema_arrow.names), stored.column, name)
-        total = int(opened_file.metadata.num_rows)
-    return Source(_batches(opened_file, column, name, stored, shape), total)
-
-
-def _batches(file: Any, column: str, name: str, stored: Stored, shape: Shape) -> Generator[Part, None, None]:
-    done = 0
-    with _told(name):
-        batches = file.iter_batches(batch_size=CHUNK, columns=[column])
-    while True:
-        with _told(name):
-            batch = next(batches, None)
-            if batch is None:
-                return
-        try:
-            frames = of_arrow(batch.column(0), shape, stored.digits)
-        except _NoFrame as error:
-            raise InputError(name, f"row {done + error.row + 1} of column {_short(column)}", str(error)) from None
-        except TypeError as error:
-            raise InputError(name, f"column {_short(column)}", str(error)) from None
-        done += len(batch)
-        yield Part(frames, done)
-
-
-@contextmanager
-def _told(name: str) -> Generator[None, None, None]:
-    """What pyarrow says of a file that it cannot read."""
-    error: Any = import_module("pyarrow").lib.ArrowException
-    try:
-        yield
-    except InputError:
-        raise
-    except (error, OSError, ValueError, MemoryError) as fault:
-        said = next(iter(str(fault).splitlines()), type(fault).__name__)
-        raise InputError(name, "", f"this is no sound Parquet file: {said}") from None
-
-
-def column_of(names: list[str], wanted: str, file: str) -> str:
-    """The column that has the frames: the one that is named, the only one, or one that is called so."""
-    if wanted:
-        if names.count(wanted) == 1:
-            return wanted
-        there = "there are several columns" if wanted in names else "there is no column"
-        raise InputError(file, "", f"{there} {_short(wanted)}; there are {_listed(names)}")
-    named = names if len(names) == 1 else [item for item in names if item.lower() in _NAMES]
-    if len(named) != 1:
-        raise InputError(file, "", f"say which column has the frames; there are {_listed(names)}")
-    return named[0]
-
-
-class _NoFrame(ValueError):
-    """What is in one ``row`` is no frame."""
-
-    def __init__(self, row: int, message: str) -> None:
-        super().__init__(message)
-        self.row = row
-
-
-def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None) -> Any:
-    """A column of Arrow as ``decode_many`` takes it."""
-    pa: Any = import_module("pyarrow")
-    kinds = pa.types
-    if isinstance(array, pa.ChunkedArray):
-        array = array.combine_chunks()
-    kind = array.type
-    if kinds.is_dictionary(kind):
-        array, kind = array.dictionary_decode(), kind.value_type
-    if array.null_count:
-        raise _NoFrame(int(np.flatnonzero(array.is_null().to_numpy(zero_copy_only=False))[0]), "there is no frame")
-    if kinds.is_integer(kind):
-        if shape.length:
-            raise TypeError(f"it has numbers; the frames of this encoder are rows of {shape.length} bytes")
-        return array.to_numpy(zero_copy_only=False)
-    if kinds.is_string(kind) or kinds.is_large_string(kind):
-        return _each(array.to_pylist(), lambda text: of_text(text, shape, digits))
-    if not (kinds.is_binary(kind) or kinds.is_large_binary(kind) or kinds.is_fixed_size_binary(kind)):
-        raise TypeError(f"it has items of the type {kind}, not numbers, bytes or text")
-    length = shape.length or (shape.bits + 7) // 8
-    rows = _rows_of(array, length)
-    if rows is not None:
-        return rows if shape.length else _numbers(rows)
-    return of_bytes(array.to_pylist(), shape)
-
-
-def _rows_of(array: Any, length: int) -> Any:
-    """Items of bytes as rows of an array, without a copy; None where one has another length."""
-    kind, count = array.type, len(array)
-    if not count:
-        return np.zeros((0, length), np.uint8)
-    buffers = array.buffers()
-    if import_module("pyarrow").types.is_fixed_size_binary(kind):
-        if kind.byte_width != length:
-            return None
-        start, data = array.offset * length, buffers[1]
-    else:
-        wide = import_module("pyarrow").types.is_large_binary(kind)
-        offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)[array.offset : array.offset + count + 1]
-        if (np.diff(offsets) != length).any():
-            return None
-        start, data = int(offsets[0]), buffers[2]
-    return np.frombuffer(data, np.uint8, count * length, start).reshape(count, length)
-
-
-def of_bytes(items: Iterable[bytes], shape: Shape) -> list[Any]:
-    """Rows of bytes of any length as ``decode_many`` takes them: as they are, or as numbers."""
-    rows = [bytes(item) for item in items]
-    return rows if shape.length else [int.from_bytes(row, "big") for row in rows]
-
-
-def _each(items: Iterable[str], make: Callable[[str], int | bytes]) -> list[int | bytes]:
-    found: list[int | bytes] = []
-    for row, item in enumerate(items):
-        try:
-            found.append(make(item))
-        except ValueError as error:
-            raise _NoFrame(row, str(error)) from None
-    return found
+def _first(head: bytes, words: WordKind, shape: Shape) -> Any:
+    """Return the first frames of a file in a form."""
+    length = _length(words, shape)
+    count = min(len(head) // length, FIRST)
+    return numbers(np.frombuffer(head, np.uint8, count * length).reshape(-1, length), words)

@@ -32,7 +32,9 @@ class Wait(NamedTuple):
 class Send(NamedTuple):
     """Send a request so many times, each at least ``every_us`` after the one before.
 
-    ``in_succession`` says that nothing else may be sent between them.
+    ``in_succession`` says that nothing else may be sent between them. Each request is answered by ``reply`` bytes, the
+    first of which is that of the request; 0 if the length is not known. ``is_xor`` says that the last byte of the reply
+    is the XOR of all others.
     """
 
     request: bytes
@@ -40,6 +42,8 @@ class Send(NamedTuple):
     every_us: int = 0
     meaning: str = ""
     in_succession: bool = False
+    reply: int = 0
+    is_xor: bool = False
 
 
 @by_class

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from enum import Enum
 from importlib import import_module
@@ -17,19 +17,11 @@ from ._encoder import Encoder
 from ._many import decode_many
 from ._reports import Verdict
 from ._shape import Shape
-from ._sinks import SINKS, Sink, TargetKind, arrow_columns, pandas_columns, target_kind
-from ._sources import (
-    DigitKind,
-    FileKind,
-    InputError,
-    Stored,
-    UsageError,
-    WordKind,
-    column_of,
-    of_arrow,
-    of_text,
-    opened,
-)
+from ._arrow import of_arrow
+from ._input import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind, column_of
+from ._sinks import SINKS, Plan, TargetKind, arrow_columns, pandas_columns, target_kind
+from ._sources import opened
+from ._text import Cells
 from ._table import Fault, Table
 
 __all__ = [
@@ -52,18 +44,27 @@ _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 class Summary(NamedTuple):
     """What a file held: how many frames, how many with each fault, how many positions worth each verdict.
 
-    ``verdicts`` counts sound frames alone. It is empty where the frames do not tell of a position.
+    ``verdicts`` counts sound frames alone. It is empty where the frames do not tell of a position. ``lost`` is the
+    number of cells of other columns that were left empty, since they are not numbers like those before them.
     """
 
     frames: int
     faults: Mapping[Fault, int]
     verdicts: Mapping[Verdict, int]
+    lost: int = 0
+
+    @property
+    def error_rate(self) -> float:
+        """The part of the frames that have an error, from 0 to 1."""
+        return sum(self.faults.values()) / self.frames if self.frames else 0.0
 
     def __str__(self) -> str:
         sound = self.frames - sum(self.faults.values())
         parts = [f"{counted(self.frames, 'frame')}, {sound} sound"]
         parts += [f"{count} with a {kind.name.lower()} fault" for kind, count in self.faults.items()]
         worth = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
+        if self.lost:
+            parts.append(f"{counted(self.lost, 'cell')} of other columns left empty")
         return ", ".join(parts) + (f"; of the sound ones {worth}" if worth else "")
 
 
@@ -157,14 +158,17 @@ def decode_file(
     cut: bool = False,
     columns: Sequence[str] = (),
     limit: int | None = None,
+    raw: bool = False,
     force: bool = False,
     answers: Mapping[str, Enum | str] = _NO_ANSWERS,
     progress: Callable[[int, int | None, int], None] | None = None,
 ) -> Summary:
     """Decodes a file of frames into a file of columns, some frames at a time, so that memory stays small.
 
-    A frame with a fault is a row like any other: its ``fault`` says which one. The file appears when it is whole; what
-    goes wrong before leaves nothing, and leaves what was there.
+    A frame with a fault is a row like any other: its ``fault`` says which one, and its position is empty. A position
+    that is not usable is empty too. A cell without a frame is a row with a length fault. The other columns of the file
+    come first, as they are. The file appears when it is whole; what goes wrong before leaves nothing, and leaves what
+    was there.
 
     Args:
         encoder: The encoder, or its label.
@@ -174,18 +178,20 @@ def decode_file(
         to: What is written: ``parquet``, ``arrow`` or ``csv``; else the name of the file tells.
         kind: What is read: ``binary``, ``csv`` or ``parquet``; else the name of the file tells.
         words: In a binary file, a frame of bits is ``packed`` into as few bytes as hold it, the most significant first,
-            or is a number of eight bytes, ``little`` or ``big`` end first.
+            or is a number of eight bytes, ``little`` or ``big`` end first, or of four, ``little32`` or ``big32``.
         column: The column with the frames in CSV, by name or by place from 1, or in Parquet.
         digits: Whether the digits of numbers in text are ``hex`` or ``decimal``, where no ``0x`` says it.
         cut: Leave out bytes at the end that make no whole frame.
-        columns: What to write; else everything.
+        columns: What to write, of the file's other columns too; else everything.
         limit: Decode so many frames and no more.
+        raw: Write the position of every frame, also where it means nothing.
         force: Replace a file that is there.
         answers: What the manual leaves open of these frames, by name.
         progress: Is called now and then: how much is read, of how much if that is known, and how many frames.
 
     Raises:
-        InputError: The source does not hold such frames; the error says where.
+        InputError: The source does not hold such frames; the error says where. Or many of the first 1000 frames have
+            an error, and are valid if words or digits are read in another way; the error says which.
         UsageError: What is asked for cannot be.
         OSError: A file cannot be read or written.
     """
@@ -195,26 +201,26 @@ def decode_file(
     if os.fspath(target) == "-" and to != "csv":
         raise UsageError("only CSV goes to standard output")
     empty = decode_many([], shape, encoder)
-    names = _chosen(empty, columns)
-    stored = Stored(kind, words, column, digits, cut)
+    stored = Stored(kind, words, column, digits, cut, columns)
     counts = _Counts()
-    with opened(os.fspath(source), stored, shape) as read, _written(os.fspath(target), source, force) as file:
-        with SINKS[to](file, empty, names) as sink:
+
+    def share(frames: Any) -> float:
+        return float(decode_many(frames, shape, encoder).ok.mean())
+
+    with opened(os.fspath(source), stored, shape, share) as read, _written(os.fspath(target), source, force) as file:
+        plan = _plan(empty, read, columns, os.fspath(source), raw)
+        with SINKS[to](file, plan) as sink:
             for part in read.parts:
-                frames = part.frames if limit is None else part.frames[: limit - counts.frames]
-                _step(decode_many(frames, shape, encoder), sink, counts)
+                rows = slice(None if limit is None else limit - counts.frames)
+                table = decode_many(part.frames[rows], shape, encoder)
+                counts.add(table)
+                if len(table.fault):
+                    sink.write(table, {name: column[rows] for name, column in part.others.items()})
                 if progress is not None:
                     progress(part.done, read.total, counts.frames)
                 if limit is not None and counts.frames >= limit:
                     break
-    return counts.summary()
-
-
-def _step(table: Table, sink: Sink, counts: _Counts) -> None:
-    """What is made of some frames; nothing of it stays."""
-    counts.add(table)
-    if len(table.fault):
-        sink.write(table)
+    return counts.summary(sink.lost)
 
 
 class _Counts:
@@ -237,11 +243,11 @@ class _Counts:
             for place in range(len(Verdict)):
                 self._verdicts[place] = self._verdicts.get(place, 0) + int((sound == place).sum())
 
-    def summary(self) -> Summary:
-        """What was counted."""
+    def summary(self, lost: int) -> Summary:
+        """What was counted; ``lost`` is the number of cells that were left empty."""
         order = [*Verdict]
         verdicts = {order[place]: count for place, count in self._verdicts.items() if count}
-        return Summary(self.frames, dict(sorted(self._faults.items())), verdicts)
+        return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
 
 
 def _encoder(encoder: Encoder | str) -> Encoder:
@@ -251,11 +257,14 @@ def _encoder(encoder: Encoder | str) -> Encoder:
     return found
 
 
-def _chosen(table: Table, names: Sequence[str]) -> tuple[str, ...]:
-    wrong = [name for name in names if name not in [*table]]
+def _plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
+    """Return which columns are written: those that are asked for, else the other columns of the file and all fields."""
+    wrong = [name for name in columns if name not in [*read.names, *empty]]
     if wrong:
-        raise UsageError(f"these frames have no column '{wrong[0][:40]}'; they have {', '.join(table)}")
-    return tuple(dict.fromkeys(names)) or tuple(table)
+        there = ", ".join([*read.names, *empty])
+        raise UsageError(f"there is no column '{wrong[0][:40]}'; there are {there}")
+    _apart(read.kept, empty, source)
+    return Plan(tuple(dict.fromkeys(columns)) or (*read.kept, *empty), read.kept, empty, raw)
 
 
 @contextmanager
@@ -297,11 +306,13 @@ def decode_partition(
     *,
     layout: str = "",
     digits: DigitKind | None = None,
+    raw: bool = False,
     answers: Mapping[str, Enum | str] = _NO_ANSWERS,
 ) -> _Part:
     """Decodes the frames of a partition: a table or batch of Arrow, or a frame of pandas, and gives the same again.
 
     The column of frames makes room for the columns of their fields, of ``verdict`` and of ``fault``; the others stay.
+    A position is null if the frame has an error or its position is not usable. A missing frame has a length fault.
     Every row stays too, and so does the index of a frame of pandas. Nothing but the arguments decides what comes out,
     so that an engine can call it on partitions in any order, in other processes too.
 
@@ -311,6 +322,7 @@ def decode_partition(
         column: The column of frames: whole numbers, bytes or text; else the only one, or ``frame`` or ``word``.
         layout: Which frames they are, where the encoder sends several kinds.
         digits: Whether the digits of numbers in text are ``hex`` or ``decimal``, where no ``0x`` says it.
+        raw: Give the position of every frame, also where it means nothing.
         answers: What the manual leaves open of these frames, by name.
 
     Raises:
@@ -322,47 +334,59 @@ def decode_partition(
     shape = _shape(encoder, layout, answers)
     kind = (type(part).__module__.partition(".")[0], type(part).__name__)
     if kind in (("pyarrow", "Table"), ("pyarrow", "RecordBatch")):
-        return cast(_Part, _of_arrow(part, encoder, shape, column, digits))
+        return cast(_Part, _of_arrow(part, encoder, shape, column, digits, raw))
     if kind == ("pandas", "DataFrame"):
-        return cast(_Part, _of_pandas(part, encoder, shape, column, digits))
+        return cast(_Part, _of_pandas(part, encoder, shape, column, digits, raw))
     raise TypeError(f"a partition is a table or batch of Arrow or a frame of pandas, no {type(part).__name__}")
 
 
-def _of_arrow(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None) -> Any:
+def _of_arrow(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None, raw: bool) -> Any:
     names = list(part.schema.names)
     column = column_of(names, column, "the partition")
     try:
         table = decode_many(of_arrow(part.column(names.index(column)), shape, digits), shape, encoder)
     except (TypeError, ValueError) as error:
         raise InputError("the partition", f"column {column!r}", str(error)) from None
-    made = arrow_columns(table, tuple(table))
+    made = arrow_columns(table, table, raw)
     kept = {name: part.column(place) for place, name in enumerate(names) if name != column}
-    _apart(kept, made)
+    _apart(kept, made, "the partition")
     found = {**kept, **made}
     return part.__class__.from_arrays([*found.values()], names=[*found])
 
 
-def _of_pandas(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None) -> Any:
+def _of_pandas(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None, raw: bool) -> Any:
     names = list(map(str, part.columns))
     column = column_of(names, column, "the partition")
-    series = part.iloc[:, names.index(column)]
-    frames: Any = series.to_numpy()
     try:
-        if frames.dtype.kind not in "ui":
-            frames = [_item(item, shape, digits) for item in frames.tolist()]
-        table = decode_many(frames, shape, encoder)
+        table = decode_many(_of_series(part.iloc[:, names.index(column)], shape, digits), shape, encoder)
     except (TypeError, ValueError) as error:
         raise InputError("the partition", f"column {column!r}", str(error)) from None
-    made = pandas_columns(table, tuple(table))
+    made = pandas_columns(table, table, raw)
     kept = part.drop(columns=[part.columns[names.index(column)]])
-    _apart(dict.fromkeys(map(str, kept.columns)), made)
+    _apart(list(map(str, kept.columns)), made, "the partition")
     return kept.assign(**made)
 
 
-def _item(item: object, shape: Shape, digits: DigitKind | None) -> Any:
+def _of_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
+    """A column of pandas as ``decode_many`` takes it; an item that is missing is None, or NaN."""
+    frames: Any = series.to_numpy()
+    if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
+        return frames
+    cells = Cells(shape, digits)
+    missing = series.isna().tolist()
+    found = [
+        None if is_missing else _item(item, shape, cells, row)
+        for row, (item, is_missing) in enumerate(zip(frames.tolist(), missing))
+    ]
+    if cells.are_others:
+        raise ValueError(f"row {cells.place + 1}: {cells.said}")
+    return found
+
+
+def _item(item: object, shape: Shape, cells: Cells, row: int) -> Any:
     """A frame out of a column of objects."""
     if isinstance(item, str):
-        return of_text(item, shape, digits)
+        return cells.read(item, row)
     if isinstance(item, (bytes, bytearray, memoryview)):
         data = bytes(cast(bytes, item))
         return data if shape.length else int.from_bytes(data, "big")
@@ -371,7 +395,11 @@ def _item(item: object, shape: Shape, digits: DigitKind | None) -> Any:
     raise TypeError(f"{str(item)[:40]!r} is no frame of this encoder")
 
 
-def _apart(kept: Mapping[str, object], made: Mapping[str, object]) -> None:
-    both = sorted(kept.keys() & made.keys())
+def _apart(kept: Iterable[str], made: Iterable[str], source: str) -> None:
+    """Raises :class:`UsageError` where another column has the name of a decoded one."""
+    both = sorted({*kept} & {*made})
     if both:
-        raise UsageError(f"the partition has a column '{both[0]}' of its own; give it another name")
+        raise UsageError(
+            f"{source} has a column '{both[0]}' of its own, like the decoded frames: "
+            "give it another name, or select columns without it"
+        )

@@ -36,8 +36,11 @@ class Fault(IntEnum):
 class Table(Mapping[str, Any]):
     """Many frames of an encoder: a NumPy array for each field, by its name, and for ``fault``.
 
-    Of a frame with a fault the other columns mean nothing. Frames that tell of their position have a column ``verdict``
-    too: the place of a ``Verdict`` in the order of its class, 0 where the position is not usable or there is a fault.
+    The arrays hold the raw bits of every frame, also of one with an error. Use ``usable_position`` for positions:
+    it is masked where there is none. ``to_arrow`` and ``to_pandas`` give nulls there.
+
+    Frames that tell of their position have a column ``verdict`` too: the place of a ``Verdict`` in the order of its
+    class, 0 where the position is not usable or there is a fault.
     """
 
     def __init__(
@@ -49,8 +52,9 @@ class Table(Mapping[str, Any]):
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
         tells: tuple[tuple[str, str, int], ...] = (),
+        measured: frozenset[str] = frozenset(),
     ) -> None:
-        self.encoder, self._tells = encoder, tells
+        self.encoder, self._tells, self._measured = encoder, tells, measured
         self._columns = columns
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
         self._names = [*parts, *columns, *(["verdict"] if verdict is not None else []), "fault"]
@@ -67,7 +71,7 @@ class Table(Mapping[str, Any]):
 
     @property
     def position(self) -> Any:
-        """The position of each frame in counts. Look at ``verdict`` or ``usable`` before you use it.
+        """The raw position of each frame in counts, also of one with an error; see ``usable_position``.
 
         Raises:
             AttributeError: These frames have none.
@@ -75,6 +79,16 @@ class Table(Mapping[str, Any]):
         if not self._position:
             raise AttributeError("these frames have no position")
         return self[self._position]
+
+    @property
+    def usable_position(self) -> Any:
+        """The position of each frame, a masked array: masked if the frame has an error or its position is not usable.
+
+        Raises:
+            AttributeError: These frames have none.
+        """
+        np: Any = import_module("numpy")
+        return np.ma.masked_array(self.position, ~self.usable)
 
     @property
     def verdict(self) -> Any:
@@ -160,7 +174,9 @@ class Table(Mapping[str, Any]):
         return counts[np.cumsum(self.usable)].astype(np.int64)
 
     def in_units(self, unit: Unit, counts: Any = None) -> Any:
-        """``counts`` of each frame in a unit, by default its ``position``; angles lie within one revolution.
+        """``counts`` of each frame in a unit, by default its usable position; angles lie within one revolution.
+
+        Without ``counts``, the result is NaN where the position is not usable.
 
         Raises:
             AttributeError: This encoder does not measure in such a unit.
@@ -170,7 +186,9 @@ class Table(Mapping[str, Any]):
         one, parts = self._unit(unit)
         if unit in ("degrees", "radians"):
             found = found % parts
-        return found * one / parts
+        made = found * one / parts
+        np: Any = import_module("numpy")
+        return np.where(self.usable, made, np.nan) if counts is None else made
 
     def velocity(self, seconds: Any, unit: Unit = "counts") -> Any:
         """How fast the encoder moved since the usable frame before, in units per second.
@@ -203,10 +221,30 @@ class Table(Mapping[str, Any]):
         micrometres: int = getattr(self.encoder, "micrometres")(1)
         return micrometres, _OF_A_LENGTH[unit]
 
-    def to_arrow(self) -> Any:
-        """A table of Arrow with the same columns; ``pip install pyarrow``."""
-        return import_module("pyarrow").table({name: self[name] for name in self})
+    def hidden(self, name: str) -> Any:
+        """Return where a column says nothing, as an array of truth values; None for a column that is always valid.
 
-    def to_pandas(self) -> Any:
-        """A frame of pandas with the same columns; ``pip install pandas``."""
-        return import_module("pandas").DataFrame({name: self[name] for name in self})
+        That is where the column is a position or a part of it, and the frame has an error or its position is not
+        usable.
+        """
+        return ~self.usable if name in self._measured else None
+
+    def to_arrow(self, *, raw: bool = False) -> Any:
+        """A table of Arrow with the same columns; ``pip install pyarrow``.
+
+        A position that is not usable is null; ``raw`` gives the bits of such frames too.
+        """
+        pa: Any = import_module("pyarrow")
+        return pa.table({name: pa.array(self[name], mask=None if raw else self.hidden(name)) for name in self})
+
+    def to_pandas(self, *, raw: bool = False) -> Any:
+        """A frame of pandas with the same columns; ``pip install pandas``.
+
+        A position that is not usable is ``<NA>``, in a column of ``Int64``; ``raw`` gives the bits of such frames too.
+        """
+        pd: Any = import_module("pandas")
+        found: dict[str, Any] = {}
+        for name in self:
+            hidden = None if raw else self.hidden(name)
+            found[name] = self[name] if hidden is None else pd.arrays.IntegerArray(self[name], hidden)
+        return pd.DataFrame(found)

@@ -56,6 +56,7 @@ from ._codec import (
     as_bytes,
     as_word,
     by_class,
+    check_bits,
     check_encoder,
     check_width,
     choice,
@@ -1244,6 +1245,7 @@ class Position(NamedTuple):
     Attributes:
         variant: The encoder that the register belongs to.
         position: Position within one revolution. Unit: counts.
+        unused: Bits that the manual does not describe, at their places in the number that the bytes make.
 
     Absolute position.
 
@@ -1274,6 +1276,7 @@ class Position(NamedTuple):
 
     variant: BissEncoder
     position: int
+    unused: int = 0
 
     @classmethod
     def decode(cls, data: Data, variant: BissEncoder) -> Position:
@@ -1294,6 +1297,7 @@ class Position(NamedTuple):
         values = (
             variant,
             number >> (32 - variant.position_bits),
+            number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits))),
         )
         return made(cls, values)
 
@@ -1307,7 +1311,13 @@ class Position(NamedTuple):
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
         position = check_width("position", self.position, variant.position_bits)
-        return (position << (32 - variant.position_bits)).to_bytes(4, "little")
+        unused = check_bits(
+            "unused",
+            self.unused,
+            0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)),
+        )
+        number = position << (32 - variant.position_bits) | unused
+        return number.to_bytes(4, "little")
 
     @staticmethod
     def bit_fields(variant: BissEncoder) -> tuple[BitField, ...]:
@@ -1336,6 +1346,7 @@ class ErrorRegister(NamedTuple):
             ``diagnostic_data.signal_level_minimum_amplitude``, ``diagnostic_data.amplitude_control_minimum_current``,
             ``diagnostic_data.signal_level_maximum_amplitude`` and
             ``diagnostic_data.amplitude_control_maximum_current``.
+        unused: Bits that the manual does not describe, at their places in the number that the bytes make.
 
     Error and warning messages that are active at present.
 
@@ -1359,6 +1370,7 @@ class ErrorRegister(NamedTuple):
     synchronization_error: bool = False
     signal_error: bool = False
     control_error: bool = False
+    unused: int = 0
 
     @classmethod
     def decode(cls, data: Data) -> ErrorRegister:
@@ -1378,6 +1390,7 @@ class ErrorRegister(NamedTuple):
             bool(data[0] & 0x08),
             bool(data[0] & 0x02),
             bool(data[0] & 0x01),
+            data[0] & 0x84,
         )
         return made(cls, values)
 
@@ -1387,6 +1400,7 @@ class ErrorRegister(NamedTuple):
         Raises:
             RangeError: A value does not fit its field.
         """
+        unused = check_bits("unused", self.unused, 0x84)
         number = (
             bool(self.absolute_data_error) << 6
             | bool(self.interpolation_error) << 5
@@ -1394,6 +1408,7 @@ class ErrorRegister(NamedTuple):
             | bool(self.synchronization_error) << 3
             | bool(self.signal_error) << 1
             | bool(self.control_error)
+            | unused
         )
         return number.to_bytes(1, "big")
 
@@ -1449,8 +1464,8 @@ class DeviceId(NamedTuple):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:4].decode("ascii", "replace"),
-            data[4:6].decode("ascii", "replace"),
+            data[0:4].decode("latin-1"),
+            data[4:6].decode("latin-1"),
         )
         return made(cls, values)
 
@@ -1504,7 +1519,7 @@ class ManufacturerId(NamedTuple):
         if len(data) != 2:
             raise LengthError(2, len(data))
         values = (
-            data[0:2].decode("ascii", "replace"),
+            data[0:2].decode("latin-1"),
         )
         return made(cls, values)
 

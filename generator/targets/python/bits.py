@@ -51,6 +51,14 @@ class Reader:
         fixed = [self._taken(*group[0][:2], *(sum(run[at] for run in group) for at in (2, 3))) for group in groups]
         return joined("|", [*fixed, *moving])
 
+    def others(self) -> Expr:
+        """The bits without a field, at their places in the number that the bytes make."""
+        codec, order = self.codec, "little" if self.codec.layout.byte_order == "low_byte_first" else "big"
+        whole = self.source if codec.by_word else f'int.from_bytes(data, "{order}")'
+        return Operation(
+            Atom(whole if codec.by_word or codec.length > 1 else "data[0]"), "&", others(self.scope, codec)
+        )
+
     def _runs(self, item: Reserved) -> Iterator[tuple[int, int, int, int]]:
         """Bits side by side: their byte, how far above their place they lie, and there what they are and should be."""
         if self.codec.by_word:
@@ -83,6 +91,18 @@ class Reader:
         if self.codec.by_word or len(places) < len(bits.pieces) or not _ascend(places):
             return ""
         return f"data[{places[0]}:{places[-1] + 1}]"
+
+
+def others(scope: Scope, codec: Codec) -> Expr:
+    """Ones for the bits without a field."""
+    fixed = sum(item.mask_in_place for item in codec.layout.fields if item.is_fixed)
+    moving = [
+        moved(scope.ones(item.width), "<<", scope.of(item.low)) for item in codec.layout.fields if not item.is_fixed
+    ]
+    ones = (1 << codec.layout.bits.constant) - 1 & ~fixed
+    if not moving:
+        return mask(ones)
+    return Operation(mask(ones), "&", Atom(f"~({joined('|', moving)})"))
 
 
 def _ascend(places: Sequence[int]) -> bool:

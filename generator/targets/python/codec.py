@@ -107,6 +107,8 @@ class Coder:
 
     @property
     def _unused(self) -> list[Attribute]:
+        if self.plan.keeps_others:
+            return [Attribute("unused", "int", text.OF_OTHERS, "0")]
         return [Attribute("unused", "int", text.OF_UNUSED, "0")] if self.plan.reserved else []
 
     def others(self, whole: Whole) -> list[Attribute]:

@@ -8,6 +8,7 @@ from ...model import Decimal, Digits, Field, Flag, Number, Text
 from ...model.expressions import Expression
 from ...plan.codec import Codec, Fixed, Given, ParityOf, Term, Turned, Whole
 from ...plan.refusals import DigitsDisagree, Refusal, WholeDisagrees, depends, refusals
+from .bits import others
 from .expr import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
 from .names import ClassNames
 
@@ -31,6 +32,7 @@ class Maker:
             or any(map(depends, self.refusals))
             or any(term.depends for term in self.codec.terms if not _is_absent(term))
             or not all(item.bits.are_fixed for item in self.codec.reserved)
+            or (self.codec.keeps_others and not all(item.is_fixed for item in self.codec.layout.fields))
             or (crc is not None and not self.codec.in_bytes and not crc.steps and not crc.covered.is_constant)
         )
 
@@ -49,7 +51,8 @@ class Maker:
             for term in self.codec.terms
             if not _is_absent(term)
         )
-        return [*([mask(fixed)] if fixed else []), *moving] or [number(0)]
+        kept = [Atom("unused")] if self.codec.keeps_others else []
+        return [*([mask(fixed)] if fixed else []), *moving, *kept] or [number(0)]
 
     def _value(self, term: Term) -> Expr:
         match term.value:
@@ -68,6 +71,8 @@ class Maker:
     @property
     def unused(self) -> Expr:
         """Ones for all unused bits, at their places in one number."""
+        if self.codec.keeps_others:
+            return others(self.scope, self.codec)
         reserved = self.codec.reserved
         fixed = sum(((1 << item.bits.widest) - 1) << item.place for item in reserved if item.bits.are_fixed)
         moving = [item for item in reserved if not item.bits.are_fixed]

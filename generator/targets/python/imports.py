@@ -119,7 +119,7 @@ def _of_coder(coder: Coder) -> Iterator[str]:
     plan, reports = coder.plan, coder.reports
     yield _if(reports is not None, "Report")
     yield _if(reports is not None and reports.otherwise, "Verdict")
-    yield _if(plan.reserved, "check_bits")
+    yield _if(plan.reserved or plan.keeps_others, "check_bits")
     yield "BitField NamedTuple by_class"
     yield "Data LengthError as_bytes" if plan.in_bytes else "Word as_word too_long"
     if coder.register is None:

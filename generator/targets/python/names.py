@@ -60,8 +60,8 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 
 #: What the package's modules are called that hold no device.
 SHARED = tuple(
-    """__main__ _codec _codes _encoder _facts _helper _loops _make _many _order_codes _registers _reports _run _shape
-    _sinks _sources _steps _stream _table _why build_helper""".split()
+    """__main__ _arrow _codec _codes _encoder _facts _helper _input _loops _make _many _order_codes _registers _reports
+    _run _shape _sinks _sources _steps _stream _table _text _why build_helper""".split()
 )
 #: The folders for what is loaded only when it is asked for, with a module for each device.
 FOLDERS = ("facts", "_shapes")
@@ -129,7 +129,12 @@ class ClassNames:
     def __init__(self, layout: Layout, register: Register | None, crcs: Iterable[str]) -> None:
         made = [f"from_{attribute(item.name, CLASS_NAMES)}" for item in layout.joins]
         limits = map(meaning_limits, register.meanings) if register is not None else ()
-        self._own = {*CLASS_NAMES, *made, *limits, *(["unused"] if layout.unused else [])}
+        self._own = {
+            *CLASS_NAMES,
+            *made,
+            *limits,
+            *(["unused"] if layout.unused or layout.gaps == "unspecified" else []),
+        }
         self._locals = {*LOCAL_NAMES, *(name for crc in crcs for name in (crc, f"{crc}_of_bits"))}
 
     def attribute(self, name: str) -> str:

@@ -172,6 +172,8 @@ def of_field(device: Device, item: Field, may_be_missing: bool = False) -> str:
 
 #: What is said of the member for unused bits.
 OF_UNUSED = "0 while all unused bits are as the manual has them; those that differ are 1."
+#: The same of a register, where the manual does not say what these bits are.
+OF_OTHERS = "Bits that the manual does not describe, at their places in the number that the bytes make."
 
 
 def of_unused(item: Field, at: int) -> str:

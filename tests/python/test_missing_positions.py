@@ -1,0 +1,272 @@
+"""Positions that mean nothing are null, other columns are kept, and a cell without a frame is a row with an error."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import io
+import struct
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy
+import pyarrow
+import pyarrow.parquet
+import pytest
+
+CODE = "AMM5A21/65KSC1"
+#: The frame of AMM5's manual page, 42 revolutions and 1821973 counts; with a wrong bit; with an active error bit.
+GOOD, POSITION = 0x55BCD15E2, 89902357
+WRONG, SPOILT = GOOD ^ 1 << 40, 0x55BCD1564
+PARTS = ("position", "singleturn", "multiturn")
+
+
+@pytest.fixture
+def lika(generated_python: tuple[Path, ModuleType]) -> Any:
+    return generated_python[1]
+
+
+@pytest.fixture
+def decode(
+    lika: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str, str]]:
+    """The command, in this process and in a folder of its own: exit code, standard output and standard error."""
+    main: Callable[[Sequence[str]], int] = importlib.import_module("lika_encoders.__main__").main
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        code = main(["decode", *arguments])
+        return code, *capsys.readouterr()
+
+    return run
+
+
+def column(text: str, name: str) -> list[str]:
+    return [row[name] for row in csv.DictReader(io.StringIO(text))]
+
+
+# Positions that mean nothing
+
+
+def test_a_table_masks_and_gives_null(lika: Any) -> None:
+    table = lika.lookup(CODE).decode_many([GOOD, WRONG, SPOILT])
+    assert table.usable_position.tolist() == [POSITION, None, None]
+    assert table.usable_position.mean() == POSITION
+    assert table.position.tolist()[2] == POSITION, "the raw array has the bits of every frame"
+    degrees = table.in_units("degrees")
+    assert numpy.isnan(degrees).tolist() == [False, True, True]
+    assert not numpy.isnan(table.in_units("degrees", table.position)).any()
+    found = table.to_arrow()
+    assert [found[name].null_count for name in PARTS] == [2, 2, 2]
+    assert found["error"].null_count == found["verdict"].null_count == 0
+    assert table.to_arrow(raw=True)["position"].null_count == 0
+
+
+def test_pandas_has_nullable_positions(lika: Any) -> None:
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed: its columns are not tried")
+    table = lika.lookup(CODE).decode_many([GOOD, WRONG, SPOILT])
+    found = table.to_pandas()
+    assert found["position"].mean() == POSITION
+    assert [found[name].isna().tolist() for name in PARTS] == [[False, True, True]] * 3
+    assert not table.to_pandas(raw=True)["position"].isna().any()
+    words = pandas.DataFrame({"word": pandas.Series([GOOD, None, SPOILT], dtype="Int64")})
+    part = lika.decode_partition(words, CODE)
+    assert (part["fault"].tolist(), part["position"].isna().tolist()) == (
+        ["none", "length", "none"],
+        [False, True, True],
+    )
+    assert lika.decode_partition(words, CODE, raw=True)["position"].iloc[2] == POSITION
+    floats = lika.decode_partition(pandas.DataFrame({"word": [float(GOOD), None]}), CODE)
+    assert floats["fault"].tolist() == ["none", "length"]
+    texts = lika.decode_partition(pandas.DataFrame({"word": [hex(GOOD), None, "0x"]}), CODE)
+    assert texts["fault"].tolist() == ["none", "length", "length"]
+
+
+def test_where_nothing_tells_the_position_stays(lika: Any) -> None:
+    """An SSI word has no flag: its verdict is unknown, and it has a position."""
+    table = lika.lookup("AMM5A23/65KBG1").decode_many([0x155BCD15, 1 << 39])
+    assert table.to_arrow()["position"].to_pylist() == [0x155BCD15, None]
+
+
+def test_a_reply_with_a_part_of_the_position(lika: Any) -> None:
+    """The singleturn reply has no ``position``, but what it says of one means as little."""
+    encoder = lika.lookup("AMM5A23/65KJP1")
+    good = lika.amm5.SingleturnReply(encoder, lika.amm5.DataId.SINGLETURN, False, False, 5)
+    spoilt = good._replace(status_st_error=True)
+    table = encoder.decode_many([good.encode(), spoilt.encode(), None], lika.amm5.SingleturnReply)
+    assert table.to_arrow()["singleturn"].to_pylist() == [5, None, None]
+
+
+@pytest.mark.parametrize("name", ["out.csv", "out.parquet", "out.arrow"])
+def test_a_file_has_no_position_of_a_wrong_frame(decode: Any, tmp_path: Path, name: str) -> None:
+    (tmp_path / "it.bin").write_bytes(struct.pack("<3Q", GOOD, WRONG, SPOILT))
+    for more, expected in (([], [POSITION, None, None]), (["--raw"], None)):
+        decode(CODE, "it.bin", "--words", "little", "-o", name, "--force", *more)
+        if name.endswith("csv"):
+            text = (tmp_path / name).read_text()
+            found = [int(item) if item else None for item in column(text, "position")]
+        else:
+            is_parquet = name.endswith("parquet")
+            read = pyarrow.parquet.read_table if is_parquet else (lambda path: pyarrow.ipc.open_file(path).read_all())
+            found = read(tmp_path / name)["position"].to_pylist()
+        assert found == expected if expected else None not in found
+
+
+# Other columns
+
+
+def test_other_columns_come_first_and_as_they_are(decode: Any, tmp_path: Path) -> None:
+    (tmp_path / "it.csv").write_text(f"time,word,note\n0.10,{GOOD:#x},a b\n0.20,{GOOD:#x}\n0.30,{GOOD:#x},\n")
+    _, out, _ = decode(CODE, "it.csv")
+    assert out.splitlines()[:2] == [
+        "time,note,singleturn,multiturn,error,warning,position,verdict,fault",
+        f"0.10,a b,1821973,42,false,false,{POSITION},usable,none",
+    ]
+    assert (column(out, "time"), column(out, "note")) == (["0.10", "0.20", "0.30"], ["a b", "", ""])
+    decode(CODE, "it.csv", "-o", "it.parquet")
+    found = pyarrow.parquet.read_table(tmp_path / "it.parquet")
+    assert found["time"].to_pylist() == [0.1, 0.2, 0.3]
+    assert found["note"].to_pylist() == ["a b", None, None]
+    assert found.column_names[:3] == ["time", "note", "singleturn"]
+    assert decode(CODE, "it.csv", "--columns", "position,time")[1].splitlines()[:2] == [
+        "position,time",
+        f"{POSITION},0.10",
+    ]
+
+
+def test_columns_of_parquet_keep_their_types(decode: Any, tmp_path: Path) -> None:
+    times = pyarrow.array([1, None], pyarrow.timestamp("us"))
+    words = pyarrow.table({"time": times, "word": [GOOD, None], "raw": [b"\x01", None], "on": [True, False]})
+    pyarrow.parquet.write_table(words, tmp_path / "it.parquet")
+    decode(CODE, "it.parquet", "-o", "out.parquet")
+    found = pyarrow.parquet.read_table(tmp_path / "out.parquet")
+    for name in ("time", "raw", "on"):
+        assert found[name].equals(words[name])
+    assert found["fault"].to_pylist() == ["none", "length"]
+    _, out, _ = decode(CODE, "it.parquet")
+    assert [column(out, name) for name in ("time", "raw", "on")] == [
+        ["1970-01-01 00:00:00.000001", ""],
+        ["01", ""],
+        ["true", "false"],
+    ]
+    pyarrow.parquet.write_table(words.slice(0, 0), tmp_path / "none.parquet")
+    decode(CODE, "none.parquet", "-o", "empty.parquet")
+    assert pyarrow.parquet.read_schema(tmp_path / "empty.parquet").equals(found.schema)
+
+
+def test_columns_without_a_name(decode: Any, tmp_path: Path) -> None:
+    (tmp_path / "it.csv").write_text(f"7,{GOOD:#x}\n8,\n")
+    out = decode(CODE, "it.csv", "--column", "2")[1]
+    assert (column(out, "column_1"), column(out, "fault")) == (["7", "8"], ["none", "length"])
+
+
+def test_a_cell_that_is_no_number_is_counted(
+    lika: Any, decode: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The type of a column follows from its first part; nothing that is left out later is left out silently."""
+    monkeypatch.setattr(importlib.import_module("lika_encoders._input"), "ROWS", 4)
+    (tmp_path / "it.csv").write_text("time,word\n" + "".join(f"{time},{GOOD:#x}\n" for time in (1, 2, 3, "x", "", 4.5)))
+    code, out, _ = decode(CODE, "it.csv", "-o", "it.parquet")
+    assert (code, "2 cells of other columns left empty" in out) == (0, True)
+    assert pyarrow.parquet.read_table(tmp_path / "it.parquet")["time"].to_pylist() == [1, 2, 3, None, None, None]
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("position,word", "it.csv has a column 'position' of its own, like the decoded frames: give it another name"),
+        ("time,word,time", "it.csv has two columns 'time'; give one another name, or select the columns"),
+    ],
+)
+def test_names_that_clash(decode: Any, tmp_path: Path, header: str, said: str) -> None:
+    (tmp_path / "it.csv").write_text(f"{header}\n1,{GOOD:#x},2\n")
+    code, _, err = decode(CODE, "it.csv", "-o", "out.csv")
+    assert (code, said in err) == (2, True), err
+    assert not (tmp_path / "out.csv").exists()
+    code, out, _ = decode(CODE, "it.csv", "--columns", "singleturn,fault")
+    assert (code, out) == (0, "singleturn,fault\n1821973,none\n")
+
+
+# Frames in another form than is said
+
+
+@pytest.mark.parametrize(
+    ("code", "form", "kind", "word"),
+    [
+        (CODE, "little", "<u8", GOOD),
+        (CODE, "big", ">u8", GOOD),
+        ("AM3619/4096-GG", "little32", "<u4", 0x1FA2B9F),
+        ("AM3619/4096-GG", "big32", ">u4", 0x1FA2B9F),
+        ("AM3619/4096-GG", "little", "<u8", 0x1FA2B9F),
+    ],
+)
+def test_the_form_that_fits_is_named(decode: Any, tmp_path: Path, code: str, form: str, kind: str, word: int) -> None:
+    (tmp_path / "it.bin").write_bytes(numpy.full(2001, word, kind).tobytes())
+    done, out, _ = decode(code, "it.bin", "--words", form)
+    assert (done, set(column(out, "fault"))) == (0, {"none"})
+    # Four bytes are also the packed form of a frame of 25 to 32 bits.
+    for other in {"packed", "little", "big"} - {form} - ({"packed"} if form == "big32" else set()):
+        done, _, err = decode(code, "it.bin", "--words", other, "-o", "out.csv")
+        fitting = {form, "packed"} if form == "big32" else {form}
+        assert (done, any(f"with --words {item}, 100% are valid" in err for item in fitting)) == (1, True), err
+        assert not (tmp_path / "out.csv").exists()
+
+
+def test_digits_that_fit_are_named(decode: Any, tmp_path: Path) -> None:
+    (tmp_path / "it.csv").write_text(f"{GOOD}\n" * 5)
+    code, _, err = decode(CODE, "it.csv", "--digits", "hex")
+    assert (code, "with --digits decimal, 100% are valid" in err) == (1, True), err
+
+
+def test_many_errors_end_with_1(decode: Any, tmp_path: Path) -> None:
+    words = [GOOD] * 8 + [WRONG] * 2
+    (tmp_path / "it.bin").write_bytes(struct.pack("<10Q", *words))
+    arguments = (CODE, "it.bin", "--words", "little", "-o", "out.csv", "--force")
+    code, _, err = decode(*arguments)
+    assert (code, "20% of the frames have a fault; --max-errors is 10" in err) == (1, True)
+    assert len((tmp_path / "out.csv").read_text().splitlines()) == 11, "the file is written"
+    assert decode(*arguments, "--max-errors", "20")[0] == 0
+    assert decode(*arguments, "--max-errors", "101")[0] == 2
+
+
+# Cells without a frame
+
+
+def test_missing_frames_are_rows(lika: Any) -> None:
+    encoder, serial = lika.lookup(CODE), lika.lookup("AMM5A23/65KJP1")
+    masked = numpy.ma.masked_array(numpy.array([GOOD, 0, GOOD], numpy.uint64), [False, True, False])
+    for frames in ([GOOD, None, GOOD], [GOOD, float("nan"), GOOD], numpy.array([GOOD, numpy.nan, GOOD]), masked):
+        assert encoder.decode_many(frames).fault.tolist() == [0, 1, 0]
+    assert encoder.decode_many(numpy.array([GOOD, None], object)).fault.tolist() == [0, 1]
+    reply = bytes.fromhex("02 00 15 CD 5B 81")
+    assert serial.decode_many([reply, None], lika.amm5.SingleturnReply).fault.tolist() == [0, 1]
+    for wrong, said in (([1.5], "not a whole number"), (numpy.array([1.0], numpy.float32), "cannot hold every frame")):
+        with pytest.raises(TypeError, match=said):
+            encoder.decode_many(numpy.array(wrong))
+    found = lika.decode_partition(pyarrow.table({"word": [GOOD, None]}), encoder)
+    assert (found["fault"].to_pylist(), found["position"].to_pylist()) == (["none", "length"], [POSITION, None])
+
+
+@pytest.mark.parametrize(
+    ("end", "faults"),
+    [
+        ("1,\n2,{0}\n", ["length", "none"]),
+        ("1,nan\n2,{0}\n", ["length", "none"]),
+        ("1,0x\n2,{0}\n", ["length", "none"]),
+        ("1,0x12x\n2,{0}\n", ["length", "none"]),
+        ("1\n2,{0}\n", ["length", "none"]),
+        ("1,0x", ["length"]),
+        ("1", ["length"]),
+        ("1,{1}", ["length"]),
+        ("1,{0}", ["none"]),
+    ],
+)
+def test_a_cell_without_a_frame_does_not_end_the_run(decode: Any, tmp_path: Path, end: str, faults: list[str]) -> None:
+    """A last line that has no end and is shorter than the one before may be cut, so that its number is not taken."""
+    good = f"{GOOD:#x}"
+    (tmp_path / "it.csv").write_text(f"time,word\n0,{good}\n" + end.format(good, good[:-1]))
+    _, out, _ = decode(CODE, "it.csv")
+    assert column(out, "fault") == ["none", *faults]
+    assert column(out, "position")[0] == str(POSITION)
