@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from . import (
     banks,
+    bases,
     biss,
     flags,
     meanings,
@@ -64,6 +65,7 @@ RULES: tuple[Rule, ...] = (
     references.connector_references,
     references.printed_references,
     references.device_references,
+    bases.number_base,
     banks.bank_named,
     banks.bank_selected,
     biss.biss_places,
