@@ -7,6 +7,7 @@ from typing import Any
 from .document import Document
 from .problems import DocumentReport, Path, Report
 from .rules import FOUNDATIONS, RULES, SHAPES
+from .rules.bases import number_base
 from .rules.master import check_master
 from .rules.order_code import is_whole
 from .schema import Checked, FileKind, check_schema, holder, shape_of, without
@@ -38,6 +39,7 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
+    number_base(checked.data, document.data, report.for_document(document))
     return checked.data if checked.complete and len(report) == before else None
 
 

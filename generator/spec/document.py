@@ -12,6 +12,7 @@ Path = tuple[str | int, ...]
 
 #: Keys by which an item of a list is called, the first that it has.
 _ITEM_KEYS = ("name", "id", "revision", "contact")
+_WRITTEN = re.compile(r"(?:[&!]\S*\s+)*([-+]?[0-9][0-9A-Za-z]*)")
 _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")
 
 
@@ -81,6 +82,13 @@ class Document:
         if at_key or found < len(path):
             return mark.key_line, mark.key_column
         return mark.line, mark.column
+
+    def written(self, path: Path) -> str:
+        """Return the number at ``path`` as it is spelled in the file, without tag and anchor; empty where no
+        number is written there, such as at an alias."""
+        line, column = self.position(path)
+        found = _WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
+        return found[1] if found is not None else ""
 
     def has(self, path: Path) -> bool:
         """Whether something stands at ``path``."""

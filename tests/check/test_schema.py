@@ -155,9 +155,18 @@ def test_no_damage_makes_it_raise(path: pathlib.Path, tmp_path: pathlib.Path) ->
             assert problem.format()
 
 
+class _Hexadecimal(yaml.SafeDumper):
+    """Writes whole numbers in hexadecimal."""
+
+
+_Hexadecimal.add_representer(
+    int, lambda dumper, number: dumper.represent_scalar("tag:yaml.org,2002:int", f"{number:#x}")
+)
+
+
 def test_spec_written_by_a_machine(tmp_path: pathlib.Path) -> None:
-    """Block style instead of the flow style of the specs: the same data, checked the same."""
+    """Block style instead of the flow style of the specs: the same data, checked the same, with numbers as 0x."""
     found, _ = document(tmp_path, MINIMAL.read_text())
-    again, report = document(tmp_path, yaml.safe_dump(found.data, sort_keys=False))
+    again, report = document(tmp_path, yaml.dump(found.data, Dumper=_Hexadecimal, sort_keys=False))
     check_document(again, report)
     assert report.problems == ()

@@ -47,9 +47,9 @@ def device() -> Device:
 #: What is said of each register of the spec that has one property of its own.
 REGISTERS = [
     ("banked", "Select bank 3 with bank first."),
-    ("wide", "Byte order: high byte first, at 42h."),
+    ("wide", "Byte order: high byte first, at 60h."),
     ("wide", "Default: 12 34."),
-    ("narrow", "Byte order: low byte first, at 44h."),
+    ("narrow", "Byte order: low byte first, at 62h."),
     ("bounded", "Limits: 3 to 200."),
     ("least", "Limits: at least 3."),
     ("greatest", "Limits: at most 200."),

@@ -1,10 +1,13 @@
-"""Rules on what BiSS itself lays down (PROT p. 9-15) and no spec can change: places of registers, the control frame."""
+"""Rules on what BiSS itself lays down (PROT p. 9-15) and no spec can change: places of registers,
+the frame of a single cycle, the control frame."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+
 from ...model import Biss
-from ..problems import DocumentReport, quoted
-from .walk import Spec, bank_select, by_name, explained, interface_of, items, mapping
+from ..problems import DocumentReport, Path, quoted
+from .walk import Spec, bank_select, by_name, expanded, explained, interface_of, items, layouts, mapping
 
 #: Registers that BiSS has at one place, by the name that manuals give them: address, length, and the place in words.
 _PLACES = {
@@ -16,6 +19,8 @@ _PLACES = {
 }
 _BANK_SELECT = (0x40, 1, "at 40h")
 
+#: nE and nW.
+_FLAGS = {"error", "warning"}
 #: Widths of the parts of a control frame, and the two directions of an access.
 _WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
 _DIRECTIONS = {"write": 0b01, "read": 0b10}
@@ -49,6 +54,33 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             )
 
 
+def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """No other register lies where BiSS has one of its own, but where an erratum says why.
+
+    A read-only register of the same bytes is the same thing under another name, and ``profile_id_low`` is a part of it.
+    Manuals use 40h and 41h for other things where there are no banks.
+    """
+    for path, register in items(spec, "registers"):
+        name, first = register["name"], register["address"]
+        if interface_of(register) != Biss.name or "bank" in register or name in _PLACES or name == bank_select(spec):
+            continue
+        for known, (address, length, where) in _PLACES.items():
+            overlaps = first < address + length and address < first + register["length"]
+            is_it = (first, register["length"], register["access"]) == (address, length, "read_only")
+            if known == "eds_bank" or not overlaps or is_it or name.startswith(known):
+                continue
+            if not explained(raw, "registers", name, "address"):
+                last = first + register["length"] - 1
+                at = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
+                wrong = f"{quoted(name)} is {at}; BiSS has {quoted(known)} {where}"
+                right = (
+                    f"correct the address, or call it {quoted(known)} if it is that. Where the manual has it so, say it"
+                    f" in an erratum that affects registers.{name}.address"
+                )
+                report.add("biss-protocol", (*path, "address"), f"{wrong}; {right}")
+                break
+
+
 def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """What lies at a place of BiSS has its most significant byte first, but where an erratum says why not."""
     for path, register in items(spec, "registers"):
@@ -62,6 +94,45 @@ def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 f"{quoted(name)} has its low byte first; in BiSS the most significant byte has the lowest address."
                 f" Where the manual has it so, say it in an erratum that affects registers.{name}.byte_order",
             )
+
+
+def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """In a frame with nE and nW these are active low, nE is sent before nW, and an inverted CRC ends the frame."""
+    groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
+    for fields in layouts(spec):
+        layout, sent = fields.owner, list(expanded(fields, groups))
+        where = f"interfaces.{Biss.name}.{layout['name']}"
+        if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent):
+            for path, affected, wrong in _frame_faults(sent, crcs, (*fields.path, "name"), where):
+                if not explained(raw, affected):
+                    end = f"Where the manual has it so, say it in an erratum that affects {affected}"
+                    report.add("biss-protocol", path, f"{wrong}. {end}")
+
+
+def _frame_faults(
+    sent: list[tuple[Path, Spec]], crcs: Mapping[str, Spec], start: Path, where: str
+) -> Iterator[tuple[Path, str, str]]:
+    """The faults of a frame: where each is, the place that an erratum has to affect, and what is wrong."""
+    names = [field.get("name") for _, field in sent]
+    for path, field in sent:
+        name = field.get("name")
+        if name in _FLAGS and field.get("active") == "high":
+            wrong = f"{quoted(name)} is active high; BiSS has it active low: write 'active: low'"
+            yield (*path, "active"), f"{where}.{name}", wrong
+        crc = crcs.get(field.get("crc", ""), {})
+        if crc.get("xorout") == 0 and isinstance(width := crc.get("width"), int):
+            wrong = f"the CRC {quoted(field['crc'])} has 'xorout' 0, but BiSS sends a CRC inverted"
+            yield (*path, "crc"), f"crcs.{field['crc']}.xorout", f"{wrong}; its 'xorout' is {(1 << width) - 1:#x}"
+    if {"error", "warning"} <= set(names) and names.index("error") > names.index("warning"):
+        path, _ = sent[names.index("warning")]
+        yield path, f"{where}.warning", "'warning' is before 'error', but BiSS sends nE before nW; exchange the two"
+    if not any("crc" in field for _, field in sent):
+        right = "BiSS ends it with one; write a last field such as {name: crc, crc: NAME}"
+        yield start, f"{where}.fields", f"the frame has no CRC; {right}"
+
+
+def _names(sent: list[tuple[Path, Spec]]) -> set[str]:
+    return {field["name"] for _, field in sent if isinstance(field.get("name"), str)}
 
 
 def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -358,3 +358,14 @@ def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     known = _Names(raw, report)
     for path, connector in items(spec, "connectors"):
         known.refer_by("interfaces", path, connector, "interface")
+
+
+def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Each CRC is a field of some frame, or its note says what it is for."""
+    used = {field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)}
+    for path, crc in items(spec, "crcs"):
+        if used <= by_name(raw, "crcs").keys() and crc["name"] not in used and "note" not in crc:
+            wrong = f"no frame has the CRC {quoted(crc['name'])}"
+            field = f"{{name: crc, crc: {crc['name']}}}"
+            right = f"write the field {field} at the end of its frame, or say in a 'note' what the CRC is for"
+            report.add("unused-crc", (*path, "name"), f"{wrong}; {right}")

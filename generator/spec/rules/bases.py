@@ -1,0 +1,54 @@
+"""Rules on spelling: hexadecimal numbers begin with 0x, no decimal one with a zero, and quotes are straight."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ..problems import DocumentReport, Path, quoted
+from .walk import Spec, walk
+
+#: Keys of numbers that manuals print in hexadecimal.
+_HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
+#: Maps whose keys are names of the spec.
+_OWN_NAMES = frozenset(("values", "arguments", "sets"))
+#: Pairs of quotes that word processors and PDF files have.
+_TYPOGRAPHIC = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
+_DECIMAL = re.compile("[0-9]{2,}")
+_LEADING_ZERO = re.compile("[-+]?0[0-9]+")
+
+
+def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A number that manuals print in hexadecimal has 0x, and no number begins with a zero and another digit."""
+    for path, number in _numbers(spec, ()):
+        written = report.document.written(path)
+        hexadecimal = f"0x{written.lstrip('+-0'):0>2}"
+        if _is_hexadecimal(path) and _DECIMAL.fullmatch(written):
+            otherwise = f", or {number:#04x} for decimal {number}" if number > 9 else ""
+            wrong = f"{quoted(path[-1])} is {written}, which is decimal, but manuals print it in hexadecimal"
+            report.add("number-base", path, f"{wrong}; write {hexadecimal}{otherwise}")
+        elif _LEADING_ZERO.fullmatch(written):
+            wrong = f"{written} begins with a zero and is read as decimal {number}"
+            report.add("number-base", path, f"{wrong}; write {number}, or {hexadecimal} if it is hexadecimal")
+
+
+def typographic_quotes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """A text is not put in the quotes of a word processor, which YAML takes for letters of the text."""
+    for path, _, value in walk(spec):
+        if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
+            wrong = f"the quotes {value[0]} and {value[-1]} are part of this text"
+            report.add("typographic-quotes", path, f'{wrong}; write "{value[1:-1]}", in straight quotes')
+
+
+def _numbers(node: object, path: Path) -> Iterator[tuple[Path, int]]:
+    if isinstance(node, dict | list):
+        for key, value in node.items() if isinstance(node, dict) else enumerate(node):
+            yield from _numbers(value, (*path, key))
+    elif isinstance(node, int) and not isinstance(node, bool):
+        yield path, node
+
+
+def _is_hexadecimal(path: Path) -> bool:
+    if path[-1] == "value":
+        return "writes" in path
+    return path[-1] in _HEXADECIMAL and _OWN_NAMES.isdisjoint(path[-2:-1])
