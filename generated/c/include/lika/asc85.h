@@ -8,10 +8,10 @@
  * affiliated with either company and claims no certification.
  *
  * A position:
- *   static const lika_asc85_variant encoder = LIKA_ASC85_20_SC1;
- *   lika_asc85_single_cycle_data frame;
- *   if (lika_asc85_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_asc85_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+ *   static const lika_asc85_variant encoder = LIKA_ASC85_20_BG1;
+ *   lika_asc85_ssi_word frame;
+ *   if (lika_asc85_ssi_word_decode(&encoder, word, &frame) == LIKA_OK
+ *       && lika_asc85_ssi_word_verdict(&frame) != LIKA_NOT_USABLE) {
  *       ... frame.position ...
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
@@ -328,6 +328,31 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
     return (uint8_t)(v ^ 0x0FU);
 }
 
+/* -- what the manual leaves open --------------------------------------------------------------- */
+
+/**
+ * Constant 0 bit between position and error bit of a BiSS frame [6.2.1 p.20].
+ * Decide it for your encoder: what is known does not settle it, and there is no default.
+ */
+typedef enum lika_asc85_zero_bit {
+    /**
+     * Sent, as the manual prints it; the frame has position_bits + 9 bits, 34 at 25 bits of
+     * resolution [6.2.1 p.20].
+     */
+    LIKA_ASC85_ZERO_BIT_AS_PRINTED = 0x0,
+    /**
+     * Not sent, as the one public driver for this encoder reads it; the frame has position_bits + 8
+     * bits, 33 at 25 bits of resolution [onstepx: src/lib/encoder/bissc/Asc85.cpp].
+     */
+    LIKA_ASC85_ZERO_BIT_LEFT_OUT = 0x1
+} lika_asc85_zero_bit;
+
+/** Number of constant 0 bits between position and error bit of a BiSS frame [6.2.1 p.20]. */
+static inline uint32_t lika_asc85_zero_bits(lika_asc85_zero_bit zero_bit)
+{
+    return (zero_bit == LIKA_ASC85_ZERO_BIT_AS_PRINTED) ? 1U : 0U;
+}
+
 /* -- what frames report ------------------------------------------------------------------------ */
 
 /** What frames report of the encoder; their functions _reports() give a mask of these bits. */
@@ -561,56 +586,17 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
 
 /**
- * By order code, for lika/receive.h: the bits of single_cycle_data, and the bytes of a buffer
- * that it comes in.
- * A buffer has room for 40 bits of acknowledge and line delay. No manual says how long an encoder
- * takes: where NO_START or LENGTH is said, take more bytes.
- */
-#define LIKA_ASC85_20_SC1_BISS_BITS 29U
-#define LIKA_ASC85_20_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_20_SC2_BISS_BITS 29U
-#define LIKA_ASC85_20_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_21_SC1_BISS_BITS 30U
-#define LIKA_ASC85_21_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_21_SC2_BISS_BITS 30U
-#define LIKA_ASC85_21_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_22_SC1_BISS_BITS 31U
-#define LIKA_ASC85_22_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_22_SC2_BISS_BITS 31U
-#define LIKA_ASC85_22_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_23_SC1_BISS_BITS 32U
-#define LIKA_ASC85_23_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_23_SC2_BISS_BITS 32U
-#define LIKA_ASC85_23_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_24_SC1_BISS_BITS 33U
-#define LIKA_ASC85_24_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_24_SC2_BISS_BITS 33U
-#define LIKA_ASC85_24_SC2_BISS_RX_BYTES 10U
-#define LIKA_ASC85_25_SC1_BISS_BITS 34U
-#define LIKA_ASC85_25_SC1_BISS_RX_BYTES 10U
-#define LIKA_ASC85_25_SC2_BISS_BITS 34U
-#define LIKA_ASC85_25_SC2_BISS_RX_BYTES 10U
-
-/**
- * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
- * of the frame whose CDS it follows, 29 clock periods after that or more: 2.9 us at 10 MHz and 290
- * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
- * frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
- * time-out (follows the clock, 350 ns at 10 MHz).
- */
-
-/**
- * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + 9 bits, most significant
- * first [6.2.1 p.20].
+ * single_cycle_data, sent by the encoder over BiSS C-mode: zero_bits + position_bits + 8 bits, most
+ * significant first [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
- * position_bits + 9 bits, 34 at 25 bits of resolution. The one public driver for this encoder reads
- * a bit less, without the 0 bit (erratum scd_length): try that where every frame fails its CRC.
- *   from bit 9 up  position  position_bits bits.
- *   bit 8          zero      0: Always 0, between position and error bit.
- *   bit 7          error
- *   bit 6          warning
- *   bits 5:0       crc       CRC: Check of the transmission, sent inverted. CRC biss_6 over
- *                            everything before it.
+ * Where its fields stand is for you to decide, zero_bit: as_printed or left_out.
+ *   from bit zero_bits + 8 up  position  position_bits bits.
+ *   from bit 8 up              zero      zero_bits bits. 0: Always 0, between position and error
+ *                                        bit.
+ *   bit 7                      error
+ *   bit 6                      warning
+ *   bits 5:0                   crc       CRC: Check of the transmission, sent inverted. CRC biss_6
+ *                                        over everything before it.
  * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
  * and error bit.
  * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
@@ -636,9 +622,10 @@ typedef struct lika_asc85_single_cycle_data {
 } lika_asc85_single_cycle_data;
 
 /** How many bits it has. */
-static inline uint32_t lika_asc85_single_cycle_data_bits(const lika_asc85_variant *variant)
+static inline uint32_t lika_asc85_single_cycle_data_bits(
+    const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit)
 {
-    return 9U + variant->position_bits;
+    return 8U + lika_asc85_zero_bits(zero_bit) + variant->position_bits;
 }
 
 /**
@@ -670,16 +657,17 @@ static inline uint32_t lika_asc85_single_cycle_data_crc(uint64_t word)
 /** Decodes a word; its last bit sent is bit 0, and the bits above its length are 0. */
 LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_decode(
-    const lika_asc85_variant *variant, uint64_t word, lika_asc85_single_cycle_data *out)
+    const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit, uint64_t word,
+    lika_asc85_single_cycle_data *out)
 {
-    if (lika_above(word, lika_asc85_single_cycle_data_bits(variant)) != 0U) {
+    if (lika_above(word, lika_asc85_single_cycle_data_bits(variant, zero_bit)) != 0U) {
         return LIKA_FAULT_LENGTH;
     }
     if (lika_asc85_single_cycle_data_crc(word) != 0U) {
         return LIKA_FAULT_CRC;
     }
-    const uint32_t position = (uint32_t)(word >> 9U);
-    if ((((uint32_t)word >> 8U) & 0x01U) != 0x00U) { /* zero */
+    const uint32_t position = (uint32_t)lika_above(word, 8U + lika_asc85_zero_bits(zero_bit));
+    if (lika_field(word, 8U, lika_asc85_zero_bits(zero_bit)) != 0x00U) { /* zero */
         return LIKA_FAULT_CONSTANT;
     }
     out->position = position;
@@ -691,13 +679,14 @@ static inline lika_result lika_asc85_single_cycle_data_decode(
 /** Encodes a word, its last bit to be sent in bit 0. */
 LIKA_NODISCARD
 static inline lika_result lika_asc85_single_cycle_data_encode(
-    const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *in, uint64_t *out)
+    const lika_asc85_variant *variant, lika_asc85_zero_bit zero_bit,
+    const lika_asc85_single_cycle_data *in, uint64_t *out)
 {
     if (in->position > lika_mask(variant->position_bits)) {
         return LIKA_FAULT_RANGE;
     }
     uint64_t word =
-        ((uint64_t)in->position << 9U) |
+        ((uint64_t)in->position << (8U + lika_asc85_zero_bits(zero_bit))) |
         ((uint64_t)(in->error ? 0U : 1U) << 7U) |
         ((uint64_t)(in->warning ? 0U : 1U) << 6U);
     word |= lika_asc85_single_cycle_data_crc(word);
