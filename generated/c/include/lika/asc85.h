@@ -8,10 +8,11 @@
  * affiliated with either company and claims no certification.
  *
  * A position:
- *   static const lika_asc85_variant encoder = LIKA_ASC85_20_BG1;
- *   lika_asc85_ssi_word frame;
- *   if (lika_asc85_ssi_word_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_asc85_ssi_word_verdict(&frame) != LIKA_NOT_USABLE) {
+ *   static const lika_asc85_variant encoder = LIKA_ASC85_20_SC1;
+ *   const lika_asc85_zero_bit my_zero_bit = LIKA_ASC85_ZERO_BIT_AS_PRINTED;  yours to decide
+ *   lika_asc85_single_cycle_data frame;
+ *   if (lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, word, &frame) == LIKA_OK
+ *       && lika_asc85_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
  *       ... frame.position ...
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
@@ -584,6 +585,70 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
 #define LIKA_ASC85_BISS_CONTROL_DATA_BITS 8U
 /** CRC: 4 bits: Check of the transmission, sent inverted [6.3 p.22]. */
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
+
+/**
+ * By order code, for lika/receive.h: the bits of single_cycle_data, and the bytes of a buffer
+ * that it comes in.
+ * The length depends on what you decide: the names have the answer, as_printed or left_out.
+ * A buffer has room for 40 bits of acknowledge and line delay. No manual says how long an encoder
+ * takes: where NO_START or LENGTH is said, take more bytes.
+ */
+#define LIKA_ASC85_20_SC1_BISS_AS_PRINTED_BITS 29U
+#define LIKA_ASC85_20_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_20_SC1_BISS_LEFT_OUT_BITS 28U
+#define LIKA_ASC85_20_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_20_SC2_BISS_AS_PRINTED_BITS 29U
+#define LIKA_ASC85_20_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_20_SC2_BISS_LEFT_OUT_BITS 28U
+#define LIKA_ASC85_20_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_21_SC1_BISS_AS_PRINTED_BITS 30U
+#define LIKA_ASC85_21_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_21_SC1_BISS_LEFT_OUT_BITS 29U
+#define LIKA_ASC85_21_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_21_SC2_BISS_AS_PRINTED_BITS 30U
+#define LIKA_ASC85_21_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_21_SC2_BISS_LEFT_OUT_BITS 29U
+#define LIKA_ASC85_21_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_22_SC1_BISS_AS_PRINTED_BITS 31U
+#define LIKA_ASC85_22_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_22_SC1_BISS_LEFT_OUT_BITS 30U
+#define LIKA_ASC85_22_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_22_SC2_BISS_AS_PRINTED_BITS 31U
+#define LIKA_ASC85_22_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_22_SC2_BISS_LEFT_OUT_BITS 30U
+#define LIKA_ASC85_22_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_23_SC1_BISS_AS_PRINTED_BITS 32U
+#define LIKA_ASC85_23_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_23_SC1_BISS_LEFT_OUT_BITS 31U
+#define LIKA_ASC85_23_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_23_SC2_BISS_AS_PRINTED_BITS 32U
+#define LIKA_ASC85_23_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_23_SC2_BISS_LEFT_OUT_BITS 31U
+#define LIKA_ASC85_23_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_24_SC1_BISS_AS_PRINTED_BITS 33U
+#define LIKA_ASC85_24_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_24_SC1_BISS_LEFT_OUT_BITS 32U
+#define LIKA_ASC85_24_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_24_SC2_BISS_AS_PRINTED_BITS 33U
+#define LIKA_ASC85_24_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_24_SC2_BISS_LEFT_OUT_BITS 32U
+#define LIKA_ASC85_24_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_25_SC1_BISS_AS_PRINTED_BITS 34U
+#define LIKA_ASC85_25_SC1_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_25_SC1_BISS_LEFT_OUT_BITS 33U
+#define LIKA_ASC85_25_SC1_BISS_LEFT_OUT_RX_BYTES 10U
+#define LIKA_ASC85_25_SC2_BISS_AS_PRINTED_BITS 34U
+#define LIKA_ASC85_25_SC2_BISS_AS_PRINTED_RX_BYTES 10U
+#define LIKA_ASC85_25_SC2_BISS_LEFT_OUT_BITS 33U
+#define LIKA_ASC85_25_SC2_BISS_LEFT_OUT_RX_BYTES 10U
+
+/**
+ * Registers, by lika/biss.h: the bit of lika_biss_master_next has to be on MA before the last clock
+ * of the frame whose CDS it follows, 28 clock periods after that or more: 2.8 us at 10 MHz and 280
+ * us at 100 kHz. The bit of lika_biss_master_next_late, for SPI and DMA, is needed before the next
+ * frame begins, as the mode of the SPI sets it. MA shows the inverse of either for the whole
+ * time-out (follows the clock, 350 ns at 10 MHz).
+ */
 
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: zero_bits + position_bits + 8 bits, most
