@@ -428,7 +428,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     Computed over ``bits`` bits of ``number``, most significant first.
 
     The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit first, and the
-    range (everything from the position to the warning bit, the constant 0 included) are those of public BiSS documents.
+    range (everything from the position to the warning bit, with the constant 0 where it is sent) are those of public
+    BiSS documents.
 
     Erratum biss_crc_start (open, omission): Printed: Polynomials and inverted output of both CRCs, without a start
     value; the logic circuits are lost. Used: Start value 0. [6.2.1 p.21; 6.3 p.22; prot: p.7-8; renishaw: data sheet;
@@ -476,6 +477,18 @@ class ZeroBit(Enum):
     """Constant 0 bit between position and error bit of a BiSS frame [6.2.1 p.20].
 
     The manual leaves this open, or other evidence contradicts it: there is no default.
+
+    Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
     """
 
     AS_PRINTED = (1,)
@@ -642,19 +655,23 @@ class SingleCycleData(NamedTuple):
     Where its fields stand is for you to decide, ``zero_bit``: ``as_printed`` or ``left_out``.
 
     Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
-    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
-    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
-    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
-    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
-    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
 
     Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1 bits, for all
-    models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits. Why: It fits the model of 25 bits
-    only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and
-    is its data length. Another ID at a lower resolution is likely; a public controller with the same registers knows 24
-    or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
-    p.34-35]
+    models. Used: 281Ah for all models, as printed. It decides neither the resolution nor the zero bit of the frame.
+    Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same
+    byte differs with the model and is its data length. Another ID at a lower resolution is likely; a public controller
+    with the same registers knows 24 or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20;
+    6.4 p.23; sma21: 6.4; icmr: p.34-35]
 
     Erratum warning_sources (open, omission): Printed: For the active warning refer to the Error register; its six bits
     are all called errors. Used: No bit of the error register is taken as a warning; all are active errors. [6.2.1 p.20;
@@ -863,19 +880,23 @@ class ProfileId(NamedTuple):
     tell the encoder. For the variant the manual refers to the standard encoder profile, data format.
 
     Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
-    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
-    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
-    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
-    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
-    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
 
     Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1 bits, for all
-    models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits. Why: It fits the model of 25 bits
-    only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and
-    is its data length. Another ID at a lower resolution is likely; a public controller with the same registers knows 24
-    or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr:
-    p.34-35]
+    models. Used: 281Ah for all models, as printed. It decides neither the resolution nor the zero bit of the frame.
+    Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual the same
+    byte differs with the model and is its data length. Another ID at a lower resolution is likely; a public controller
+    with the same registers knows 24 or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20;
+    6.4 p.23; sma21: 6.4; icmr: p.34-35]
     """
 
     variant_: int
@@ -1259,12 +1280,16 @@ class Position(NamedTuple):
     is taken as left-aligned too. Low byte first, unlike the other registers of several bytes.
 
     Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to
-    nbitres + 9, and the preliminary information has 34 bits for 25. Used: position_bits + 9, with the 0 bit between
-    position and error bit. Why: nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1
-    bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without
-    the 0 bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 bits
-    long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the 0 bit: position,
-    nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp]
+    nbitres + 9, and the preliminary information has 34 bits for 25. Used: Either, by a decision of the user that has no
+    default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
+    If every frame fails its CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and
+    the profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits, nE, nW and 6
+    CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too
+    few rejects every undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a
+    master received with the right length is another matter: the CRC does not see zeros in front, so the wrong layout
+    accepts every second position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+    long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+    src/lib/encoder/bissc/Asc85.cpp]
 
     Erratum position_register_bits (open, wrong data): Printed: Position: registers 61h to 64h with 2^31 ... 2^6, 2^5
     ... 2^0 not used, for all models. Used: The exponents number the bits of the register: the position is left-aligned

@@ -279,8 +279,8 @@ static inline uint8_t lika_asc85_crc_biss_6_entry(uint8_t byte)
  * CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21; prot: p.7-8;
  * renishaw: data sheet; icmu: p.30].
  * The manual prints the polynomial and that the output is inverted. Start value 0, most significant
- * bit first, and the range (everything from the position to the warning bit, the constant 0
- * included) are those of public BiSS documents.
+ * bit first, and the range (everything from the position to the warning bit, with the constant 0
+ * where it is sent) are those of public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * The argument holds the bits that the CRC covers, the last one sent in bit 0. Bits of 0 before
  * them change nothing.
@@ -334,6 +334,9 @@ static inline uint8_t lika_asc85_crc_biss_4(uint64_t data)
 /**
  * Constant 0 bit between position and error bit of a BiSS frame [6.2.1 p.20].
  * Decide it for your encoder: what is known does not settle it, and there is no default.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
  */
 typedef enum lika_asc85_zero_bit {
     /**
@@ -662,10 +665,11 @@ static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word
  *   bit 6                      warning
  *   bits 5:0                   crc       CRC: Check of the transmission, sent inverted. CRC biss_6
  *                                        over everything before it.
- * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
- * and error bit.
- * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
- * of position_bits + 9 bits.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
+ * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed. It
+ * decides neither the resolution nor the zero bit of the frame.
  * Erratum warning_sources (open, omission).
  * Erratum position_under_error (open, omission).
  */
@@ -835,10 +839,11 @@ static inline double lika_asc85_degrees(const lika_asc85_variant *variant, uint6
  * Printed once for all models, although the data length fits only the one of 25 bits; so the length
  * is not taken to tell the encoder. For the variant the manual refers to the standard encoder
  * profile, data format.
- * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
- * and error bit.
- * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed; frames
- * of position_bits + 9 bits.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
+ * Erratum profile_id_data_length (open, wrong data): Used: 281Ah for all models, as printed. It
+ * decides neither the resolution nor the zero bit of the frame.
  */
 #define LIKA_ASC85_REG_PROFILE_ID_ADDRESS 0x42U
 #define LIKA_ASC85_REG_PROFILE_ID_LENGTH 2U /**< bytes, 42h to 43h */
@@ -1313,8 +1318,9 @@ static inline lika_result lika_asc85_read_status(
  * 25 bits the 26 bits are taken as the position and, in bit 6, the constant 0 bit of the BiSS
  * frame; with a lower resolution the position is taken as left-aligned too. Low byte first, unlike
  * the other registers of several bytes.
- * Erratum scd_length (open, wrong data): Used: position_bits + 9, with the 0 bit between position
- * and error bit.
+ * Erratum scd_length (open, wrong data): Used: Either, by a decision of the user that has no
+ * default: position_bits + 9 bits with the 0 bit between position and error bit, or position_bits +
+ * 8 bits without it. If every frame fails its CRC, the other one is likely.
  * Erratum position_register_bits (open, wrong data): Used: The exponents number the bits of the
  * register: the position is left-aligned at bit 31 and position_bits wide; the bits below it are
  * unspecified.
@@ -2330,19 +2336,24 @@ static inline lika_result lika_asc85_identify(
  * within the turn. [6.4 p.26; 6.4 p.30; icmr: p.26]
  * Erratum scd_length (open, wrong data): Printed: SCD data is nbitres+8 long. Its parts, a 0 bit
  * among them, add up to nbitres + 9, and the preliminary information has 34 bits for 25. Used:
- * position_bits + 9, with the 0 bit between position and error bit. Why: nbitres+8 is the number of
- * the top bit in the table, and the profile ID too has 25 + 1 bits. But the one public driver
- * written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 bit. With
- * the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33
- * bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits,
- * without the 0 bit: position, nE, nW, CRC. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23;
- * onstepx: src/lib/encoder/bissc/Asc85.cpp]
+ * Either, by a decision of the user that has no default: position_bits + 9 bits with the 0 bit
+ * between position and error bit, or position_bits + 8 bits without it. If every frame fails its
+ * CRC, the other one is likely. Why: nbitres+8 is the number of the top bit in the table, and the
+ * profile ID too has 25 + 1 bits. But the one public driver written for this encoder reads 25 bits,
+ * nE, nW and 6 CRC bits, 33 in all, without the 0 bit, and 33 is nbitres+8 as printed. A receiver
+ * that takes a bit too many or too few rejects every undisturbed frame, because the inverted CRC
+ * never fits a frame shifted by one bit. A word that a master received with the right length is
+ * another matter: the CRC does not see zeros in front, so the wrong layout accepts every second
+ * position and shows half or twice its value. The frame of 25 bits without the 0 bit is also as
+ * long as that of 24 bits with it. [6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx:
+ * src/lib/encoder/bissc/Asc85.cpp]
  * Erratum profile_id_data_length (open, wrong data): Printed: Profile ID 28 1A, data length 25 + 1
- * bits, for all models. Used: 281Ah for all models, as printed; frames of position_bits + 9 bits.
- * Why: It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the
- * SMA21 manual the same byte differs with the model and is its data length. Another ID at a lower
- * resolution is likely; a public controller with the same registers knows 24 or 26 singleturn bits
- * only, so that the frame might differ instead. [6.2.1 p.20; 6.4 p.23; sma21: 6.4; icmr: p.34-35]
+ * bits, for all models. Used: 281Ah for all models, as printed. It decides neither the resolution
+ * nor the zero bit of the frame. Why: It fits the model of 25 bits only; by 6.2.1 the others send
+ * 20 + 1 to 24 + 1 bits. In the SMA21 manual the same byte differs with the model and is its data
+ * length. Another ID at a lower resolution is likely; a public controller with the same registers
+ * knows 24 or 26 singleturn bits only, so that the frame might differ instead. [6.2.1 p.20; 6.4
+ * p.23; sma21: 6.4; icmr: p.34-35]
  * Erratum serial_number_digits (open, omission): Printed: Serial number in ascending order, with
  * the example 171256846. Used: One number. Why: In the AMM5 manual the same register holds year,
  * week and number as decimal digits; read like that the example is 17 12 56846, week 12 of 2017,
