@@ -8,9 +8,9 @@ import sys
 
 from lxml import etree
 
-if len(sys.argv) != 5:
+if len(sys.argv) < 5:
     sys.exit(__doc__)
-path, code, name, frame = sys.argv[1:]
+path, code, name, frame, *answers = sys.argv[1:]
 ns = {"d": "urn:codewheel:device-description:1"}
 root = etree.parse(path, etree.XMLParser(resolve_entities=False, no_network=True))
 order_code = root.xpath("//d:order_code[@code=$code]", namespaces=ns, code=code)[0]
@@ -23,8 +23,12 @@ def number(expression):  # a sum of numbers and parameters, such as 48 - singlet
 
 
 layout = root.xpath("//d:layouts/d:layout[@name=$name]", namespaces=ns, name=name)[0]
-if layout.get("alternatives"):
-    sys.exit(f"where the fields stand is for you to decide: {layout.get('alternatives')}")
+for asked in layout.get("alternatives", "").split():
+    known = root.xpath(f"//d:alternative[@name='{asked}']/d:answers/d:answer", namespaces=ns)
+    chosen = next((item for item in known if f"{asked}={item.get('name')}" in answers), None)
+    if chosen is None:
+        sys.exit(f"for you to decide: {' or '.join(f'{asked}=' + item.get('name') for item in known)}")
+    parameters |= {entry.get("name"): int(entry.text, 0) for entry in chosen.iterfind("d:sets/d:entry", ns)}
 order = "little" if layout.get("byte_order") == "low_byte_first" else "big"
 in_bytes = layout.get("carried_as") == "bytes"
 bits = int.from_bytes(bytes.fromhex(frame), order) if in_bytes else int(frame, 0)

@@ -43,10 +43,21 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
     Raises:
         UndecidedError: The layout needs an answer that is not among ``answers``.
     """
+    message = undecided(device, layout, answers)
+    if message:
+        raise UndecidedError(message)
+
+
+def undecided(device: Device, layout: Layout, answers: Container[str], wrong: str = "cannot be decoded") -> str:
+    """Say what has to be decided before a frame of this layout can be used; empty where nothing is missing.
+
+    ``wrong`` says what cannot be done before.
+    """
     missing = [item for item in device.alternatives_of(layout) if item.name not in answers]
     if missing:
         asked = " ".join(f"{item.meaning}: add {' or '.join(_explained(item))}." for item in missing)
-        raise UndecidedError(f"{quoted(layout.name)} cannot be decoded before you decide. {asked}".removesuffix("."))
+        return f"{quoted(layout.name)} {wrong} before you decide. {asked}".removesuffix(".")
+    return ""
 
 
 def _options(item: Alternative) -> Iterator[str]:

@@ -210,14 +210,7 @@ def _add_decode(commands: _Commands) -> None:
         "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as the value of this register"
     )
     _add_register_option(parser)
-    parser.add_argument(
-        "--choose",
-        action="append",
-        default=[],
-        metavar="NAME=ANSWER",
-        help="answer a question that the manual leaves open, as show lists them; may be repeated (else: frames that "
-        "depend on it are not decoded)",
-    )
+    _add_choose_option(parser, "frames that depend on it are not decoded")
     _add_edition_option(parser)
     parser.add_argument(
         "--layout",
@@ -250,6 +243,7 @@ def _add_master(commands: _Commands) -> None:
         help="descriptions of masters of your own, files or folders",
     )
     _add_register_option(parser)
+    _add_choose_option(parser, "where settings depend on it there are none")
     _add_edition_option(parser)
     parser.add_argument("--cable", type=metres, metavar="METRES", help="choose the clocks for a cable of this length")
     _add_spec_option(parser)
@@ -288,6 +282,16 @@ def _add_register_option(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="ADDRESS=BYTE",
         help="what a register holds, such as 0x56=0x10; may be repeated (else: defaults)",
+    )
+
+
+def _add_choose_option(parser: argparse.ArgumentParser, otherwise: str) -> None:
+    parser.add_argument(
+        "--choose",
+        action="append",
+        default=[],
+        metavar="NAME=ANSWER",
+        help=f"answer a question that the manual leaves open, as show lists them; may be repeated (else: {otherwise})",
     )
 
 

@@ -93,7 +93,8 @@ class Decoding:
             if asked.register is None
             else decode_register_text(asked.device, variant, asked.register, text)
         )
-        if decoded.layout is not None and decoded.fields:
+        # A word is nothing but bits: even its length follows from the answers.
+        if decoded.layout is not None and (decoded.fields or not decoded.layout.layout.in_bytes):
             refuse_undecided(asked.device, decoded.layout.layout, asked.answers)
         return decoded, why_text(asked.device, variant, asked.sender, text, decoded) if asked.register is None else None
 

@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..masters import sheet, text
-from ..masters.record import NoRecord, record
+from ..masters.record import NoRecord, Undecided, record
 from ..reference.run_time import RegisterError, with_registers
 from ..spec.problems import suggestion
 from . import look_up
 from .arguments import held_bytes
+from .choose import answers_of, undecided
 from .editions import asked_for
 from .terminal import Stop
 
@@ -41,9 +42,12 @@ def run(chosen: argparse.Namespace) -> tuple[int, str | Mapping[str, Any]]:
         match = again or found
     try:
         variant = with_registers(device, match.variant, held)
-        told = record(device, variant, not held, chosen.cable)
+        answers = answers_of(device, match.variant, chosen.choose)
+        told = record(device, variant, not held, chosen.cable, answers)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
+    except Undecided as error:
+        raise Stop(undecided(device, error.layout, answers, "has no settings"), 2) from None
     except NoRecord as error:
         raise Stop(str(error), 1) from None
     sheets = [sheet.sheet(item, told) for item in known if chosen.master in (None, item.name)]

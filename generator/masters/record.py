@@ -6,10 +6,12 @@ a rule that needs it says so, and invents nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from ..model import (
+    Alternative,
     Biss,
     Constant,
     Crc,
@@ -27,14 +29,26 @@ from ..model import (
     Variant,
 )
 from ..reference.parameters import needed_parameters
+from ..reference.run_time import decided
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words
 from ..spec.master_items import NUMBERS
 from .cable import CableRow, CableTable, cable_table
 
 
+_NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
+
+
 class NoRecord(ValueError):
     """Nothing can be said to a master about this order code; the message says why, in one line."""
+
+
+class Undecided(NoRecord):
+    """The frame depends on what the manual leaves open, and no answer was given."""
+
+    def __init__(self, layout: Layout, names: Iterable[str]) -> None:
+        super().__init__(f"'{layout.name}' depends on {' and '.join(names)}, which is for you to decide")
+        self.layout = layout
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +66,9 @@ class Part:
 class Record:
     """What masters ask of one order code; ``parts`` stand in sending order, ``notes`` are whole sentences.
 
-    ``cable_m`` is the length of cable that the highest clock is chosen for, ``cable_row`` the row of the table that
-    says it; None without one.
+    ``answers`` are what the user decides of what the manual leaves open, by the names of the alternatives. ``cable_m``
+    is the length of cable that the highest clock is chosen for, ``cable_row`` the row of the table that says it; None
+    without one.
     """
 
     code: str
@@ -64,6 +79,7 @@ class Record:
     timeout: str
     cables: CableTable
     notes: tuple[str, ...]
+    answers: Mapping[str, str]
     cable_m: int | None = None
     cable_row: CableRow | None = None
 
@@ -72,7 +88,13 @@ class Record:
         return {name: value for name, value in self.numbers.items() if value is not None}
 
 
-def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m: int | None = None) -> Record:
+def record(
+    device: Device,
+    variant: Variant,
+    as_delivered: bool = True,
+    cable_m: int | None = None,
+    answers: Mapping[str, str] = _NO_ANSWERS,
+) -> Record:
     """The record of one order code.
 
     Args:
@@ -80,8 +102,10 @@ def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m:
         variant: The order code, with the parameters that registers hold.
         as_delivered: Whether those are the defaults of the registers.
         cable_m: Length of the cable in metres that the highest clock is chosen for; without it, the interface's.
+        answers: What the user decides of what the manual leaves open, by the names of the alternatives.
 
     Raises:
+        Undecided: The frame needs an answer that is not given.
         NoRecord: It has no BiSS or SSI interface, or its frame is not of the common form:
             padding, position, padding, status, CRC; or no clock is known for so long a cable.
     """
@@ -92,7 +116,12 @@ def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m:
     measurement = device.measurement_of(variant.interface)
     if measurement is None:
         raise NoRecord(f"the spec of {device.name} does not say what its position is")
-    placed = _frame(interface, measurement, variant)
+    placed = _frame(interface, measurement, decided(device, variant, answers))
+    deciding = device.alternatives_of(placed.layout)
+    missing = [item.name for item in deciding if item.name not in answers]
+    if missing:
+        raise Undecided(placed.layout, missing)
+    taken = {item.name: answers[item.name] for item in deciding}
     parts = tuple(_parts(placed, measurement, variant))
     crc = _crc(device, placed)
     actives = {part.active or "low" for part in parts if part.role == "status"}
@@ -107,9 +136,13 @@ def record(device: Device, variant: Variant, as_delivered: bool = True, cable_m:
     numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
     cables = cable_table(device, interface)
     timeout = timeout_words(interface.timeout) if isinstance(interface, Biss) and interface.timeout is not None else ""
-    notes = (*_clock_notes(numbers, cables, cable_m), *_notes(device, interface, placed, parts, as_delivered))
+    notes = (
+        *_answer_notes(deciding, taken),
+        *_clock_notes(numbers, cables, cable_m),
+        *_notes(device, interface, placed, parts, as_delivered),
+    )
     ordered = {name: numbers[name] for name in NUMBERS}
-    found = Record(variant.code, device.name, words, ordered, parts, timeout, cables, notes)
+    found = Record(variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken)
     return found if cable_m is None else _with_cable(found, cable_m)
 
 
@@ -284,6 +317,12 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
         # Registers may say fewer bits than the revolutions that other registers, left as delivered, would need.
         known["turns"] = min(known["turns"], 1 << multiturn_bits)
     return known
+
+
+def _answer_notes(deciding: Sequence[Alternative], taken: Mapping[str, str]) -> Iterator[str]:
+    for item in deciding:
+        answer = next(one for one in item.answers if one.name == taken[item.name])
+        yield f"With {item.name}={answer.name}: {answer.meaning}."
 
 
 def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:

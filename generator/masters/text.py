@@ -239,6 +239,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
             "special": match.special,
             "written_as_in": match.written_as_in,
         },
+        "alternatives": dict(record.answers),
         "record": {
             **record.words,
             **record.numbers,

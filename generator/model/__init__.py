@@ -22,6 +22,7 @@ from .device import (
     Spelling,
     TimesRead,
     Variant,
+    choices,
 )
 from .examples import CrcExample, Example, FrameExample, MeasureExample, ProcedureExample, RegisterExample, Write
 from .facts import (

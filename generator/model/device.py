@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 from types import MappingProxyType
 from typing import TypeVar
 
@@ -83,6 +84,15 @@ class Alternative:
     meaning: str
     answers: tuple[Answer, ...]
     source: Sources
+
+
+def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer, ...], Mapping[str, int]]]:
+    """Yield one answer to each of the alternatives, and what they set together, for every way to decide.
+
+    Without alternatives there is one way, with no answer.
+    """
+    for answers in product(*(item.answers for item in alternatives)):
+        yield answers, {name: value for one in answers for name, value in one.sets.items()}
 
 
 @dataclass(frozen=True, slots=True)

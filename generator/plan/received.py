@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
-from ..model import Device, Interface, Layout, Rs485, Ssi, Variant
+from ..model import Answer, Device, Interface, Layout, Rs485, Ssi, Variant, choices
 
 #: Before the start bit of a BiSS frame the line rests for two clocks, then come acknowledge and line delay. No manual
 #: says how long an encoder takes; this is room for so many bits, 4 us at 10 MHz.
@@ -20,7 +21,7 @@ SSI_AROUND = 2
 class Received:
     """What a frame of one order code takes: its bits, and the bytes of a buffer with room for what surrounds them.
 
-    ``held`` says that registers change the bits at run time: they are then those of the encoder as delivered, and the
+    ``answers`` are those decisions of the user on which the length depends. ``held`` says that registers change the bits at run time: they are then those of the encoder as delivered, and the
     bytes are enough for whatever the registers hold.
     """
 
@@ -29,24 +30,26 @@ class Received:
     bits: int
     bytes: int
     held: bool
+    answers: tuple[Answer, ...] = ()
 
 
 def received(device: Device, interface: Interface) -> Iterator[Received]:
-    """The frames that this interface carries as bits from the encoder, by order code.
+    """Yield the frames that this interface carries as bits from the encoder, by order code.
 
-    A frame whose length hangs on what the manual leaves open has no length before the user has decided.
+    A frame whose length depends on what the manual leaves open comes once for each way to decide.
     """
-    settled = {item.name for item in device.set_parameters}
     held = {item.name for item in device.set_parameters if item.register}
     for layout in interface.layouts:
         needed = set(_set_parameters(device, layout.bits.parameters))
-        if layout.in_bytes or layout.sender != "encoder" or not needed <= settled:
+        if layout.in_bytes or layout.sender != "encoder":
             continue
-        for variant in device.variants:
-            if variant.interface in ("", interface.name):
-                bits, moves = layout.bits.value(variant.parameters), bool(needed & held)
-                size = _bytes(interface, layout.widest if moves else bits)
-                yield Received(variant, layout, bits, size, moves)
+        deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
+        moves = bool(needed & held)
+        variants = [item for item in device.variants if item.interface in ("", interface.name)]
+        for variant, (answers, sets) in product(variants, choices(deciding)):
+            bits = layout.bits.value({**variant.parameters, **sets})
+            size = _bytes(interface, layout.widest if moves else bits)
+            yield Received(variant, layout, bits, size, moves, answers)
 
 
 def _bytes(interface: Interface, bits: int) -> int:

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from collections.abc import Iterator, Sequence
 
 from ..model import Alternative, Answer, Device, Layout
 from .erratum import errata, erratum
 from .text import Code, Part, Ref, Said, listed, said
-
-#: One answer to each of some alternatives, and what they set.
-Choice = tuple[tuple[Answer, ...], Mapping[str, int]]
-
 
 def alternative(device: Device, item: Alternative) -> Iterator[Said]:
     """All that running text says, in order: the question, each answer, and why it is open."""
@@ -39,12 +34,6 @@ def needs(device: Device, layout: Layout) -> Iterator[Said]:
 
 def reference(item: Alternative) -> Ref:
     return Ref("alternative", item.name, item.name)
-
-
-def choices(alternatives: Sequence[Alternative]) -> Iterator[Choice]:
-    """Every way to decide; one without an answer where there is nothing to decide."""
-    for answers in product(*(item.answers for item in alternatives)):
-        yield answers, {name: value for one in answers for name, value in one.sets.items()}
 
 
 def names(answers: Sequence[Answer]) -> Iterator[Part]:

@@ -4,26 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Device, Interface, Join, Layout, Rs485
-from .alternative import needs
+from ..model import Device, Interface, Join, Layout, Rs485, choices
+from .alternative import names, needs
 from .erratum import errata, erratum
 from .text import Code, Part, Said, listed, said, told
 from .words import counted
 
 
-def head(interface: Interface, layout: Layout, name: Part) -> Said:
+def head(device: Device, interface: Interface, layout: Layout, name: Part) -> Said:
     """Which frame it is, by the ``name`` that the reader knows it by."""
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sent = f", sent by the {layout.sender} over {interface.title}{channel}: "
-    return said(name, sent, *size(layout), source=layout.source)
+    return said(name, sent, *size(device, layout), source=layout.source)
 
 
-def size(layout: Layout) -> tuple[Part, ...]:
+def size(device: Device, layout: Layout) -> tuple[Part, ...]:
     """Its length, and in which order it is sent."""
     if not layout.in_bytes:
-        return layout.bits, " bits, most significant first"
+        return *_bits(device, layout), " bits, most significant first"
     order = f", {layout.byte_order.replace('_', ' ')}" if layout.widest > 8 else ""
     return (counted(layout.widest // 8, "byte") + order,)
+
+
+def _bits(device: Device, layout: Layout) -> Iterator[Part]:
+    """How many bits it has; where that depends on nothing but decisions, with the answers."""
+    needed = set(layout.bits.parameters)
+    deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
+    if not deciding or not needed.issubset(name for item in deciding for name in item.answers[0].sets):
+        yield layout.bits
+        return
+    for index, (answers, sets) in enumerate(choices(deciding)):
+        yield from (" or " if index else "", f"{layout.bits.value(sets)} (", *names(answers), ")")
 
 
 def layout(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:

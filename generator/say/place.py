@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..model import Alternative, Device, Field, Layout, Register
+from ..model import Alternative, Device, Field, Layout, Register, choices
 from ..model.expressions import Expression
-from .alternative import choices, names
+from .alternative import names
 from .text import Part
 
 
@@ -69,8 +69,11 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
     for index, (answers, sets) in enumerate(choices(deciding)):
         first, last = field.low.value(sets), high.value(sets)
         yield " or " if index else ""
-        yield (
-            frame_bytes(layout, layout.widest, last, first) if layout.in_bytes and layout.sender else bits(last, first)
-        )
+        if last < first:
+            yield "nowhere"
+        elif layout.in_bytes and layout.sender:
+            yield frame_bytes(layout, layout.widest, last, first)
+        else:
+            yield bits(last, first)
         if answers:
             yield from (" (", *names(answers), ")")

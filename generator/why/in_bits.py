@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, product
 
-from ..model import Constant, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant
+from ..model import Answer, Constant, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
 from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
 from ..reference.parameters import run_time_widths
@@ -117,7 +117,7 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
             _slipped(placed, crc, slip, text.number, length) for slip in SLIPS if slip.longer == length - expected
         )
     yield from _without_status(placed, crc, text)
-    yield from without_constant(device, variant, placed, crc, text)
+    yield from other_answers(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
     yield from _bytes_reversed(placed, crc, text)
     yield from _other_codes(device, variant, placed, crc, text)
@@ -283,39 +283,26 @@ def _is_set_when_idle(kind: Kind) -> bool:
     return kind.active_low if isinstance(kind, Flag) else isinstance(kind, Unused)
 
 
-def without_constant(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """A constant between two fields is not sent, where the manual leaves that open.
+def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
+    """Yield the frame by each other way to decide what the manual leaves open.
 
-    Read to its end, or a bit too long.
+    It is read to its end, or a bit too long.
     """
-    status = [item.name for item in placed.layout.status_fields]
-    for item in placed.fields:
-        path = f"interfaces.{variant.interface}.{placed.name}.{item.name}"
-        is_between = crc.width <= item.low and item.high < placed.bits - 1
-        if not isinstance(item.field.kind, Constant) or item.name in status or not is_between:
+    for answers, sets in choices(device.alternatives_of(placed.layout)):
+        other = placed.layout.place({**variant.parameters, **sets})
+        if other == placed:
             continue
-        if all(erratum.status != "open" for erratum in device.errata_for(path)):
-            continue
-        short = placed.bits - item.width
+        words = f"{other.bits} bits, as with {' '.join(_options(device, answers))}"
         for more in (0, 1):
-            if text.bits != short + more if text.exact else text.bits > short + more:
-                continue
-            sent = text.number >> more
-            above, below = sent >> item.low, sent & ((1 << item.low) - 1)
-            whole = (above << item.width | item.field.kind.value) << item.low | below
-            words = f"'{item.name}' is not sent: {short} bits, as the manual leaves it open"
-            yield Try(
-                "constant_not_sent",
-                f"{words}, read a bit too long" if more else words,
-                crc,
-                sent >> crc.width,
-                short - crc.width,
-                sent & crc.mask,
-                crc.width,
-                usual=usual(placed, whole),
-                number=whole,
-                placed=placed,
-            )
+            if text.bits == other.bits + more if text.exact else text.bits <= other.bits + more:
+                longer = ", read a bit too long" if more else ""
+                yield read_as("other_answer", words + longer, other, crc, text.number >> more)
+
+
+def _options(device: Device, answers: Sequence[Answer]) -> Iterator[str]:
+    """The answers as ``decode`` takes them."""
+    for item in device.alternatives:
+        yield from (f"--choose {item.name}={answer.name}" for answer in answers if answer in item.answers)
 
 
 def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -425,9 +412,10 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int,
     Those of one length differ in what they ask of a frame, such as zeros above the position.
     """
     found: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
+    answers = {item.name: variant.parameters[item.name] for item in device.parameters if item.alternative}
     for other in device.variants:
         if other.interface == variant.interface:
-            made = placed.layout.place(other.parameters)
+            made = placed.layout.place({**other.parameters, **answers})
             asks = tuple((item.low, item.width) for item in made.fields if isinstance(item.field.kind, Constant))
             found.setdefault((made.bits, asks), (made, []))[1].append(other.code)
     lengths = {bits for bits, _ in found}

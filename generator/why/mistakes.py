@@ -70,11 +70,14 @@ def explain_bits(device: Device, variant: Variant, placed: PlacedLayout, text: B
 
 
 def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
-    """That a constant is not sent, for a frame whose CRC fits and whose constant does not; None where it is not so."""
+    """Explain a frame whose CRC fits and whose constant does not by another answer to what the manual leaves open.
+
+    None where no other answer fits.
+    """
     crc = device.crc_of(placed.layout)
     if crc is None:
         return None
-    fitting = [item for item in in_bits.without_constant(device, variant, placed, crc, text) if item.fits]
+    fitting = [item for item in in_bits.other_answers(device, variant, placed, crc, text) if item.fits]
     return _why(device, None, fitting, (), (crc,)) if fitting else None
 
 
@@ -88,7 +91,9 @@ def explain_bytes(
     stuck = _stuck(int.from_bytes(data, "big"), 8 * len(data)) if len(data) > 1 else None
     tried = list(in_bytes.tries(device, variant, sender, placed, data))
     crcs = tuple({item.crc.name: device.crc(item.crc.name) for item in tried}.values())
-    return _why(device, stuck, tried, (), crcs)
+    # Nobody has decided anything for a frame that is not known: what depends on it is better not read than read wrongly.
+    undecided = frozenset(name for item in device.alternatives for name in item.answers[0].sets)
+    return _why(device, stuck, tried, (), crcs, undecided)
 
 
 def _known_to_fail(placed: PlacedLayout, crc: Crc, text: BitText) -> tuple[Try, ...]:
@@ -99,17 +104,22 @@ def _known_to_fail(placed: PlacedLayout, crc: Crc, text: BitText) -> tuple[Try, 
 
 
 def _why(
-    device: Device, stuck: Explanation | None, tries: Iterable[Try], failed: Sequence[Try], crcs: Sequence[Crc]
+    device: Device,
+    stuck: Explanation | None,
+    tries: Iterable[Try],
+    failed: Sequence[Try],
+    crcs: Sequence[Crc],
+    undecided: frozenset[str] = frozenset(),
 ) -> Why | None:
     single = _distinct(tries, failed)
     if not single:
         return None
-    found = [_explanation(device, item) for item in single if item.fits]
+    found = [_explanation(device, item, undecided) for item in single if item.fits]
     asked = single
     if not found and stuck is None:
         # Two at once only with the commonest of all, and only then: every further pair would fit by coincidence too.
         asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != NOT_INVERTED)), failed)
-        found = [replace(_explanation(device, item), twice=True) for item in asked[len(single) :] if item.fits]
+        found = [replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits]
     found.sort(key=lambda item: -item.score)
     chances = {item.question: item.one_in for item in asked}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
@@ -126,9 +136,14 @@ def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
     found: dict[object, Try] = {}
     for item in tries:
         if item.known + item.demanded >= _LEAST_BITS and item.question not in wrong:
-            leads_to = (item.number, item.placed.bits) if item.placed is not None else item.text
+            leads_to = (item.number, _places(item.placed)) if item.placed is not None else item.text
             found.setdefault((item.question, leads_to), item)
     return list(found.values())
+
+
+def _places(placed: PlacedLayout) -> tuple[int, tuple[tuple[str, int], ...]]:
+    """The length, and the lowest bits of the fields: frames of one length can differ in them."""
+    return placed.bits, tuple((item.name, item.low) for item in placed.fields)
 
 
 def _not_inverted(item: Try) -> Try:
@@ -140,12 +155,10 @@ def _not_inverted(item: Try) -> Try:
     )
 
 
-def _explanation(device: Device, item: Try) -> Explanation:
+def _explanation(device: Device, item: Try, undecided: frozenset[str]) -> Explanation:
     reads: dict[str, int] = {}
     if item.placed is not None:
-        # What stands where the user has to decide is better not read than read wrongly.
-        open_ = {name for one in device.alternatives for name in one.answers[0].sets}
-        known = (entry for entry in item.placed.fields if open_.isdisjoint(entry.field.low.parameters))
+        known = (entry for entry in item.placed.fields if undecided.isdisjoint(entry.field.low.parameters))
         numbers = {entry.name for entry in known if isinstance(entry.field.kind, Number)}
         decoded = codec.decode(device, item.placed, item.number)
         reads = {

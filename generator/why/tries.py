@@ -40,7 +40,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "last_bits_missing": 4,  # one clock too few, or a frame cut to fit an integer
         "status_left_out": 4,  # nE and nW look like an appendix; a driver takes the CRC over the position
         "status_not_sent": 4,  # a master's switch for status bits takes them out of the data
-        "constant_not_sent": 8,  # tried only where an erratum leaves the form of the frame open
+        "other_answer": 8,  # tried only where the manual leaves the form of the frame open
         "status_turned": 2,  # drivers hand error and warning on as active high
         "other_code": 2,  # a master that turns Gray into binary before anybody checks the CRC
         "start_bits_in_crc": 2,  # other protocols have their start bit in the CRC

@@ -23,25 +23,25 @@ ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "docs" / "example" / "decode_from_xml.py"
 
 
-def output(device: str, code: str, layout: str, frame: str) -> list[str]:
+def output(device: str, code: str, layout: str, frame: str, *answers: str) -> list[str]:
     xml = ROOT / "generated" / "biss" / f"lika-{device}.xml"
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as out:
-        patch.setattr(sys, "argv", [str(SCRIPT), str(xml), code, layout, frame])
+        patch.setattr(sys, "argv", [str(SCRIPT), str(xml), code, layout, frame, *answers])
         run_path(str(SCRIPT))
     return out.getvalue().splitlines()
 
 
-def run(device: str, code: str, layout: str, frame: str) -> dict[str, int]:
+def run(device: str, code: str, layout: str, frame: str, *answers: str) -> dict[str, int]:
     return {
         line.split()[0]: int(line.split()[1])
-        for line in output(device, code, layout, frame)
+        for line in output(device, code, layout, frame, *answers)
         if not line.startswith(("note:", "verdict:"))
     }
 
 
 def test_it_is_short_and_needs_nothing_but_lxml() -> None:
     text = SCRIPT.read_text(encoding="utf-8")
-    assert len([line for line in text.splitlines() if line.strip()]) <= 46
+    assert len([line for line in text.splitlines() if line.strip()]) <= 50
     names = [item.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for item in node.names]
     modules = [node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
     assert (names, modules) == (["re", "sys"], ["lxml"])
@@ -88,14 +88,6 @@ def test_it_is_short_and_needs_nothing_but_lxml() -> None:
             "single_cycle_data",
             f"0b{9:016b}{1_048_575:020b}11{1:06b}",
             {"multiturn": 9, "singleturn": 1_048_575, "error": 1, "warning": 1, "crc": 1},
-        ),
-        # 25 bits and a zero.
-        (
-            "asc85",
-            "ASC8525/SC2",
-            "single_cycle_data",
-            f"0b{33_554_431:025b}011{2:06b}",
-            {"position": 33_554_431, "zero": 0, "error": 1, "warning": 1, "crc": 2},
         ),
     ],
 )
@@ -185,9 +177,19 @@ def placed_unused(placed: PlacedLayout) -> Iterator[tuple[PlacedField, int]]:
             yield found, place
 
 
-def test_it_does_not_decide_for_its_user() -> None:
-    with pytest.raises(SystemExit, match="where the fields stand is for you to decide: eeprom_address"):
-        output("amm5", "AMM5A23/65KJP1", "eeprom_read_reply", "EA0A5ABA")
+@pytest.mark.parametrize("answer", ["", "eeprom_address=bit_0", "zero_bit=as_printed"])
+def test_it_does_not_decide_for_its_user(answer: str) -> None:
+    known = "eeprom_address=as_printed or eeprom_address=as_t_format"
+    with pytest.raises(SystemExit, match=f"for you to decide: {known}"):
+        output("amm5", "AMM5A23/65KJP1", "eeprom_read_reply", "EA0A5ABA", *filter(None, [answer]))
+
+
+@pytest.mark.parametrize(("answer", "zero"), [("as_printed", "0"), ("left_out", "")])
+def test_it_takes_a_decision(answer: str, zero: str) -> None:
+    """25 bits, and the 0 bit of the manual or none."""
+    frame = f"0b{33_554_429:025b}{zero}11{2:06b}"
+    found = run("asc85", "ASC8525/SC2", "single_cycle_data", frame, f"zero_bit={answer}")
+    assert (found["position"], found["error"], found["warning"], found["crc"]) == (33_554_429, 1, 1, 2)
 
 
 @pytest.mark.parametrize(("code", "is_gray"), [("AM3619/4096-GG", True), ("AM3619/4096-BG", False)])

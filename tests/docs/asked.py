@@ -74,7 +74,15 @@ class Reading:
                 known[name] = worked_out(item["equals"], known)
             elif "read_from" in item:
                 known[name] = self.delivered(item["read_from"])
+        for sets in reversed(self.decisions.values()):
+            known |= sets
         return known
+
+    @property
+    def decisions(self) -> dict[str, dict[str, int]]:
+        """What the answers to the last question that the manual leaves open set, by their names."""
+        values = self.facts.get("alternatives", [{"values": {}}])[-1]["values"]
+        return {name: {key: int(text, 0) for key, text in item["sets"].items()} for name, item in values.items()}
 
     def delivered(self, path: str) -> int:
         register, _, name = path.partition(".")
@@ -202,7 +210,7 @@ def _labels(item: Raw) -> tuple[str, ...]:
 def _in_bits(reading: Reading, layout: Raw, field: Raw) -> Callable[[Numbers], str]:
     """Where it stands in a frame of bits, the last sent of which is bit 0."""
 
-    def answer(known: Numbers) -> str:
+    def at(known: Numbers) -> str:
         below = 0
         for item in reversed(layout["fields"]):
             width = _width(reading, item, known)
@@ -210,6 +218,12 @@ def _in_bits(reading: Reading, layout: Raw, field: Raw) -> Callable[[Numbers], s
                 return place(below + width - 1, below) if width else ""
             below += width
         raise AssertionError(field)
+
+    def answer(known: Numbers) -> str:
+        """Where the manual leaves it open, each place with what the user has to decide for it."""
+        places = {name: at({**known, **sets}) for name, sets in reading.decisions.items()}
+        several = len(set(places.values())) > 1
+        return " or ".join(f"{where or 'nowhere'} ({name})" for name, where in places.items()) if several else at(known)
 
     return answer
 

@@ -130,14 +130,14 @@ def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "none active")
 
 
-def constant_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
+def other_answer(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The 0 bit below the position is not sent, as a public driver reads it: 33 bits instead of 34 at 25 bits;
     or the reader clocks once more."""
     if encoder.below:
         position, flags = parts(encoder, source)
         data = position[: -encoder.below] + flags
-        yield _plant(encoder, data + crc(data), "constant_not_sent", "leaves it open")
-        yield _plant(encoder, data + crc(data) + "0", "constant_not_sent", "too long")
+        yield _plant(encoder, data + crc(data), "other_answer", "zero_bit=left_out")
+        yield _plant(encoder, data + crc(data) + "0", "other_answer", "too long")
 
 
 def status_turned(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
@@ -288,7 +288,7 @@ MISTAKES: tuple[Maker, ...] = (
     crc_reversed,
     start_value,
     polynomial_reversed,
-    constant_not_sent,
+    other_answer,
 )
 
 

@@ -80,11 +80,19 @@ def names(data: dict[str, Any]) -> list[str]:
         ("00", ["error", "warning"], "not_usable", 3),
     ],
 )
-@pytest.mark.parametrize(("encoder", "before"), [("AMM5A17/1SC1", 17), ("ASC8525/SC1", 26), ("SMA21-SC1-0050", 24)])
+@pytest.mark.parametrize(
+    ("encoder", "before"),
+    [
+        ("AMM5A17/1SC1", 17),
+        ("ASC8525/SC1 --choose zero_bit=as_printed", 26),
+        ("ASC8525/SC1 --choose zero_bit=left_out", 25),
+        ("SMA21-SC1-0050", 24),
+    ],
+)
 def test_error_and_warning_over_biss(
     capsys: Capture, encoder: str, before: int, status: str, reported: list[str], verdict: str, exit_code: int
 ) -> None:
-    code, data = decode(capsys, encoder, "0b" + "0" * before + status + CRCS[status])
+    code, data = decode(capsys, *encoder.split(), "0b" + "0" * before + status + CRCS[status])
     assert (code, names(data), data["verdict"], data["problems"]) == (exit_code, reported, verdict, [])
 
 
@@ -281,7 +289,14 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
             "MEM BUSY then is the bit that is left, 7)"
         )
     assert decode(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]["alternatives"] == {}
-    # Without its fields nothing can be misread: the length comes first.
+    # Not even the length of a word is known before: 33 bits, or 34. A register is what it is.
+    for frame in ("0x3c1", "0b" + "0" * 33, "0b" + "0" * 34, "0b0"):
+        message = refused(capsys, "ASC8525/SC1", frame)
+        assert message.startswith("'single_cycle_data' cannot be decoded before you decide. Constant 0 bit between ")
+        assert "add --choose zero_bit=as_printed (Sent, " in message
+        assert " or --choose zero_bit=left_out (Not sent, " in message
+    assert decode(capsys, "ASC8525/SC1", "--as", "status", "01")[0] == 0
+    # Without its fields nothing of a frame of bytes can be misread: the length comes first.
     assert decode(capsys, "AMM5A23/65KJP1", "--from", "master", "EA 0A")[1]["problems"][0]["kind"] == "length"
 
 

@@ -89,7 +89,7 @@ FIRST = {
     "crc_reversed": 0.5,
     "polynomial_reversed": 0.5,
     "other_polynomial_in_6_bits": 0.7,
-    "constant_not_sent": 0.4,
+    "other_answer": 0.4,
 }
 
 
@@ -155,7 +155,8 @@ def test_the_command_line_lists_them(
     source = random.Random(encoder.code)
     plants = [plant for maker in MISTAKES for plant in maker(encoder, source)]
     monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{plant.text}\n" for plant in plants)))
-    assert main(["decode", encoder.code, "-", "--json"]) == 1
+    chosen = ["--choose", "zero_bit=as_printed"] if encoder.below else []
+    assert main(["decode", encoder.code, "-", "--json", *chosen]) == 1
     schema = jsonschema.Draft202012Validator(
         json.loads((resources.files("codewheel.spec") / "decode.schema.json").read_text(encoding="utf-8"))
     )
@@ -233,22 +234,30 @@ def test_what_follows_a_shorter_frame_is_0(decode: Run) -> None:
 def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
     """33 bits as a public driver reads them, 25 + nE + nW + 6.
     Position 1: remainder of 111b * x^6 is 001001b, as above, sent inverted."""
-    code, data = decode("ASC8525/SC1", "0b" + "0" * 24 + "1" + "11" + "110110")
+    as_printed = ("--choose", "zero_bit=as_printed")
+    code, data = decode("ASC8525/SC1", "0b" + "0" * 24 + "1" + "11" + "110110", *as_printed)
     best = data["why"]["explanations"][0]
     assert code == 1
-    assert best["kind"] == "constant_not_sent"
+    assert best["kind"] == "other_answer"
     assert best["reads"] == {"position": 1}
-    assert "33 bits" in best["text"]
+    assert best["text"] == "33 bits, as with --choose zero_bit=left_out"
     # The same with a clock more, as the manual has 34; and without its zeros,
     # where 0x does not tell how many there are.
     for frame in ("0b" + "0" * 24 + "1" + "11" + "110110" + "0", "0x1f6"):
-        assert ("constant_not_sent", {"position": 1}) in [
-            (item["kind"], item["reads"]) for item in decode("ASC8525/SC1", frame)[1]["why"]["explanations"]
+        assert ("other_answer", {"position": 1}) in [
+            (item["kind"], item["reads"])
+            for item in decode("ASC8525/SC1", frame, *as_printed)[1]["why"]["explanations"]
         ]
+    # And the other way round: the 0 bit is there, and has to be a 0.
+    for zero, expected in (("0", True), ("1", False)):
+        data = "0" * 24 + "1" + zero + "11"
+        frame = "0b" + data + crc(data)
+        found = decode("ASC8525/SC1", frame, "--choose", "zero_bit=left_out")[1]["why"]["explanations"]
+        assert (("other_answer", {"position": 1}) in [(item["kind"], item["reads"]) for item in found]) is expected
     # Where nothing is open, nothing is tried: AM36's constant bits are those for error and warning.
     frame = "0b" + "0" * 24 + "1" + "11" + "110110"
     assert all(
-        item["kind"] != "constant_not_sent"
+        item["kind"] != "other_answer"
         for item in decode("AM3616/4096-I7", frame.ljust(45, "0"))[1]["why"]["explanations"]
     )
 

@@ -26,10 +26,13 @@ def masters() -> dict[str, Master]:
 
 @pytest.fixture(scope="session")
 def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
-    def made(code: str) -> Record:
+    def made(label: str) -> Record:
+        """An order code, and behind a space what the user decides, such as ``zero_bit=as_printed``."""
+        code, _, decided = label.partition(" ")
+        answers = dict([decided.split("=")]) if decided else {}
         for device in devices.values():
             try:
-                return record(device, find(device, code).variant)
+                return record(device, find(device, code).variant, answers=answers)
             except UnknownOrderCode:
                 continue
         raise LookupError(code)

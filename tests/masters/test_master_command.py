@@ -25,7 +25,7 @@ CODES = [
     "AMM5A21/65KBG1",
     "AM3616/4096-I7",
     "AM3619/4096-GG",
-    "ASC8525/SC1",
+    "ASC8525/SC1 --choose zero_bit=as_printed",
     "ASC8520/BG1",
 ]
 
@@ -38,7 +38,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
 
 @pytest.mark.parametrize("code", CODES)
 def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> None:
-    exit_code, out, err = run(capsys, "master", code)
+    exit_code, out, err = run(capsys, "master", *code.split())
     assert (exit_code, err) == (0, "")
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert "Nothing has been tried on hardware." in " ".join(out.split())
@@ -56,9 +56,20 @@ def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_master_that_cannot(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "master", "ASC8525/SC1", "--master", "keb_f5")
+    code, out, _ = run(capsys, "master", "ASC8525/SC1", "--master", "keb_f5", "--choose", "zero_bit=as_printed")
     assert code == 1
     assert "without further bits. Here: padding right 1. [manual: 2.2.2]" in " ".join(out.split())
+    code, out, _ = run(capsys, "master", "ASC8525/SC1", "--master", "keb_f5", "--choose", "zero_bit=left_out")
+    assert (code, "without further bits" in out) == (0, False)
+
+
+def test_what_is_open_has_to_be_chosen(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "master", "ASC8525/SC1")
+    assert (code, out) == (2, "")
+    assert err.startswith("codewheel: 'single_cycle_data' has no settings before you decide. Constant 0 bit between ")
+    assert "add --choose zero_bit=as_printed (Sent, " in err
+    assert " or --choose zero_bit=left_out (Not sent, " in err
+    assert run(capsys, "master", "ASC8525/BG1", "--choose", "zero_bit=left_out")[0] == 2
 
 
 def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
@@ -133,7 +144,7 @@ def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
 def test_json_has_its_shape(capsys: pytest.CaptureFixture[str], code: str) -> None:
     schema = json.loads((resources.files("codewheel.spec") / "master_settings.schema.json").read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
-    data = json.loads(run(capsys, "master", code, "--json")[1])
+    data = json.loads(run(capsys, "master", *code.split(), "--json")[1])
     assert [error.message for error in jsonschema.Draft202012Validator(schema).iter_errors(data)] == []
     assert data["record"]["crc_polynomial"] == (67 if data["record"]["interface"] == "biss" else 0)
 

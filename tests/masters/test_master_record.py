@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import pytest
-from codewheel.masters.record import NoRecord, Record, record
+from codewheel.masters.record import NoRecord, Record, Undecided, record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
 from codewheel.reference.order_codes import find
@@ -14,6 +14,8 @@ from codewheel.reference.run_time import with_registers
 from codewheel.spec.master_items import NUMBERS, WORDS
 
 RecordOf = Callable[[str], Record]
+#: ASC85 with the 0 bit that its manual prints in the BiSS frame.
+AS_PRINTED = {"zero_bit": "as_printed"}
 
 
 def test_every_item(record_of: RecordOf) -> None:
@@ -63,8 +65,10 @@ def test_every_item(record_of: RecordOf) -> None:
     [
         ("AMM5A23/65KSC1", "timeout_us", 30),  # 1.5 periods of the slowest clock, 50 kHz
         ("AM3616/4096-I7", "timeout_us", 10),
-        ("ASC8525/SC1", "timeout_us", None),
-        ("ASC8525/SC1", "padding_right", 1),
+        ("ASC8525/SC1 zero_bit=as_printed", "timeout_us", None),
+        ("ASC8525/SC1 zero_bit=as_printed", "padding_right", 1),
+        ("ASC8525/SC1 zero_bit=left_out", "padding_right", 0),  # as OnStepX reads it
+        ("ASC8525/SC1 zero_bit=left_out", "frame_bits", 33),
         ("AMM5A17/1BG1", "pause_us", 20),
         ("AMM5A17/1BG1", "crc_polynomial", 0),
         ("SMA21-GG1-0010", "status_bits", 1),
@@ -74,7 +78,7 @@ def test_every_item(record_of: RecordOf) -> None:
         ("AM3616/4096-I7", "supply_min_mv", 10_000),
         ("AM3616/4096-I7", "supply_max_mv", 30_000),
         ("SMA21-SC4-0050", "supply_min_mv", 5_000),
-        ("ASC8525/SC2", "supply_min_mv", 10_000),
+        ("ASC8525/SC2 zero_bit=left_out", "supply_min_mv", 10_000),
         ("ASC8525/BG1", "supply_max_mv", 5_250),
     ],
 )
@@ -160,6 +164,12 @@ def test_rs485_has_no_master(record_of: RecordOf) -> None:
         record_of("AMM5A23/65KJP1")
 
 
+def test_what_is_open_is_not_decided(record_of: RecordOf) -> None:
+    with pytest.raises(Undecided, match="'single_cycle_data' depends on zero_bit, which is for you to decide"):
+        record_of("ASC8525/SC1")
+    assert record_of("ASC8525/SC1 zero_bit=left_out").notes[0].startswith("With zero_bit=left_out: Not sent, as ")
+
+
 def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
     """A field of another kind, and one at another place, are no matter for the rules."""
     device = devices["asc85"]
@@ -174,11 +184,11 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
 
     position, zero, error, warning, crc = layout.fields
     with pytest.raises(NoRecord, match="'warning' is no position, status bit or CRC"):
-        record(with_fields(position, zero, error, replace(warning, kind=Number()), crc), variant)
+        record(with_fields(position, zero, error, replace(warning, kind=Number()), crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
-        record(with_fields(position, error, warning, crc), variant)
+        record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="'warning' stands where no master expects it"):
-        record(with_fields(position, zero, error, replace(warning, kind=Constant()), crc), variant)
+        record(with_fields(position, zero, error, replace(warning, kind=Constant()), crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="does not say what its position is"):
         record(replace(device, measurement=None), variant)
 
@@ -189,6 +199,6 @@ def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
         crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)
         with pytest.raises(NoRecord, match="straight or inverted as a whole"):
-            record(replace(device, crcs=crcs), variant)
+            record(replace(device, crcs=crcs), variant, answers=AS_PRINTED)
     straight = tuple(replace(item, xorout=0) for item in device.crcs)
-    assert record(replace(device, crcs=straight), variant).numbers["crc_inverted"] == 0
+    assert record(replace(device, crcs=straight), variant, answers=AS_PRINTED).numbers["crc_inverted"] == 0

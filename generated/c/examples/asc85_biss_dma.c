@@ -17,8 +17,14 @@
 /* The order code from the label, ASC8525/SC1. */
 static const lika_asc85_variant encoder = LIKA_ASC85_25_SC1;
 
+/*
+ * Yours to decide, since the manual leaves it open: Constant 0 bit between position and error bit
+ * of a BiSS frame [6.2.1 p.20]. The answers are explained in lika/asc85.h.
+ */
+static const lika_asc85_zero_bit my_zero_bit = LIKA_ASC85_ZERO_BIT_AS_PRINTED;
+
 /* One frame as SPI receives it: acknowledge, start, CDS, the word and the stop bit. */
-static uint8_t rx[LIKA_ASC85_25_SC1_BISS_RX_BYTES];
+static uint8_t rx[LIKA_ASC85_25_SC1_BISS_AS_PRINTED_RX_BYTES];
 
 /* Where the axis is. After a preset, lika_tracker_restart(&axis, now_us) lets it begin anew. */
 static lika_tracker axis;
@@ -42,8 +48,8 @@ static void spi_dma_done(uint32_t now_us)
 {
     lika_asc85_single_cycle_data frame;
     uint64_t word;
-    if (lika_biss_receive(rx, sizeof(rx), LIKA_ASC85_25_SC1_BISS_BITS, &word) == LIKA_OK
-        && lika_asc85_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
+    if (lika_biss_receive(rx, sizeof(rx), LIKA_ASC85_25_SC1_BISS_AS_PRINTED_BITS, &word) == LIKA_OK
+        && lika_asc85_single_cycle_data_decode(&encoder, my_zero_bit, word, &frame) == LIKA_OK
         && lika_asc85_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
         lika_tracker_add(&axis, frame.position, now_us);
     }

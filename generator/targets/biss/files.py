@@ -226,8 +226,10 @@ def _by_length(
 
 def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
     """The length of the data for each profile ID, where the profile ID tells the models apart; else nothing."""
-    by_code = {code: item.data_bits for item in lengths for code in item.codes}
-    sizes = {number: {by_code[code] for code in codes} for number, codes in profile_ids(device).items()}
+    sizes = {
+        number: {item.data_bits for item in lengths if not set(codes).isdisjoint(item.codes)}
+        for number, codes in profile_ids(device).items()
+    }
     return (
         {number: min(found) for number, found in sizes.items()}
         if len(sizes) > 1 and all(len(found) == 1 for found in sizes.values())
@@ -258,7 +260,7 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     for item in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
         lines.append(
-            f"  {', '.join(item.codes)}: {parts} = {item.data_bits} bits; "
+            f"  {', '.join(item.codes)}{_with(item)}: {parts} = {item.data_bits} bits; "
             f"with status bits {item.with_status}; with CRC {item.total}"
         )
     status = layout.status_fields
@@ -281,6 +283,11 @@ def _to_tell(device: Device, layout: Layout, crc: Crc, lengths: Sequence[DataLen
     lines += [f"  {BY_NAME.sentence(erratum(item))}" for item in errata(device, *paths)]
     lines.append(f"  registers, procedures and all else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
+
+
+def _with(item: DataLength) -> str:
+    """The decisions that a length depends on."""
+    return f" with {' and '.join(item.answers)}" if item.answers else ""
 
 
 def _active(status: Field) -> str:
@@ -308,7 +315,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
         return ["  profile ID, registers 42h and 43h: 0000h, which is no profile"]
     line = f"  profile ID, registers 42h and 43h: {number:04X}h"
     if len({item.data_bits for item in lengths}) > 1:
-        fitting = [code for item in lengths if item.data_bits == number & 0xFF for code in item.codes]
+        fitting = [f"{', '.join(item.codes)}{_with(item)}" for item in lengths if item.data_bits == number & 0xFF]
         only = f"; its low byte, {number & 0xFF}, is the data length of {', '.join(fitting)} only" if fitting else ""
         line += f", whatever the length{only}"
     return [line]
@@ -341,6 +348,8 @@ def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength])
     if len(sizes) == 1:
         return "Besides what stands here the master must be told, by order code:"
     told = "; the profile ID tells which" if _length_by_profile(device, lengths) else ""
+    for item in device.alternatives_of(layout):
+        told += f"; {item.name} ({item.meaning}) is for you to decide"
     several = f"one device ID stands for {len(sizes)} data lengths{told}"
     return f"No Length: {several}. The master must be told the one of the order code:"
 

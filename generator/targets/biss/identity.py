@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ...model import Biss, Constant, Crc, CrcValue, Device, Field, Layout, PlacedLayout, Register, Variant
+from ...model import Biss, Constant, Crc, CrcValue, Device, Field, Layout, PlacedLayout, Register, Variant, choices
 from ...model.expressions import Expression
 
 FIRST, LAST = 0x78, 0x7F
@@ -46,10 +46,13 @@ class IdBits:
 
 @dataclass(frozen=True, slots=True)
 class DataLength:
-    """Lengths of the single cycle data of some order codes: ``parts`` are the widths of the data fields in sending
-    order."""
+    """Lengths of the single cycle data of some order codes.
+
+    ``parts`` are the widths of the data fields in sending order. ``answers`` are the decisions that they depend on.
+    """
 
     codes: tuple[str, ...]
+    answers: tuple[str, ...]
     data_bits: int
     status_bits: int
     crc_bits: int
@@ -128,14 +131,19 @@ def single_cycle_data(device: Device) -> tuple[Layout, Crc] | None:
 
 
 def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
-    """The lengths of the single cycle data, each once, with the order codes that have it; in order of length."""
-    placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
-    for variant in device.variants:
-        if variant.interface == Biss.name:
-            made = layout.place(variant.parameters)
+    """Return the lengths of the single cycle data with the order codes that have them, in order of length.
+
+    Each is there once, or once for each way to decide what the manual leaves open.
+    """
+    found: list[DataLength] = []
+    for answers, sets in choices(device.alternatives_of(layout)):
+        placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
+        for variant in biss_variants(device):
+            made = layout.place({**variant.parameters, **sets})
             shape = tuple((item.name, item.width) for item in made.fields)
             placed.setdefault(shape, (made, []))[1].append(variant.code)
-    found = (_length(made, tuple(codes)) for made, codes in placed.values())
+        names = tuple(item.name for item in answers)
+        found += (_length(made, tuple(codes), names) for made, codes in placed.values())
     return tuple(sorted(found, key=lambda item: (item.data_bits, item.codes)))
 
 
@@ -181,7 +189,7 @@ def _stated(field: Field, variant: Variant) -> int:
     return field.kind.value if isinstance(field.kind, Constant) else 0
 
 
-def _length(placed: PlacedLayout, codes: tuple[str, ...]) -> DataLength:
+def _length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
     status = [item.name for item in placed.layout.status_fields]
     crc = sum(item.width for item in placed.fields if isinstance(item.field.kind, CrcValue))
     flags = sum(item.width for item in placed.fields if item.name in status)
@@ -190,7 +198,7 @@ def _length(placed: PlacedLayout, codes: tuple[str, ...]) -> DataLength:
         for item in placed.fields
         if not isinstance(item.field.kind, CrcValue) and item.name not in status
     }
-    return DataLength(codes, sum(data.values()), flags, crc, data)
+    return DataLength(codes, answers, sum(data.values()), flags, crc, data)
 
 
 def biss_variants(device: Device) -> tuple[Variant, ...]:

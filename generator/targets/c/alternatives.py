@@ -35,6 +35,8 @@ class AlternativeCode:
         self.item = item
         self.type = f"{prefix}_{item.name}"
         self.argument = c_name(item.name, _TAKEN)
+        #: What programs call the answer that they take.
+        self.constant = f"my_{item.name}"
         entries = tuple(
             Entry(f"{self.type}_{answer.name}".upper(), index, S.sentence(said(answer.meaning, source=answer.source)))
             for index, answer in enumerate(item.answers)

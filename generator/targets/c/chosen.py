@@ -119,12 +119,10 @@ class Chosen:
         return Frame(layout, wire, f"a worked example [{cite(first.source)}]")
 
     def _made_up(self) -> Frame:
-        sent = (item for item in self.interface.layouts if item.sender == "encoder")
-        layouts = [item for item in sent if not self.device.alternatives_of(item)]
-        if not layouts:
-            raise codec.EncodeError("every frame depends on what the manual leaves open")
-        measured = [item for item in layouts if self.has_position(item)]
-        layout = (measured or layouts)[0]
+        sent = [item for item in self.interface.layouts if item.sender == "encoder"]
+        # Rather one that the user need not decide on; order codes have the first answer of each alternative.
+        sent.sort(key=lambda item: (not self.has_position(item), bool(self.device.alternatives_of(item))))
+        layout, measured = sent[0], self.has_position(sent[0])
         placed = layout.place(self.variant.parameters)
         fields = [field for field in layout.data_fields if not field.runs]
         values = {field.name: _plain_value(layout, field) for field in fields}

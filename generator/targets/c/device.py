@@ -50,6 +50,7 @@ class Usage:
     frame: str
     verdict: str
     member: str
+    asked: tuple[AlternativeCode, ...] = ()
 
 
 class DeviceView:
@@ -144,8 +145,8 @@ class DeviceView:
                 names = {field.name for field in item.struct.layout.fields}
                 names |= {join.name for join in item.struct.layout.joins}
                 told = item.reports.verdict if item.reports is not None else ""
-                if told and not item.asked and not item.plan.in_bytes and measurement and measurement.of in names:
-                    return Usage(row.macro if row else "", item.name, told, c_name(measurement.of))
+                if told and not item.plan.in_bytes and measurement and measurement.of in names:
+                    return Usage(row.macro if row else "", item.name, told, c_name(measurement.of), item.asked)
         return None
 
     def errata(self, *paths: str) -> list[Paragraph]:

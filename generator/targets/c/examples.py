@@ -19,12 +19,13 @@ from ...model import (
     WriteStep,
     cite,
 )
-from ...plan.received import SSI_AROUND, received
+from ...plan.received import SSI_AROUND, Received, received
 from ...plan.steps import Sends
 from ...reference import codec
 from ...say.name import title, words
 from ...say.words import WORTH
 from .access import Access
+from .alternatives import AlternativeCode
 from .chosen import Chosen, Frame
 from .comments import ascii_text
 from .device import DeviceView
@@ -106,6 +107,27 @@ class ExampleCode:
     # -- the frame
 
     @property
+    def asked(self) -> tuple[AlternativeCode, ...]:
+        """What the user has to decide before the frame can be decoded; the program takes the first answers."""
+        return next(codec.asked for item in self.view.interfaces for codec in item.codecs if codec.struct is self.struct)
+
+    @property
+    def encoder(self) -> str:
+        """The first arguments of the decoder."""
+        return ", ".join(("&encoder", *(item.constant for item in self.asked)))
+
+    @property
+    def received(self) -> list[Received]:
+        """What a receiver takes in for the frame, by order code."""
+        answers = [item.item.answers[0] for item in self.asked]
+        found = received(self.view.device, self.interface)
+        return [
+            item
+            for item in found
+            if item.layout is self.frame.layout and all(answer in answers for answer in item.answers)
+        ]
+
+    @property
     def title(self) -> str:
         name = words(self.frame.layout.name)
         return name[0].upper() + name[1:]
@@ -141,9 +163,7 @@ class ExampleCode:
     @property
     def raw(self) -> Raw | None:
         """What comes over SSI: high till the first clock has stored the position, the word, and the 0 after it."""
-        layout, variant = self.frame.layout, self._chosen.variant
-        found = (item for item in received(self.view.device, self.interface) if item.layout is layout)
-        mine = next((item for item in found if item.variant is variant), None)
+        mine = next((item for item in self.received if item.variant is self._chosen.variant), None)
         if mine is None or not isinstance(self.interface, Ssi):
             return None
         bits, size = (item.name for item in self.view.lengths[self.interface.name].macros_of(mine))

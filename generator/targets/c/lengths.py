@@ -22,6 +22,8 @@ class LengthCode:
         found = list(received(context.device, interface))
         #: The frames that the constants are about.
         self.layouts = tuple(dict.fromkeys(item.layout.name for item in found))
+        #: The answers of the user on which a length depends.
+        self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
         self.held = any(item.held for item in found)
         #: How many bits of acknowledge a buffer has room for; 0 where there is none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
@@ -34,9 +36,9 @@ class LengthCode:
 
     def macros_of(self, item: Received) -> Iterator[Macro]:
         """How many bits come, and how many bytes they fill."""
-        stem = f"{self._stems[id(item.variant)]}_{self.interface.name}" + (
-            f"_{item.layout.name}" if len(self.layouts) > 1 else ""
-        )
+        names = [item.layout.name] if len(self.layouts) > 1 else []
+        names += [answer.name for answer in item.answers]
+        stem = "_".join((self._stems[id(item.variant)], self.interface.name, *names))
         yield Macro(f"{stem}_BITS".upper(), number(item.bits))
         yield Macro(f"{stem}_RX_BYTES".upper(), number(item.bytes))
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from ...model import Biss, Device, Manufacturer
-from ...plan.received import received
 from .. import has_biss
 from .comments import ascii_text
 from .crcs import CrcCode
@@ -128,8 +127,7 @@ class Guide:
     def bits(self) -> str:
         """The macro of the length of its frame, as a receiver takes it."""
         view, interface = self.example.view, self.example.interface
-        found = (item for item in received(view.device, interface) if item.layout is self.example.frame.layout)
-        mine = next(item for item in found if item.variant is self.example.row.variant)
+        mine = next(item for item in self.example.received if item.variant is self.example.row.variant)
         return next(view.lengths[interface.name].macros_of(mine)).name
 
     @property

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ...model import Biss
-from ...plan.received import received
 from .examples import ExampleCode
 from .variants import CodeRow
 
@@ -20,8 +19,7 @@ class ReceiverCode:
         self.struct = example.struct.name
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
-        frames = (item for item in received(view.device, example.interface) if item.layout is example.frame.layout)
-        self.longest = max(frames, key=lambda item: item.bits)
+        self.longest = max(example.received, key=lambda item: item.bits)
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
         self.bits, self.size = (item.name for item in view.lengths[example.interface.name].macros_of(self.longest))

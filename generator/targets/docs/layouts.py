@@ -6,9 +6,9 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from ...model import Alternative, Answer, Device, Field, FieldGroup, Interface, Layout, PlacedLayout, Register
+from ...model import Alternative, Answer, Device, Field, FieldGroup, Interface, Layout, PlacedLayout, Register, choices
 from ...model.expressions import Expression
-from ...say.alternative import choices, names
+from ...say.alternative import names
 from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.name import Named
@@ -163,30 +163,44 @@ def used_groups(interface: Interface) -> list[str]:
 
 
 def placement_table(device: Device, layout: Layout, kind: str) -> str:
-    """Where each field stands for each order code, as a table; empty where that is the same for all."""
-    shapes = placements(device, layout, kind)
+    """Where each field stands for each order code and decision, as a table; empty where that is the same for all.
+
+    Decisions count only where they change the length: where a field stands by them, its own row says.
+    """
+    deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
+    shapes = [
+        (answers, shape)
+        for answers, sets in choices(deciding)
+        for shape in placements(device, layout, kind, sets)
+    ]
     if len(shapes) < 2:
         return ""
     decided = {name for item in device.alternatives for name in item.answers[0].sets}
     moving = [field for field in layout.fields if not field.padding_of and _moves(field, decided)]
     within = {field.name: _place(layout, field) for field in moving if field.container and layout.sender}
     rows = []
-    for shape in shapes:
+    for answers, shape in shapes:
         cells = []
         for field in moving:
             item = shape.placed.field(field.name)
             below = item.low if item is not None and field.name in within else 0
             cells.append("–" if item is None else bit_range(item.high - below, item.low - below))
         total = [f"{shape.placed.bits}"] if not layout.bits.is_constant else [""]
-        rows.append([order_codes(device, shape.codes), *total, *cells])
+        rows.append([order_codes(device, shape.codes), *(code(item.name) for item in answers), *total, *cells])
     return table(
         [
             "Order codes",
+            *(link(code(item.name), f"#alternative-{item.name}") for item in deciding),
             "Bits",
             *(code(field.name) + (f" in {within[field.name]}" if field.name in within else "") for field in moving),
         ],
         rows,
     )
+
+
+def _lengthens(layout: Layout, item: Alternative) -> bool:
+    """Whether the length of the layout depends on an alternative."""
+    return not item.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
 
 
 def _moves(field: Field, decided: Container[str]) -> bool:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.record import NoRecord, Record, record
+from ...masters.record import NoRecord, Record, Undecided, record
 from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
 from ...masters.text import bound, condition, conditions, facts, legend, mark
-from ...model import Device, Interface
-from ...say.markdown import code, text
+from ...model import Device, Interface, Variant, choices
+from ...say.markdown import code, joined, text
 from .facts import document_rows
 from .patterns import order_codes
 from .places import to_erratum
@@ -72,7 +73,18 @@ def _records(device: Device, interface: Interface) -> Iterator[Record]:
     for variant in device.variants:
         if variant.interface == interface.name:
             with suppress(NoRecord):
-                yield record(device, variant)
+                yield from _by_answers(device, variant)
+
+
+def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:
+    """The record of an order code, once for each way to decide what its frame depends on."""
+    try:
+        yield record(device, variant)
+    except Undecided as error:
+        deciding = device.alternatives_of(error.layout)
+        for answers, _ in choices(deciding):
+            named = {item.name: answer.name for item, answer in zip(deciding, answers, strict=True)}
+            yield record(device, variant, answers=named)
 
 
 def _interface(
@@ -132,8 +144,18 @@ def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]])
 
 
 def _label(groups: Sequence[Group]) -> str:
-    """The order codes of all of them."""
-    return order_codes(groups[0].device, [item for group in groups for item in group.codes])
+    """The order codes of all of them, with the answers where not all ways to decide are among them."""
+    device = groups[0].device
+    found: dict[tuple[tuple[str, str], ...], list[str]] = {}
+    for group in groups:
+        found.setdefault(tuple(group.record.answers.items()), []).extend(group.codes)
+    ways = prod(len(item.answers) for item in device.alternatives if item.name in groups[0].record.answers)
+    if len(found) == ways and len({frozenset(codes) for codes in found.values()}) == 1:
+        return order_codes(device, next(iter(found.values())))
+    return joined(
+        " ".join((order_codes(device, codes), *(f"with {code(f'{name}={answer}')}" for name, answer in answers)))
+        for answers, codes in found.items()
+    )
 
 
 def _master(master: Master, sheets: Told) -> dict[str, Any]:

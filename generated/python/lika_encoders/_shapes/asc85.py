@@ -13,7 +13,7 @@ from typing import Final
 from .._shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, of_bits
 from .._reports import Verdict
 from .._table import Fault
-from ..asc85 import BissEncoder, SsiEncoder, crc_biss_6
+from ..asc85 import BissEncoder, SsiEncoder, ZeroBit, crc_biss_6
 
 
 @lru_cache(maxsize=None)
@@ -31,17 +31,17 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
+def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape:
     """The columns of ``SingleCycleData``."""
     return Shape(
-        bits=variant.position_bits + 9,
+        bits=zero_bit.zero_bits + variant.position_bits + 8,
         columns=(
-            Column("position", low=9, width=variant.position_bits),
+            Column("position", low=zero_bit.zero_bits + 8, width=variant.position_bits),
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
         checks=(
-            Check(low=8, width=1, fault=Fault.CONSTANT, values=(0,)),
+            Check(low=8, width=zero_bit.zero_bits, fault=Fault.CONSTANT, values=(0,)),
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
@@ -54,7 +54,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         crc=CrcOf(
             low=0,
             width=6,
-            differs=of_bits(crc_biss_6, variant.position_bits + 3, 6),
+            differs=of_bits(crc_biss_6, zero_bit.zero_bits + variant.position_bits + 2, 6),
             xorout=63,
             steps=(
                 Fold(12, 0xFFF, 2),

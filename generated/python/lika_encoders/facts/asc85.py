@@ -116,8 +116,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         polynomial="x^6 + x + 1",
         note=(
             "The manual prints the polynomial and that the output is inverted. Start value 0, most significant bit "
-            "first, and the range (everything from the position to the warning bit, the constant 0 included) are "
-            "those of public BiSS documents."
+            "first, and the range (everything from the position to the warning bit, with the constant 0 where it is "
+            "sent) are those of public BiSS documents."
         ),
         source="6.2.1 p.21; prot: p.7-8; renishaw: data sheet; icmu: p.30",
     ),
@@ -1227,23 +1227,34 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "SCD data is nbitres+8 long. Its parts, a 0 bit among them, add up to nbitres + 9, and the preliminary "
             "information has 34 bits for 25"
         ),
-        used="position_bits + 9, with the 0 bit between position and error bit",
+        used=(
+            "Either, by a decision of the user that has no default: position_bits + 9 bits with the 0 bit between "
+            "position and error bit, or position_bits + 8 bits without it. If every frame fails its CRC, the other "
+            "one is likely."
+        ),
         why=(
             "nbitres+8 is the number of the top bit in the table, and the profile ID too has 25 + 1 bits. But the one "
             "public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without the 0 "
-            "bit. With the 0 bit left out the length would be nbitres+8 as printed; a model of 24 bits with it is 33 "
-            "bits long as well. Where all frames fail their CRC, try the frame of position_bits + 8 bits, without the "
-            "0 bit: position, nE, nW, CRC."
+            "bit, and 33 is nbitres+8 as printed. A receiver that takes a bit too many or too few rejects every "
+            "undisturbed frame, because the inverted CRC never fits a frame shifted by one bit. A word that a master "
+            "received with the right length is another matter: the CRC does not see zeros in front, so the wrong "
+            "layout accepts every second position and shows half or twice its value. The frame of 25 bits without the "
+            "0 bit is also as long as that of 24 bits with it."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
-        affects=("interfaces.biss.single_cycle_data", "registers.profile_id", "registers.position"),
+        affects=(
+            "alternatives.zero_bit",
+            "interfaces.biss.single_cycle_data",
+            "registers.profile_id",
+            "registers.position",
+        ),
         source="6.2.1 p.20; Preliminary information p.7; 6.4 p.23; onstepx: src/lib/encoder/bissc/Asc85.cpp",
     ),
     Erratum(
         name="profile_id_data_length",
         printed="Profile ID 28 1A, data length 25 + 1 bits, for all models",
-        used="281Ah for all models, as printed; frames of position_bits + 9 bits",
+        used="281Ah for all models, as printed. It decides neither the resolution nor the zero bit of the frame.",
         why=(
             "It fits the model of 25 bits only; by 6.2.1 the others send 20 + 1 to 24 + 1 bits. In the SMA21 manual "
             "the same byte differs with the model and is its data length. Another ID at a lower resolution is likely; "
