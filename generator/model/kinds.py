@@ -9,13 +9,20 @@ from enum import Enum
 from .facts import Sources
 
 
+#: What an active flag says where the manual explains it for other order codes alone.
+UNEXPLAINED = "active; the manual does not say what this bit means for this order code"
+
+
 class Verdict(Enum):
-    """What the position of a sound frame is worth, the worst first; the last where nothing in the frame tells."""
+    """Worth of the position in a valid frame, the worst first. NOT_TOLD: no flag of the frame says anything about it.
+
+    The most severe verdict decides, so that a warning never makes a position better than no information does.
+    """
 
     NOT_USABLE = "not_usable"
+    NOT_TOLD = "not_told"
     USABLE_WITH_WARNING = "usable_with_warning"
     USABLE = "usable"
-    NOT_TOLD = "not_told"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +62,8 @@ class Flag:
     """One bit, true when active.
 
     ``makes_position`` says what the position of the same frame is worth while the flag is active, None where it comes
-    with no position; ``sums_up`` names the flags whose sum it is.
+    with no position; ``sums_up`` names the flags whose sum it is. All of this holds for the order codes ``only``, those
+    with a parameter ``only_while`` other than 0; for the others an active flag is ``unexplained``.
     """
 
     active_low: bool = False
@@ -63,6 +71,14 @@ class Flag:
     when_inactive: str = ""
     makes_position: Verdict | None = None
     sums_up: tuple[str, ...] = ()
+    only: str = ""
+    only_while: str = ""
+
+    @property
+    def unexplained(self) -> Flag:
+        """The flag as order codes have it for which the manual does not explain it."""
+        worth = None if self.makes_position is None else Verdict.USABLE_WITH_WARNING
+        return Flag(self.active_low, UNEXPLAINED, makes_position=worth)
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,7 @@ from ..model.expressions import Expression
 from .name import Named, own_names, printed, register_field
 from .place import hexadecimal
 from .register import reserved
+from .steps import remedied
 from .text import Code, Hex, Level, Part, Ref, Said, listed, parted, said, told
 from .words import WORTH
 
@@ -32,6 +33,7 @@ def field(device: Device, item: Field) -> Iterator[Said]:
     """All that running text says, in order."""
     yield from meaning(item, item.meaning)
     yield from rules(device, item)
+    yield from remedied(item.remedy, item.by_hand)
     yield from told(item.note)
 
 
@@ -110,6 +112,10 @@ def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
         yield said("Sums up ", *listed(list(map(Code, kind.sums_up))))
     if kind.makes_position and implemented:
         yield said("While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}")
+    if kind.only:
+        elsewhere = kind.unexplained.makes_position
+        worth = f", and {WORTH[elsewhere]}" if elsewhere is not None else ""
+        yield said("This holds with ", Code(kind.only), f"; the manual does not explain it for others{worth}")
 
 
 def _run(run: Digits) -> tuple[Part, ...]:

@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 from c_harness import GCC, Run, compile_c, write
 from codewheel.model import Device, Flag, PlacedLayout, Variant, Verdict
-from codewheel.plan.reports import reportings, reports_of
+from codewheel.plan.reports import Told, reportings, reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Report, findings
+from codewheel.say.report import alarm_of, meaning
 from test_c_codec import Table, check, made, on_the_wire, samples
 
 pytestmark = pytest.mark.slow
@@ -22,7 +23,7 @@ pytestmark = pytest.mark.slow
 #: Frames of each layout and order code; ``make verify-crosscheck`` has a million.
 FRAMES = 300
 VERDICTS = list(Verdict)
-NOT_USABLE, WARNING, USABLE, NOT_TOLD = range(4)
+NOT_USABLE, NOT_TOLD, WARNING, USABLE = range(4)
 
 
 def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
@@ -41,13 +42,18 @@ def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
             yield name, variant, placed, made(device, placed, choices, fixed, random_)
 
 
+def said_by(device: Device, told: Told) -> tuple[str, str]:
+    """The field that makes a report, and what the report says: a flag can say another thing for other order codes."""
+    return told.by.field.name, meaning(told.made_of, alarm_of(device, told.made_of))
+
+
 class Telling:
     """What the frames of a device tell, by the reference, as C has to give it."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
         self._bits = {
-            item.codec.layout.name: {told.by.field.name: 1 << told.report.number for told in item.told}
+            item.codec.layout.name: {said_by(device, told): 1 << told.report.number for told in item.told}
             for item in reportings(device)
         }
 
@@ -58,7 +64,7 @@ class Telling:
         return bool(self._bits[layout])
 
     def mask(self, reports: Iterable[Report], layout: str) -> int:
-        return sum(self._bits[layout][item.field] for item in reports)
+        return sum(self._bits[layout][item.field, item.meaning] for item in reports)
 
     def of(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
         """The verdict, if there is one, and the mask of the reports."""

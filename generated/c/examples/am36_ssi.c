@@ -47,9 +47,9 @@ static lika_result show_frame(void)
     /* By lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
+        "nothing in this frame tells whether the position is usable",
         "the position is usable, with a warning",
-        "the position is usable",
-        "nothing in this frame tells whether the position is usable"
+        "the position is usable"
     };
     lika_verdict verdict;
     lika_am36_ssi_word again;
@@ -77,7 +77,7 @@ static lika_result show_frame(void)
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_am36_ssi_word_verdict(&frame);
+    verdict = lika_am36_ssi_word_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != LIKA_NOT_USABLE) {
         printf("  that is %.3f degrees\n", lika_am36_ssi_degrees(&encoder,

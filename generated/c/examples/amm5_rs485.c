@@ -100,9 +100,9 @@ static lika_result show_frame(const uint8_t *bytes, size_t length)
     /* By lika_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
+        "nothing in this frame tells whether the position is usable",
         "the position is usable, with a warning",
-        "the position is usable",
-        "nothing in this frame tells whether the position is usable"
+        "the position is usable"
     };
     lika_verdict verdict;
     const lika_result result = lika_amm5_singleturn_reply_decode(&encoder, bytes, length, &frame);
@@ -114,9 +114,9 @@ static lika_result show_frame(const uint8_t *bytes, size_t length)
     printf("  status_st_error: %s\n", frame.status_st_error ? "yes" : "no");
     printf("  status_other_error: %s\n", frame.status_other_error ? "yes" : "no");
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
-    print_reports(lika_amm5_singleturn_reply_reports(&frame));
+    print_reports(lika_amm5_singleturn_reply_reports(&encoder, &frame));
     /* A frame can be well formed, its CRC right, and its position not usable all the same. */
-    verdict = lika_amm5_singleturn_reply_verdict(&frame);
+    verdict = lika_amm5_singleturn_reply_verdict(&encoder, &frame);
     printf("  %s\n", worth[verdict]);
     return LIKA_OK;
 }

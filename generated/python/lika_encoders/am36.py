@@ -825,8 +825,6 @@ class SingleCycleData(NamedTuple):
         """What the position is worth: look at it before you use the position."""
         if self.unused & 0x2:
             return Verdict.NOT_USABLE
-        if self.unused & 0x1:
-            return Verdict.USABLE_WITH_WARNING
         return Verdict.NOT_TOLD
 
     @property

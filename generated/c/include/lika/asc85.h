@@ -11,7 +11,7 @@
  *   static const lika_asc85_variant encoder = LIKA_ASC85_20_SC1;
  *   lika_asc85_single_cycle_data frame;
  *   if (lika_asc85_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
- *       && lika_asc85_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+ *       && lika_asc85_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
  *       ... frame.position ...
  *   }
  * The word comes from your BiSS or SSI master, or out of SPI and DMA by lika/receive.h.
@@ -50,7 +50,7 @@
 
 #include "encoder.h"
 
-#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x7AA467DCU)
+#if !defined(LIKA_GENERATION) || (LIKA_GENERATION != 0x53397295U)
 #error "lika/asc85.h 0.1.0 and lika/encoder.h are of two generations; take both from one folder"
 #endif
 
@@ -521,8 +521,10 @@ static inline lika_result lika_asc85_ssi_word_encode(
 
 /** What the position is worth: nothing in this frame tells. */
 LIKA_NODISCARD
-static inline lika_verdict lika_asc85_ssi_word_verdict(const lika_asc85_ssi_word *frame)
+static inline lika_verdict lika_asc85_ssi_word_verdict(
+    const lika_asc85_variant *variant, const lika_asc85_ssi_word *frame)
 {
+    (void)variant;
     (void)frame;
     return LIKA_NOT_TOLD;
 }
@@ -708,8 +710,9 @@ static inline lika_result lika_asc85_single_cycle_data_encode(
 /** What the position is worth, by what the frame reports. */
 LIKA_NODISCARD
 static inline lika_verdict lika_asc85_single_cycle_data_verdict(
-    const lika_asc85_single_cycle_data *frame)
+    const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *frame)
 {
+    (void)variant;
     if (frame->error) {
         return LIKA_NOT_USABLE;
     }
@@ -721,8 +724,9 @@ static inline lika_verdict lika_asc85_single_cycle_data_verdict(
 
 /** What the encoder reports: a mask of bits LIKA_ASC85_REPORT_. */
 static inline uint32_t lika_asc85_single_cycle_data_reports(
-    const lika_asc85_single_cycle_data *frame)
+    const lika_asc85_variant *variant, const lika_asc85_single_cycle_data *frame)
 {
+    (void)variant;
     return (frame->error ? (uint32_t)LIKA_ASC85_REPORT_ERROR : 0U) |
         (frame->warning ? (uint32_t)LIKA_ASC85_REPORT_WARNING : 0U);
 }

@@ -20,7 +20,7 @@
 #define LIKA_VERSION "0.1.0"
 
 /** Headers of another generation do not compile beside this one: take all from one folder. */
-#define LIKA_GENERATION 0x7AA467DCU
+#define LIKA_GENERATION 0x53397295U
 
 #ifdef __cplusplus
 extern "C" {
@@ -62,12 +62,12 @@ typedef enum lika_result {
     LIKA_FAULT_REPEAT = 11      /**< two readings of one position do not agree */
 } lika_result;
 
-/** What the position of a sound frame is worth, the worst first. */
+/** What the position of a valid frame is worth, the worst first. */
 typedef enum lika_verdict {
     LIKA_NOT_USABLE = 0,          /**< wrong, frozen, 0 or in doubt */
-    LIKA_USABLE_WITH_WARNING = 1, /**< it can be used, but something wants attention */
-    LIKA_USABLE = 2,              /**< the encoder reports nothing against it */
-    LIKA_NOT_TOLD = 3             /**< nothing in such frames tells */
+    LIKA_NOT_TOLD = 1,            /**< nothing in such frames tells */
+    LIKA_USABLE_WITH_WARNING = 2, /**< it can be used, but something wants attention */
+    LIKA_USABLE = 3               /**< the encoder reports nothing against it */
 } lika_verdict;
 
 /** What a report means; a member is empty where the manual has nothing. */
