@@ -10,7 +10,7 @@ from .facts import Sources
 
 
 #: What an active flag says where the manual explains it for other order codes alone.
-UNEXPLAINED = "active; the manual does not say what this bit means for this order code"
+UNEXPLAINED = "the manual does not say what this bit means for this order code"
 
 
 class Verdict(Enum):

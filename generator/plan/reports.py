@@ -145,24 +145,26 @@ def _is_told(field: Field) -> bool:
 
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """By frame and field."""
-    fields = [
-        (interface.name, layout.name, item)
+    found = [
+        (interface.name, layout.name, item, only is not None and not only.holds)
         for interface, layout in _sent(device)
         for field in layout.fields
-        for item, _ in _by_code(field)
+        for item, only in _by_code(field)
         if _is_told(item)
     ]
+    # What the manual does not explain comes last, so that the others keep their numbers.
+    fields = [item[:3] for item in sorted(found, key=lambda item: item[3])]
     said: dict[str, set[object]] = {}
     for kind, _, item in fields:
         for name in (item.name, f"{kind}_{item.name}"):
             said.setdefault(name, set()).add((item.kind, item.group, item.meaning))
-    found: dict[tuple[str, str], Report] = {}
+    made: dict[tuple[str, str], Report] = {}
     by_name: dict[str, Report] = {}
     for kind, frame, item in fields:
         names = (item.name, f"{kind}_{item.name}")
         name = next((name for name in names if len(said[name]) == 1), f"{frame}_{item.name}")
-        found[frame, item.name] = by_name.setdefault(name, Report(name, len(by_name), item))
-    return found
+        made[frame, item.name] = by_name.setdefault(name, Report(name, len(by_name), item))
+    return made
 
 
 def _judgement(codec: Codec) -> Judgement:

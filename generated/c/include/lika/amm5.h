@@ -373,22 +373,22 @@ static inline uint32_t lika_amm5_mem_busy_bit(lika_amm5_eeprom_address eeprom_ad
 /** What frames report of the encoder; their functions _reports() give a mask of these bits. */
 #define LIKA_AMM5_REPORT_ERROR 0x01U /**< Error, nE [6.2.1 p.32; 3.4]. */
 #define LIKA_AMM5_REPORT_WARNING 0x02U /**< Warning, nW [6.2.1 p.33; 4.3.1 p.23]. */
-#define LIKA_AMM5_REPORT_WARNING_UNEXPLAINED 0x04U /**< Warning, nW [6.2.1 p.33; 4.3.1 p.23]. */
-#define LIKA_AMM5_REPORT_STATUS_INFO 0x08U /* EI_3 ... EI_0, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
-#define LIKA_AMM5_REPORT_STATUS_ST_ERROR 0x10U /**< EE_0 [7.3.2 p.42; it: 7.3.2 p.43]. */
-#define LIKA_AMM5_REPORT_STATUS_OTHER_ERROR 0x20U /**< EE_1 [7.3.2 p.42; it: 7.3.2 p.43]. */
-#define LIKA_AMM5_REPORT_STATUS_ZERO 0x40U /**< Status zero, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
-#define LIKA_AMM5_REPORT_ALARM_ZERO_0 0x80U /**< Alarm zero 0, unused [7.4 p.43]. */
-#define LIKA_AMM5_REPORT_BUSY 0x100U /**< BUSY [7.4.1 p.44]. */
-#define LIKA_AMM5_REPORT_ST_ERROR 0x200U /**< STERR [7.4.1 p.44]. */
-#define LIKA_AMM5_REPORT_ALARM_ZERO_3_4 0x400U /**< Alarm zero 3 4, unused [7.4 p.43]. */
-#define LIKA_AMM5_REPORT_PS_ERROR 0x800U /**< PSERR [7.4.1 p.44]. */
-#define LIKA_AMM5_REPORT_MT_ERROR 0x1000U /**< MTERR [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
-#define LIKA_AMM5_REPORT_MT_ERROR_UNEXPLAINED 0x2000U /**< MTERR [7.4 p.43]. */
-#define LIKA_AMM5_REPORT_BATTERY_ALARM 0x4000U /**< BATT [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
-#define LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED 0x8000U /**< BATT [7.4 p.43]. */
-#define LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY 0x10000U /**< MEM BUSY [7.5 p.46]. */
-#define LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY 0x20000U /**< MEM BUSY [7.5 p.46]. */
+#define LIKA_AMM5_REPORT_STATUS_INFO 0x04U /* EI_3 ... EI_0, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_ST_ERROR 0x08U /**< EE_0 [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_OTHER_ERROR 0x10U /**< EE_1 [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_STATUS_ZERO 0x20U /**< Status zero, unused [7.3.2 p.42; it: 7.3.2 p.43]. */
+#define LIKA_AMM5_REPORT_ALARM_ZERO_0 0x40U /**< Alarm zero 0, unused [7.4 p.43]. */
+#define LIKA_AMM5_REPORT_BUSY 0x80U /**< BUSY [7.4.1 p.44]. */
+#define LIKA_AMM5_REPORT_ST_ERROR 0x100U /**< STERR [7.4.1 p.44]. */
+#define LIKA_AMM5_REPORT_ALARM_ZERO_3_4 0x200U /**< Alarm zero 3 4, unused [7.4 p.43]. */
+#define LIKA_AMM5_REPORT_PS_ERROR 0x400U /**< PSERR [7.4.1 p.44]. */
+#define LIKA_AMM5_REPORT_MT_ERROR 0x800U /**< MTERR [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
+#define LIKA_AMM5_REPORT_BATTERY_ALARM 0x1000U /**< BATT [7.4.1 p.44; 9 p.51; it: 7.4.1 p.45]. */
+#define LIKA_AMM5_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY 0x2000U /**< MEM BUSY [7.5 p.46]. */
+#define LIKA_AMM5_REPORT_EEPROM_READ_REPLY_MEM_BUSY 0x4000U /**< MEM BUSY [7.5 p.46]. */
+#define LIKA_AMM5_REPORT_WARNING_UNEXPLAINED 0x8000U /**< Warning, nW [6.2.1 p.33; 4.3.1 p.23]. */
+#define LIKA_AMM5_REPORT_MT_ERROR_UNEXPLAINED 0x10000U /**< MTERR [7.4 p.43]. */
+#define LIKA_AMM5_REPORT_BATTERY_ALARM_UNEXPLAINED 0x20000U /**< BATT [7.4 p.43]. */
 
 /** The text of a report; of several that of the lowest bit, of none one with empty members. */
 static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
@@ -415,13 +415,6 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "Replace a low battery as soon as possible. For an error in the multiturn system the "
             "manual names no remedy. Steps on the hardware page: \042Battery replacement without "
             "error\042",
-            "6.2.1 p.33; 4.3.1 p.23"
-        },
-        {
-            "warning_unexplained",
-            "Warning, nW",
-            "active; the manual does not say what this bit means for this order code",
-            "",
             "6.2.1 p.33; 4.3.1 p.23"
         },
         {
@@ -498,26 +491,12 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
         },
         {
-            "mt_error_unexplained",
-            "MTERR",
-            "active; the manual does not say what this bit means for this order code",
-            "",
-            "7.4 p.43"
-        },
-        {
             "battery_alarm",
             "BATT",
             "external battery below 3.15 V",
             "Replace the battery as soon as possible, then reset the error with data ID 7 or C. "
             "Steps on the hardware page: \042Battery replacement without error\042",
             "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
-        },
-        {
-            "battery_alarm_unexplained",
-            "BATT",
-            "active; the manual does not say what this bit means for this order code",
-            "",
-            "7.4 p.43"
         },
         {
             "eeprom_write_reply_mem_busy",
@@ -532,6 +511,27 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "memory busy, request not executed",
             "",
             "7.5 p.46"
+        },
+        {
+            "warning_unexplained",
+            "Warning, nW",
+            "the manual does not say what this bit means for this order code",
+            "",
+            "6.2.1 p.33; 4.3.1 p.23"
+        },
+        {
+            "mt_error_unexplained",
+            "MTERR",
+            "the manual does not say what this bit means for this order code",
+            "",
+            "7.4 p.43"
+        },
+        {
+            "battery_alarm_unexplained",
+            "BATT",
+            "the manual does not say what this bit means for this order code",
+            "",
+            "7.4 p.43"
         },
         { "", "", "", "", "" }
     };

@@ -522,13 +522,6 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             source="6.2.1 p.33; 4.3.1 p.23",
         ),
         Report(
-            name="warning_unexplained",
-            printed_name="Warning, nW",
-            meaning="active; the manual does not say what this bit means for this order code",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="6.2.1 p.33; 4.3.1 p.23",
-        ),
-        Report(
             name="status_info",
             printed_name="EI_3 ... EI_0",
             meaning="differs from the manual, which has 0 in these unused bits. Encoder information.",
@@ -611,13 +604,6 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
         ),
         Report(
-            name="mt_error_unexplained",
-            printed_name="MTERR",
-            meaning="active; the manual does not say what this bit means for this order code",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.4 p.43",
-        ),
-        Report(
             name="battery_alarm",
             printed_name="BATT",
             meaning="external battery below 3.15 V",
@@ -627,13 +613,6 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
-        ),
-        Report(
-            name="battery_alarm_unexplained",
-            printed_name="BATT",
-            meaning="active; the manual does not say what this bit means for this order code",
-            makes_position=Verdict.USABLE_WITH_WARNING,
-            source="7.4 p.43",
         ),
         Report(
             name="eeprom_write_reply_mem_busy",
@@ -646,6 +625,27 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="MEM BUSY",
             meaning="memory busy, request not executed",
             source="7.5 p.46",
+        ),
+        Report(
+            name="warning_unexplained",
+            printed_name="Warning, nW",
+            meaning="the manual does not say what this bit means for this order code",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="6.2.1 p.33; 4.3.1 p.23",
+        ),
+        Report(
+            name="mt_error_unexplained",
+            printed_name="MTERR",
+            meaning="the manual does not say what this bit means for this order code",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.4 p.43",
+        ),
+        Report(
+            name="battery_alarm_unexplained",
+            printed_name="BATT",
+            meaning="the manual does not say what this bit means for this order code",
+            makes_position=Verdict.USABLE_WITH_WARNING,
+            source="7.4 p.43",
         ),
     )
 )
