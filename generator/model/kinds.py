@@ -8,7 +8,6 @@ from enum import Enum
 
 from .facts import Sources
 
-
 #: What an active flag says where the manual explains it for other order codes alone.
 UNEXPLAINED = "the manual does not say what this bit means for this order code"
 

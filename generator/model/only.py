@@ -11,8 +11,8 @@ _PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
 def fits(only: str, code: str) -> bool:
     """Tell whether ``code`` is among the order codes ``only``; all are where that is empty.
 
-    ``...`` stands for any text and ``x`` for any one character; a comma separates several. A label goes on with a hyphen,
-    which counts as part of the order code.
+    ``...`` stands for any text and ``x`` for any one character; a comma separates several. A label goes on with a
+    hyphen, which counts as part of the order code.
     """
     return not only or any(pattern.fullmatch(f"{code}-") for pattern in _patterns(only))
 

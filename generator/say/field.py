@@ -33,7 +33,6 @@ def field(device: Device, item: Field) -> Iterator[Said]:
     """All that running text says, in order."""
     yield from meaning(item, item.meaning)
     yield from rules(device, item)
-    yield from remedied(item.remedy, item.by_hand)
     yield from told(item.note)
 
 
@@ -59,6 +58,7 @@ def rules(device: Device, item: Field) -> Iterator[Said]:
         yield said(Expression(item.default), label="Default")
     if item.explained_by:
         yield said("For the reason, see ", *listed([register_field(device, path) for path in item.explained_by]))
+    yield from remedied(item.remedy, item.by_hand)
 
 
 def _kind(device: Device, item: Field) -> Iterator[Said]:

@@ -20,5 +20,5 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Said]:
 
 def with_steps(text: str, names: Sequence[str]) -> str:
     """The same as plain text: the steps by their titles on the page of the hardware."""
-    titles = " or ".join(f'"{heading(name)}"' for name in names)
+    titles = " or ".join(map(heading, names))
     return f"{sentence(text)} Steps on the hardware page: {titles}".strip() if titles else text

@@ -840,12 +840,15 @@ class SingleCycleData(NamedTuple):
         error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
             circuitry not installed properly), or in multiturn models (.../65K...) that the battery is depleted. The
             encoder cannot operate with a depleted battery. True at 0: error active in the system. False at 1: no active
-            error. While it is True, the position is not usable.
+            error. While it is True, the position is not usable. Remedy: With a misaligned disk: switch off, align the
+            disk, and go on with the connection. With a depleted battery in a multiturn model: replace the battery.
+            Steps: ``battery_replacement_with_error``.
         warning: Warning, nW: Reports an error in the magnetic multiturn system, with which the number of revolutions
             may be wrong, or that the battery is low. The bit does not tell which (erratum position_under_error). True
             at 0: warning active in the system. False at 1: no active warning. While it is True, the position is not
             usable. This holds with ``.../65K...``; the manual does not explain it for others, and the position is
-            usable, with a warning.
+            usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error in the multiturn
+            system the manual names no remedy. Steps: ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
@@ -1388,12 +1391,12 @@ class SingleturnReply(NamedTuple):
         variant: The encoder that the frame belongs to.
         data_id: Data ID: What the request asks for; a reply repeats it.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
             True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
             position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
             error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1579,12 +1582,12 @@ class MultiturnReply(NamedTuple):
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
             True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
             position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
             error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
             Right-aligned in 24 bits, zeros above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1761,12 +1764,12 @@ class EncoderIdReply(NamedTuple):
 
     Attributes:
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
             True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
             position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
             error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
             the encoder; decoding accepts any value.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1918,12 +1921,12 @@ class CompleteReply(NamedTuple):
     Attributes:
         variant: The encoder that the frame belongs to.
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
             True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
             position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
             error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable.
+            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies

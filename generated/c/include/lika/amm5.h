@@ -403,7 +403,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "depleted battery.",
             "With a misaligned disk: switch off, align the disk, and go on with the connection. "
             "With a depleted battery in a multiturn model: replace the battery. Steps on the "
-            "hardware page: \042Battery replacement with error\042",
+            "hardware page: Battery replacement with error",
             "6.2.1 p.32; 3.4"
         },
         {
@@ -413,8 +413,8 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "with which the number of revolutions may be wrong, or that the battery is low. The "
             "bit does not tell which (erratum position_under_error).",
             "Replace a low battery as soon as possible. For an error in the multiturn system the "
-            "manual names no remedy. Steps on the hardware page: \042Battery replacement without "
-            "error\042",
+            "manual names no remedy. Steps on the hardware page: Battery replacement without "
+            "error",
             "6.2.1 p.33; 4.3.1 p.23"
         },
         {
@@ -487,7 +487,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "MTERR",
             "external battery below 3.05 V",
             "Replace the battery, then reset the error with data ID 7 or C. Steps on the hardware "
-            "page: \042Battery replacement with error\042",
+            "page: Battery replacement with error",
             "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
         },
         {
@@ -495,7 +495,7 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
             "BATT",
             "external battery below 3.15 V",
             "Replace the battery as soon as possible, then reset the error with data ID 7 or C. "
-            "Steps on the hardware page: \042Battery replacement without error\042",
+            "Steps on the hardware page: Battery replacement without error",
             "7.4.1 p.44; 9 p.51; it: 7.4.1 p.45"
         },
         {

@@ -500,8 +500,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             ),
             remedy=(
                 "With a misaligned disk: switch off, align the disk, and go on with the connection. With a depleted "
-                "battery in a multiturn model: replace the battery. Steps on the hardware page: \"Battery replacement "
-                "with error\""
+                "battery in a multiturn model: replace the battery. Steps on the hardware page: Battery replacement "
+                "with error"
             ),
             makes_position=Verdict.NOT_USABLE,
             source="6.2.1 p.32; 3.4",
@@ -516,7 +516,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             ),
             remedy=(
                 "Replace a low battery as soon as possible. For an error in the multiturn system the manual names no "
-                "remedy. Steps on the hardware page: \"Battery replacement without error\""
+                "remedy. Steps on the hardware page: Battery replacement without error"
             ),
             makes_position=Verdict.NOT_USABLE,
             source="6.2.1 p.33; 4.3.1 p.23",
@@ -597,8 +597,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="MTERR",
             meaning="external battery below 3.05 V",
             remedy=(
-                "Replace the battery, then reset the error with data ID 7 or C. Steps on the hardware page: \"Battery "
-                "replacement with error\""
+                "Replace the battery, then reset the error with data ID 7 or C. Steps on the hardware page: Battery "
+                "replacement with error"
             ),
             makes_position=Verdict.NOT_USABLE,
             source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
@@ -609,7 +609,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             meaning="external battery below 3.15 V",
             remedy=(
                 "Replace the battery as soon as possible, then reset the error with data ID 7 or C. Steps on the "
-                "hardware page: \"Battery replacement without error\""
+                "hardware page: Battery replacement without error"
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.4.1 p.44; 9 p.51; it: 7.4.1 p.45",
