@@ -49,6 +49,7 @@ from .held import held_in_registers
 from .interfaces import build_interfaces, build_measurement
 from .layouts import build_layout
 from .measured import check_measurements
+from .only import check_alarms, check_only, only_while, set_parameters
 from .procedures import build_procedures
 from .reach import check_reach
 from .record import Raw, record, records, sources
@@ -68,6 +69,8 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     context = _context(raw, report, definitions, variants, alternatives)
     if variants and not check_reach(raw, context, variants):
         return None
+    check_only(raw, variants, report)
+    check_alarms(raw, report)
     device = _device(raw, manufacturer, order_code, variants, alternatives, context)
     _check_control_bytes(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
@@ -95,6 +98,7 @@ def _context(
         data_ids=MappingProxyType(
             {kind: records(DataId, item, "data_ids") for kind, item in raw["interfaces"].items()}
         ),
+        only_while=lambda only: only_while(only, variants, set_parameters(raw)),
     )
 
 

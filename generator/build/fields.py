@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..model import (
@@ -35,7 +35,8 @@ from .record import Raw, record
 class Context:
     """What a layout may refer to.
 
-    ``parameter_sets`` holds, by interface, the parameters of its order codes, each set once.
+    ``parameter_sets`` holds, by interface, the parameters of its order codes, each set once. ``only_while`` returns the
+    parameter that is 0 for all order codes but those of an ``only``.
     """
 
     report: DocumentReport
@@ -44,6 +45,7 @@ class Context:
     parameter_sets: Mapping[str, Sequence[Mapping[str, int]]]
     crcs: Mapping[str, Crc]
     data_ids: Mapping[str, tuple[DataId, ...]]
+    only_while: Callable[[str], str] = lambda only: ""
 
     def expression(self, text: int | str) -> Expression | None:
         """The expression over parameters that order codes set, or None when it is none."""
@@ -118,7 +120,7 @@ def kind(raw: Raw, context: Context, interface: str) -> Kind:
     if "unused" in raw:
         return Unused(raw["unused"], Verdict(raw.get("makes_position", "usable_with_warning")))
     if "active" in raw:
-        return _flag(raw, interface)
+        return _flag(raw, context, interface)
     if "values" in raw:
         return Choice(build_values(raw))
     if "values_of" in raw:
@@ -134,9 +136,15 @@ def kind(raw: Raw, context: Context, interface: str) -> Kind:
     return record(Number, raw)
 
 
-def _flag(raw: Raw, interface: str) -> Flag:
+def _flag(raw: Raw, context: Context, interface: str) -> Flag:
     # What the spec does not say of a flag, the interface may define itself.
-    return record(Flag, raw, active_low=raw["active"] == "low", makes_position=_makes_position(raw, interface))
+    return record(
+        Flag,
+        raw,
+        active_low=raw["active"] == "low",
+        makes_position=_makes_position(raw, interface),
+        only_while=context.only_while(raw["only"]) if "only" in raw else "",
+    )
 
 
 def build_values(raw: Raw) -> tuple[Value, ...]:

@@ -136,7 +136,7 @@ def _kind(sides: Sides, place: Thing, old: Field, new: Field, scope: str) -> Ite
             was = sides.to_new("any-fields", was)
         elif member.name == "crc":
             was = sides.to_new("crc", was)
-        if was != now and member.name != "values":
+        if was != now and member.name not in ("values", "only_while"):
             inner = replace(place, path=f"{place.path}.{member.name}")
             yield _of_kind(sides, inner, member.name, was, now)
 
@@ -148,8 +148,9 @@ def _of_kind(sides: Sides, place: Thing, name: str, old: object, new: object) ->
     if name == "runs":
         return _runs(sides, place, old, new)
     rule = "field-reads-otherwise"
-    if name in ("makes_position", "verdict", "sums_up"):
-        rule, words = "field-verdict", {"sums_up": "sums up"}.get(name, "makes the position")
+    if name in ("makes_position", "verdict", "sums_up", "only"):
+        words = {"sums_up": "sums up", "only": "order codes"}.get(name, "makes the position")
+        rule = "field-verdict"
     elif name in ("value", "padding_of"):
         rule, words = "field-constant", "bits"
     elif name == "active_low":

@@ -424,6 +424,7 @@ def _master(chosen: argparse.Namespace) -> int:
 
 def _decode(chosen: argparse.Namespace) -> int:
     from ..reference.findings import compare_held, fixed_addresses
+    from ..reference.held import held_by
     from ..reference.run_time import RegisterError, decided, with_registers
     from .choose import answers_of
     from .decode_run import Decoding, Request, frames
@@ -444,6 +445,7 @@ def _decode(chosen: argparse.Namespace) -> int:
         raise Stop(str(error), 2) from None
     others = compare_held(device, match.variant, held)
     match = replace(match, variant=variant)
+    device = held_by(device, [variant.code])
     asked = Request(device, match, chosen.sender, chosen.layout, chosen.register_name, chosen.json, others, answers)
     decoding = Decoding(asked)
     try:

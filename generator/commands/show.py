@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..model import Device, Measurement, Parameter, Sources, Variant, cite
+from ..reference.held import held_by
 from ..reference.order_codes import Match
 from ..reference.parameters import parameters_of, run_time_names
 from ..reference.parts import for_interface
@@ -96,15 +97,15 @@ def device_text(device: Device) -> str:
 def variant_text(device: Device, match: Match) -> str:
     """One order code: interface, widths, frames, registers and limits, without what belongs to another interface."""
     variant = match.variant
-    here = for_interface(device, variant.interface)
+    here = held_by(for_interface(device, variant.interface), [variant.code])
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
     lines += [*label_differences(device, match), *_manual(device), *_parameters(device, variant)]
     lines += alternative_lines(here)
     lines += _position([("", device.measurement_of(variant.interface))], variant.parameters)
     interface = here.interface(variant.interface)
-    lines += ["", *interface_lines(device, interface)]
+    lines += ["", *interface_lines(here, interface)]
     for layout in interface.layouts:
-        lines += ["", *frame_lines(device, layout, variant)]
+        lines += ["", *frame_lines(here, layout, variant)]
     return "\n".join([*lines, *register_lines(here, variant), *_inputs_and_procedures(here), *_errata(here)])
 
 

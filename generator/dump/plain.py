@@ -41,6 +41,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
+from ..reference.held import held_by
 from ..reference.order_codes import Match
 from ..reference.parts import for_interface
 from .shape import filled
@@ -85,7 +86,8 @@ def variant_dump(device: Device, match: Match) -> Item:
         "special": match.special,
         "written_as_in": match.written_as_in,
     }
-    return _Dump(for_interface(device, variant.interface), variant).whole((variant,), variant.parameters, label)
+    here = held_by(for_interface(device, variant.interface), [variant.code])
+    return _Dump(here, variant).whole((variant,), variant.parameters, label)
 
 
 @dataclass(frozen=True)
@@ -235,6 +237,8 @@ class _Dump:
                     "when_inactive": kind.when_inactive,
                     "makes_position": kind.makes_position.value if kind.makes_position is not None else "",
                     "sums_up": list(kind.sums_up),
+                    "only": kind.only,
+                    "only_while": kind.only_while,
                     "active": "low" if kind.active_low else "high",
                 }
             case Choice(values):

@@ -58,7 +58,22 @@ from .interfaces.biss import BankSelect, Biss, ControlField, DescriptionFile, Ne
 from .interfaces.common import Clock, Signals
 from .interfaces.rs485 import DataId, MemoryAccess, Port, Rs485
 from .interfaces.ssi import Alignment, CableLength, OutputCode, Ssi
-from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Text, Unused, Value, Verdict
+from .kinds import (
+    UNEXPLAINED,
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Digits,
+    Flag,
+    Kind,
+    Number,
+    Parity,
+    Text,
+    Unused,
+    Value,
+    Verdict,
+)
 from .layout import Crc, Field, FoldStep, Form, Join, Layout, Piece, PlacedField, PlacedLayout
 from .measurement import Measurement
 from .never import assert_never
@@ -79,6 +94,7 @@ __all__ = [
     "INTERFACES",
     "LEFT_OUT",
     "NOT_KNOWN",
+    "UNEXPLAINED",
     "Alarm",
     "Alignment",
     "Alternative",

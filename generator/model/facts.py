@@ -82,6 +82,7 @@ class Timing:
     typical_us: int | None
     at_most_us: int | None
     source: Sources
+    only: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +110,8 @@ class Alarm:
     remedy: str
     cleared_by: tuple[str, ...]
     source: Sources
+    only: str = ""
+    by_hand: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +137,8 @@ class Connector:
 class LedState:
     state: str
     meaning: str
+    only: str = ""
+    by_hand: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +207,7 @@ class Erratum:
     source: Sources
     overlay: str = ""
     edition: str = ""
+    only: str = ""
 
 
 @dataclass(frozen=True, slots=True)

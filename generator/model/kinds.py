@@ -8,11 +8,15 @@ from enum import Enum
 
 from .facts import Sources
 
+#: What an active flag says where the manual explains it for other order codes alone.
+UNEXPLAINED = "the manual does not say what this bit means for this order code"
+
 
 class Verdict(Enum):
-    """Worth of the position of a valid frame, from worst to best: an unknown one ranks below those that may be used.
+    """Worth of the position of a valid frame, from worst to best. NOT_TOLD: no flag of the frame says anything about it.
 
-    C and the Python columns number the verdicts in this order.
+    C and the Python columns number the verdicts in this order. The most severe one decides, so that a warning never
+    makes a position better than no information does.
     """
 
     NOT_USABLE = "not_usable"
@@ -58,7 +62,8 @@ class Flag:
     """One bit, true when active.
 
     ``makes_position`` says what the position of the same frame is worth while the flag is active, None where it comes
-    with no position; ``sums_up`` names the flags whose sum it is.
+    with no position; ``sums_up`` names the flags whose sum it is. All of this holds for the order codes ``only``, those
+    with a parameter ``only_while`` other than 0; for the others an active flag is ``unexplained``.
     """
 
     active_low: bool = False
@@ -66,6 +71,14 @@ class Flag:
     when_inactive: str = ""
     makes_position: Verdict | None = None
     sums_up: tuple[str, ...] = ()
+    only: str = ""
+    only_while: str = ""
+
+    @property
+    def unexplained(self) -> Flag:
+        """The flag as order codes have it for which the manual does not explain it."""
+        worth = None if self.makes_position is None else Verdict.USABLE_WITH_WARNING
+        return Flag(self.active_low, UNEXPLAINED, makes_position=worth)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ states.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from types import MappingProxyType
 
@@ -107,6 +107,19 @@ class Field:
     meaning: str = ""
     note: str = ""
     source: Sources = ()
+    remedy: str = ""
+    by_hand: tuple[str, ...] = ()
+
+    @property
+    def unexplained(self) -> Field:
+        """The flag as order codes have it for which the manual does not explain it."""
+        assert isinstance(self.kind, Flag)
+        return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
+
+    def held_by(self, parameters: Mapping[str, int]) -> Field:
+        """Return the field as an order code with these parameters has it."""
+        while_ = self.kind.only_while if isinstance(self.kind, Flag) else ""
+        return self.unexplained if while_ and not parameters.get(while_) else self
 
     @property
     def is_fixed(self) -> bool:
@@ -280,8 +293,11 @@ class Layout:
         return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
-        """The layout for one order code; fields without bits are left out."""
-        every = (PlacedField(item, item.low.value(parameters), item.width.value(parameters)) for item in self.fields)
+        """The layout for one order code; fields without bits are left out, flags of other order codes not explained."""
+        every = (
+            PlacedField(item.held_by(parameters), item.low.value(parameters), item.width.value(parameters))
+            for item in self.fields
+        )
         placed = {item.name: item for item in every if item.width > 0}
         gray = bool(self.gray_when and parameters.get(self.gray_when))
         unused = tuple((placed[item.name], place) for item, place in self.unused if item.name in placed)

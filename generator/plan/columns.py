@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from ..model import Choice, Decimal, Flag, Layout, Text, Verdict
 from ..model.expressions import Expression
 from .codec import AlwaysIs, AtMost, Check, Codec, Fixed, IsOneOf, ParityIs, ParityOf, Part, Reserved, ZerosAbove
-from .reports import Judgement, Reporting
+from .reports import Judgement, Only, Reporting
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +37,16 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """A verdict, and what leads to it: a flag unless one of others speaks, or one of some unused bits."""
+    """A verdict, and what leads to it: a flag unless one of others speaks, or one of some unused bits.
+
+    Without ``only`` for all order codes.
+    """
 
     verdict: Verdict
     flag: Part | None
     unless: tuple[Part, ...]
     mask: int
+    only: Only | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +56,7 @@ class Telling:
     report: str
     flag: Part | None
     mask: int
+    only: Only | None
 
 
 def conditions(codec: Codec) -> Iterator[Condition]:
@@ -88,22 +93,21 @@ def kind_of(part: Part) -> str:
 
 def worth(judgement: Judgement) -> Iterator[Worth]:
     """What decides about the position, the worst first."""
-    speaking = ((Verdict.NOT_USABLE, judgement.not_usable), (Verdict.USABLE_WITH_WARNING, judgement.with_warning))
-    for verdict, items in speaking:
+    for verdict, items in judgement.worst_first:
         for item in items:
             if isinstance(item.by, Reserved):
-                yield Worth(verdict, None, (), ((1 << item.by.bits.widest) - 1) << item.by.place)
+                yield Worth(verdict, None, (), ((1 << item.by.bits.widest) - 1) << item.by.place, item.only)
             else:
-                yield Worth(verdict, item.by, item.unless, 0)
+                yield Worth(verdict, item.by, item.unless, 0, item.only)
 
 
 def telling(reporting: Reporting) -> Iterator[Telling]:
     """What makes the reports of a frame."""
     for item in reporting.told:
         if isinstance(item.by, Reserved):
-            yield Telling(item.report.name, None, ((1 << item.by.bits.widest) - 1) << item.by.place)
+            yield Telling(item.report.name, None, ((1 << item.by.bits.widest) - 1) << item.by.place, item.only)
         else:
-            yield Telling(item.report.name, item.by, 0)
+            yield Telling(item.report.name, item.by, 0, item.only)
 
 
 def crc_place(layout: Layout, width: int) -> int:

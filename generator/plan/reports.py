@@ -6,7 +6,7 @@ A sound frame is not yet a usable position: an encoder with an error, or a busy 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..model import Device, Field, Flag, Interface, Layout, Unused, Verdict
 from .codec import Codec, Part, Reserved, codec_of
@@ -25,11 +25,29 @@ class Report:
 
 
 @dataclass(frozen=True, slots=True)
+class Only:
+    """Order codes: those whose ``parameter`` is not 0 if ``holds``, else those where it is 0."""
+
+    parameter: str
+    holds: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Told:
-    """A frame makes a report: by a flag while it is active, or by unused bits that are not as the manual has them."""
+    """A frame makes a report: by a flag while it is active, or by unused bits that are not as the manual has them.
+
+    Without ``only`` it does for all order codes.
+    """
 
     report: Report
     by: Part | Reserved
+    only: Only | None = None
+
+    @property
+    def made_of(self) -> Field:
+        """The field as these order codes have it."""
+        is_explained = self.only is None or self.only.holds
+        return self.by.field if is_explained else _unexplained(self.by.field)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,19 +55,30 @@ class Speaks:
     """What decides about the position, unless one of the flags ``unless`` is active, which it only sums up.
 
     Those of them that decide by themselves, and no better, are left out: with them the position is worth no more.
+    Without ``only`` it decides for all order codes.
     """
 
     by: Part | Reserved
     unless: tuple[Part, ...]
+    only: Only | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """What the position of a frame is worth: the worst that speaks decides, and ``otherwise`` if nothing speaks."""
+    """What the position of a frame is worth: the worst that speaks decides, and ``otherwise`` if nothing speaks.
+
+    Where ``otherwise`` is NOT_TOLD, which is worse than a warning, no warning decides.
+    """
 
     not_usable: tuple[Speaks, ...]
     with_warning: tuple[Speaks, ...]
     otherwise: Verdict
+
+    @property
+    def worst_first(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
+        """The verdicts that something leads to, with what does."""
+        levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
+        return tuple(item for item in levels if item[1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +104,12 @@ def reportings(device: Device) -> Iterator[Reporting]:
     reports = _reports(device)
     for interface, layout in _sent(device):
         codec = codec_of(device, layout)
-        told = tuple(Told(reports[layout.name, by.field.name], by) for by in _telling(codec) if _is_told(by.field))
+        told = tuple(
+            Told(reports[layout.name, item.name], by, only)
+            for by in _telling(codec)
+            for item, only in _by_code(by.field)
+            if _is_told(item)
+        )
         tells = device.tells_position(interface.name, layout)
         if told or tells:
             yield Reporting(interface, codec, told, _judgement(codec) if tells else None)
@@ -90,6 +124,20 @@ def _telling(codec: Codec) -> Iterator[Part | Reserved]:
     yield from codec.reserved
 
 
+def _by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
+    """The field as order codes have it: one that the manual explains for some is another report for the others."""
+    match field.kind:
+        case Flag(only_while=parameter) if parameter:
+            yield field, Only(parameter, True)
+            yield _unexplained(field), Only(parameter, False)
+        case _:
+            yield field, None
+
+
+def _unexplained(field: Field) -> Field:
+    return replace(field.unexplained, name=f"{field.name}_unexplained")
+
+
 def _is_told(field: Field) -> bool:
     """Whether it says something of the encoder's state; a flag during which the position is usable need not."""
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
@@ -97,23 +145,26 @@ def _is_told(field: Field) -> bool:
 
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """By frame and field."""
-    fields = [
-        (interface.name, layout.name, item)
+    found = [
+        (interface.name, layout.name, item, only is not None and not only.holds)
         for interface, layout in _sent(device)
-        for item in layout.fields
+        for field in layout.fields
+        for item, only in _by_code(field)
         if _is_told(item)
     ]
+    # What the manual does not explain comes last, so that the others keep their numbers.
+    fields = [item[:3] for item in sorted(found, key=lambda item: item[3])]
     said: dict[str, set[object]] = {}
     for kind, _, item in fields:
         for name in (item.name, f"{kind}_{item.name}"):
             said.setdefault(name, set()).add((item.kind, item.group, item.meaning))
-    found: dict[tuple[str, str], Report] = {}
+    made: dict[tuple[str, str], Report] = {}
     by_name: dict[str, Report] = {}
     for kind, frame, item in fields:
         names = (item.name, f"{kind}_{item.name}")
         name = next((name for name in names if len(said[name]) == 1), f"{frame}_{item.name}")
-        found[frame, item.name] = by_name.setdefault(name, Report(name, len(by_name), item))
-    return found
+        made[frame, item.name] = by_name.setdefault(name, Report(name, len(by_name), item))
+    return made
 
 
 def _judgement(codec: Codec) -> Judgement:
@@ -121,25 +172,32 @@ def _judgement(codec: Codec) -> Judgement:
     speaking: dict[Verdict, list[Speaks]] = {verdict: [] for verdict in Verdict}
     for by in _telling(codec):
         match by.field.kind:
-            case Flag(makes_position=verdict, sums_up=names) if verdict is not None:
-                others = (parts[name] for name in names if name in parts)
-                unless = tuple(item for item in others if not _decides(item, verdict, parts))
-                speaking[verdict].append(Speaks(by, unless))
+            case Flag():
+                for flag, only in _by_worth(by.field):
+                    others = [parts[name] for name in flag.sums_up if name in parts]
+                    if flag.makes_position is not None:
+                        unless = tuple(item for item in others if not _decides(item, flag.makes_position, parts))
+                        speaking[flag.makes_position].append(Speaks(by, unless, only))
             case Unused(makes_position=verdict):
                 speaking[verdict].append(Speaks(by, ()))
     flags = (part.field.kind for part in codec.parts if isinstance(part.field.kind, Flag))
-    tells = any(flag.makes_position is not Verdict.USABLE for flag in flags)
-    return Judgement(
-        tuple(speaking[Verdict.NOT_USABLE]),
-        tuple(speaking[Verdict.USABLE_WITH_WARNING]),
-        Verdict.USABLE if tells else Verdict.NOT_TOLD,
-    )
+    tells = any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
+    warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
+    otherwise = Verdict.USABLE if tells else Verdict.NOT_TOLD
+    return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise)
+
+
+def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
+    """The flag as order codes have it, those together for which the position is worth the same."""
+    found = [(item.kind, only) for item, only in _by_code(field) if isinstance(item.kind, Flag)]
+    alike = len({(kind.makes_position, kind.sums_up) for kind, _ in found}) == 1
+    yield from [(found[0][0], None)] if alike else found
 
 
 def _decides(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
     """Whether a flag makes the position worth no more than ``verdict``, whatever else is active."""
     match part.field.kind:
-        case Flag(makes_position=own, sums_up=names) if own is not None:
+        case Flag(makes_position=own, sums_up=names, only_while="") if own is not None:
             worst_first = list(Verdict)
             return worst_first.index(own) <= worst_first.index(verdict) and parts.keys().isdisjoint(names)
         case _:

@@ -83,6 +83,8 @@ class Aspects:
             value = flag.makes_position.value
             key = self._reading.first((*place, "makes_position"), place)
             yield "worth", Aspect(Sort.VERDICT, value, "worth of the position", key)
+        if flag.only:
+            yield "only", Aspect(Sort.BEHAVIOUR, flag.only, "order codes that have it", (*place, "only"))
         if flag.sums_up:
             value = ", ".join(sorted({place for name in flag.sums_up for place in self._flag_at(name)}))
             yield "sum", Aspect(Sort.BEHAVIOUR, value, "flags in the sum", (*place, "sums_up"))

@@ -22,6 +22,7 @@ from ..model import (
     Verdict,
     cite,
 )
+from ..model.only import fits
 from ..say import fault
 from ..say.report import alarm_of, meaning, remedy, source
 from .codec import Decoded, DecodedField, number_from_bytes, number_of_text
@@ -73,7 +74,10 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     values = {item.name: item for item in decoded.fields}
     active = [item.field for item in decoded.layout.fields if _speaks(item, values[item.name].raw)]
     register = "" if layout.sender == "encoder" else decoded.layout.name
-    alarms = {item.name: alarm_of(device, item, register) for item in active}
+    found = {item.name: alarm_of(device, item, register) for item in active}
+    alarms = {
+        name: item if item is not None and fits(item.only, variant.code) else None for name, item in found.items()
+    }
     # A flag of a register may say anything, such as "ready"; only those that the manual lists as alarms are reported.
     told = [
         item
@@ -105,7 +109,7 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
         field.name,
         field.printed_name,
         meaning(field, alarm),
-        remedy(alarm),
+        remedy(field, alarm),
         _worth(field.kind),
         cite(source(field, alarm)),
     )
@@ -117,9 +121,10 @@ def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     # A flag that sums up others adds nothing where one of these is here to speak for itself.
     silent = {item.name for item in active if isinstance(item.kind, Flag) and not names.isdisjoint(item.kind.sums_up)}
     speaking = {_worth(item.kind) for item in active if item.name not in silent}
-    worst = next((verdict for verdict in Verdict if verdict in speaking), Verdict.USABLE)
-    tells = any(isinstance(item.kind, Flag) and _worth(item.kind) is not Verdict.USABLE for item in layout.fields)
-    return Verdict.NOT_TOLD if worst is Verdict.USABLE and not tells else worst
+    flags = (item.kind for item in layout.fields if isinstance(item.kind, Flag))
+    tells = any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
+    speaking.add(Verdict.USABLE if tells else Verdict.NOT_TOLD)
+    return next(verdict for verdict in Verdict if verdict in speaking)
 
 
 def _differences(

@@ -20,6 +20,7 @@ from ..model import (
     RegisterExample,
     assert_never,
 )
+from .held import held_by
 from .parameters import parameters_of
 
 
@@ -28,6 +29,7 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
     variants = tuple(item for item in device.variants if item.code in codes)
     kinds = {item.interface for item in variants}
     here = for_interfaces(device, kinds) if kinds != {item.name for item in device.interfaces} else device
+    here = held_by(here, [item.code for item in variants])
     parameters = {item.name for kind in kinds for item in parameters_of(device, kind)}
     examples = tuple(item for item in here.examples if getattr(item, "order_code", "") in {"", *codes})
     return replace(

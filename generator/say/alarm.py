@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from ..model import Alarm, Device
 from .erratum import errata, erratum
 from .name import register_field, title
+from .only import only
+from .steps import remedied
 from .text import Code, Ref, Said, listed, said, told
 from .words import volts
 
@@ -32,7 +34,8 @@ def facts(device: Device, item: Alarm) -> Iterator[Said]:
         yield said(f"Raised below {volts(item.below_mv)}")
     if item.latch is not None:
         yield said("Stays until it is reset" if item.latch else "Goes away with its cause")
-    yield from told(item.remedy, label="Remedy")
+    yield from remedied(item.remedy, item.by_hand)
+    yield from only(item.only)
     if item.cleared_by:
         procedures = [Ref("procedure", name, name) for name in item.cleared_by]
         yield said(*listed(procedures, " or "), label="Cleared by")

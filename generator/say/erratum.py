@@ -48,6 +48,7 @@ def erratum(item: Erratum, *, whole: bool = False) -> Said:
     at_stake = item.severity == "wrong_data"
     why = f" Why: {sentence(item.why)}" if item.why and (whole or at_stake or len(item.why) <= _SHORT) else ""
     used = f"Used: {sentence(item.used)}"
+    used += f" Only with {item.only}." if item.only else ""
     standing = f"{item.status}, {item.severity.replace('_', ' ')}"
     brief = used if at_stake and item.status == "open" else ""
     text = f"Printed: {sentence(item.printed)} {used}{why}"

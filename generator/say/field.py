@@ -24,6 +24,7 @@ from ..model.expressions import Expression
 from .name import Named, own_names, printed, register_field
 from .place import hexadecimal
 from .register import reserved
+from .steps import remedied
 from .text import Code, Hex, Level, Part, Ref, Said, listed, parted, said, told
 from .words import WORTH
 
@@ -57,6 +58,7 @@ def rules(device: Device, item: Field) -> Iterator[Said]:
         yield said(Expression(item.default), label="Default")
     if item.explained_by:
         yield said("For the reason, see ", *listed([register_field(device, path) for path in item.explained_by]))
+    yield from remedied(item.remedy, item.by_hand)
 
 
 def _kind(device: Device, item: Field) -> Iterator[Said]:
@@ -110,6 +112,10 @@ def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
         yield said("Sums up ", *listed(list(map(Code, kind.sums_up))))
     if kind.makes_position and implemented:
         yield said("While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}")
+    if kind.only:
+        elsewhere = kind.unexplained.makes_position
+        worth = f", and {WORTH[elsewhere]}" if elsewhere is not None else ""
+        yield said("This holds with ", Code(kind.only), f"; the manual does not explain it for others{worth}")
 
 
 def _run(run: Digits) -> tuple[Part, ...]:

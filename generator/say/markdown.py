@@ -77,7 +77,9 @@ def joined(parts: Iterable[str], between: str = "<br>") -> str:
 
 
 def reference(ref: Ref) -> str:
-    """The name of something, as a link to where the page describes it."""
+    """The name of something, as a link to where the page describes it; steps by hand are on the hardware page."""
+    if ref.kind == "by-hand":
+        return link(text(ref.title), f"hardware.md#{ref.anchor}")
     return link(code(ref.name), f"#{ref.anchor}")
 
 

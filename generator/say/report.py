@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..model import Alarm, Device, Field, Flag, Sources, Unused
 from .field import short
+from .steps import with_steps
 from .words import sentence
 
 
@@ -30,9 +31,19 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     return texts[0] if len(texts) == 1 else " ".join(map(sentence, texts))
 
 
-def remedy(alarm: Alarm | None) -> str:
-    """What the manual advises; empty where it does not."""
-    return alarm.remedy if alarm is not None else ""
+def remedy(field: Field, alarm: Alarm | None) -> str:
+    """What the manual advises, with the title of the steps by hand; empty where it does not advise anything."""
+    return with_steps(advice(field, alarm), by_hand(field, alarm))
+
+
+def advice(field: Field, alarm: Alarm | None) -> str:
+    """What the manual advises, without the steps by hand."""
+    return field.remedy or (alarm.remedy if alarm is not None else "")
+
+
+def by_hand(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
+    """The names of the steps by hand that the manual advises."""
+    return field.by_hand or (alarm.by_hand if alarm is not None else ())
 
 
 def source(field: Field, alarm: Alarm | None) -> Sources:

@@ -10,6 +10,7 @@ from .words import microseconds
 def timing(item: Timing) -> Said:
     """How long it lasts, under the manual's symbol or our name for it."""
     about = f": {item.meaning}" if item.meaning else ""
+    about += f" (only with {item.only})" if item.only else ""
     return said(bounds(item), about, label=item.symbol or item.name, source=item.source)
 
 

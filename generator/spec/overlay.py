@@ -7,7 +7,7 @@ already, two changes of the same place.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path as File
@@ -93,6 +93,8 @@ class Laying:
         data, marks = self._data, self._marks
         if self.laid:
             data = _with_affected(data, self._base.data)
+            gone = _characteristics(self._base.data) - _characteristics(data)
+            data = _without_steps(data, gone) if gone else data
         if family:
             data = {**data, "device": family}
         return replace(
@@ -270,6 +272,24 @@ def _plain(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_plain, value))}]"
     return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _characteristics(data: Mapping[str, Any]) -> set[str]:
+    found = data.get("characteristics")
+    items = found if isinstance(found, list) else []
+    return {item["name"] for item in items if isinstance(item, dict) and isinstance(item.get("name"), str)}
+
+
+def _without_steps(node: Any, gone: Collection[str]) -> Any:
+    """The same where no remedy names steps by hand that a layer took away."""
+    if isinstance(node, list):
+        return [_without_steps(item, gone) for item in node]
+    if not isinstance(node, dict):
+        return node
+    made = {key: _without_steps(item, gone) for key, item in node.items()}
+    if isinstance(made.get("by_hand"), list):
+        made["by_hand"] = [name for name in made["by_hand"] if name not in gone]
+    return {key: item for key, item in made.items() if key != "by_hand" or item != []}
 
 
 def _with_affected(data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:

@@ -334,8 +334,8 @@ def _expected(view: DeviceView, codec: StructCodec, name: str) -> str:
 def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
     assert codec.reports is not None
     verdict, reports = codec.reports.verdict, codec.reports.reports
-    then = f'printf(" %d", (int){verdict}(&out));' if verdict else 'printf(" -");'
-    then += f' printf(" %llX", (unsigned long long){reports}(&out));' if reports else ' printf(" -");'
+    then = f'printf(" %d", (int){verdict}(variant, &out));' if verdict else 'printf(" -");'
+    then += f' printf(" %llX", (unsigned long long){reports}(variant, &out));' if reports else ' printf(" -");'
     return _decoded(view, codec, "tells", name, then)
 
 

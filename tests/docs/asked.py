@@ -10,6 +10,7 @@ import ast
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -120,11 +121,21 @@ def questions(only: str = "") -> list[Question]:
     for reading in readings():
         turn = itertools.count()
         for item in _asked(reading):
-            codes = [code for code in reading.codes if code[1] == item.interface and only in ("", code[0])]
+            codes = [
+                code
+                for code in reading.codes
+                if code[1] == item.interface and only in ("", code[0]) and item.is_of(code[0])
+            ]
             if codes:
                 code, _, sets = codes[next(turn) % len(codes)]
                 found.append(item.of(reading.family, code, reading.numbers(sets)))
     return [item for item in found if item.answer]
+
+
+def is_of(only: str, order_code: str) -> bool:
+    """Whether an order code is one of those that manuals abbreviate, such as .../65K..., or nothing is said."""
+    patterns = only.replace("...", "*").replace("x", "?").split(", ")
+    return not only or any(fnmatchcase(f"{order_code}-", item) for item in patterns)
 
 
 @dataclass(frozen=True)
@@ -137,11 +148,20 @@ class Asked:
     labels: tuple[str, ...]
     answer: str | Callable[[Numbers], str]
     known: tuple[tuple[str, str], ...] = ()
+    only: str = ""
+    #: The same for each of what is ``known``, where not all order codes have it.
+    known_only: tuple[str, ...] = ()
+
+    def is_of(self, order_code: str) -> bool:
+        """Whether an order code has it."""
+        return is_of(self.only, order_code)
 
     def of(self, family: str, order_code: str, numbers: Numbers) -> Question:
         answer = self.answer if isinstance(self.answer, str) else self.answer(numbers)
         whole = self.kind in ("pin", "colour")
-        return Question(family, order_code, self.kind, self.where, self.labels, answer, self.known, whole)
+        codes = self.known_only or ("",) * len(self.known)
+        known = tuple(item for item, only in zip(self.known, codes, strict=True) if is_of(only, order_code))
+        return Question(family, order_code, self.kind, self.where, self.labels, answer, known, whole)
 
 
 def _asked(reading: Reading) -> Iterator[Asked]:
@@ -324,23 +344,27 @@ def _about_alarm(reading: Reading, alarm: Raw) -> Iterator[Asked]:
     where = (("Errors and warnings",), _labels(alarm))
     interface = "rs485" if "group" in alarm else "biss"
     assert interface in reading.facts["interfaces"]
+    only = alarm.get("only", "")
     for name in alarm.get("cleared_by", []):
-        yield Asked(interface, "remedy", where, ("Cleared by",), name)
+        yield Asked(interface, "remedy", where, ("Cleared by",), name, only=only)
     if "latch" in alarm:
         stays = alarm["latch"] == "true"
         label, answer = ("Stays", "until it is reset") if stays else ("Goes away", "with its cause")
-        yield Asked(interface, "remedy", where, (label,), answer)
+        yield Asked(interface, "remedy", where, (label,), answer, only=only)
     if "below_mv" in alarm:
-        yield Asked(interface, "remedy", where, ("Raised",), f"below {int(alarm['below_mv']) / 1000:g} V")
+        yield Asked(interface, "remedy", where, ("Raised",), f"below {int(alarm['below_mv']) / 1000:g} V", only=only)
 
 
 def _about_connector(connector: Raw) -> Iterator[Asked]:
     """Of several on a page, the one that has these contacts."""
     kind = {"connector": "pin", "cable": "colour"}[connector["kind"]]
     known = tuple((item["contact"], "") for item in connector["contacts"])
+    codes = tuple(item.get("only", "") for item in connector["contacts"])
     for item in connector["contacts"]:
         interface = connector["interfaces"][-1]
-        yield Asked(interface, kind, (("Wiring",),), (item["contact"],), item["signal"], known)
+        yield Asked(
+            interface, kind, (("Wiring",),), (item["contact"],), item["signal"], known, item.get("only", ""), codes
+        )
 
 
 def place(high: int, low: int) -> str:

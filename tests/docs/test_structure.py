@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 
 import pytest
+from codewheel.model.by_hand import steps_of
 from codewheel.targets import Library
-from codewheel.targets.docs.by_hand import steps_of
 
 Files = Mapping[str, str]
 

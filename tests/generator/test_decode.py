@@ -136,10 +136,36 @@ def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
     frame = reply(0x1A, 0x20, 0, 0, 0, 0x23, 0, 0, 0, 0x80)
     (_, battery) = decode(capsys, "AMM5A23/65KJP1", frame)[1]["reports"]
     # 7.4.1 has how the flag is cleared, 4.3.1 and 9 what to do about the battery.
-    remedy = "Replace the battery as soon as possible (4.3.1), then reset the error with data ID 7 or C"
+    remedy = "Replace the battery as soon as possible, then reset the error with data ID 7 or C"
+    remedy += ". Steps on the hardware page: Battery replacement without error"
     assert battery["remedy"] == remedy
     assert battery["makes_position"] == "usable_with_warning"
     assert f"external battery below 3.15 V. {remedy}." in text(capsys, "AMM5A23/65KJP1", frame)[1]
+
+
+@pytest.mark.parametrize(
+    ("code", "frame", "verdict"),
+    [
+        # A singleturn model has no battery (4.3), and no manual says what its battery bits mean.
+        ("AMM5A17/1JP1", reply(0x1A, 0x20, 1, 0, 0, 0x23, 0, 0, 0, 0x80), "usable_with_warning"),
+        ("AMM5A17/1JP1", reply(0x1A, 0x20, 1, 0, 0, 0x23, 0, 0, 0, 0x40), "usable_with_warning"),
+        # EE_1 alone may be BUSY, with a position of 0 (7.4.1).
+        ("AMM5A17/1JP1", reply(0x02, 0x20, 1, 0, 0), "not_usable"),
+        # MT error with a battery: 7.4.1, 9.
+        ("AMM5A17/65KJP1", reply(0x1A, 0x20, 1, 0, 0, 0x23, 0, 0, 0, 0x40), "not_usable"),
+    ],
+)
+def test_no_battery_is_replaced_in_a_singleturn_model(capsys: Capture, code: str, frame: str, verdict: str) -> None:
+    _, data = decode(capsys, code, frame)
+    assert data["verdict"] == verdict
+    said = text(capsys, code, frame)[1]
+    if "/65K" in code:
+        assert "Replace the battery" in said
+    else:
+        assert "eplace" not in said
+        unexplained = [item for item in data["reports"] if item["field"] in ("battery_alarm", "mt_error")]
+        assert all(item["meaning"].startswith("the manual does not say") for item in unexplained)
+        assert all(item["remedy"] is None for item in unexplained)
 
 
 @pytest.mark.parametrize(
@@ -214,7 +240,8 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
     [
         ("11", [], "not_told", 0),
         ("01", ["error"], "not_usable", 2),
-        ("10", ["warning"], "usable_with_warning", 1),
+        # A warning does not make a position better that nothing is known of.
+        ("10", ["warning"], "not_told", 1),
         ("00", ["error", "warning"], "not_usable", 3),
     ],
 )

@@ -9,6 +9,7 @@ import random
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -68,7 +69,10 @@ def carried(placed: PlacedLayout, number: int) -> Any:
     [
         # nE and nW of BiSS: 6.2.1 p.32-33.
         ("AMM5A21/65KSC1", {}, "usable", []),
-        ("AMM5A21/65KSC1", {"warning": True}, "usable_with_warning", ["warning"]),
+        # The warning bit also stands for an error in the magnetic multiturn system, which a singleturn model has not.
+        ("AMM5A21/65KSC1", {"warning": True}, "not_usable", ["warning"]),
+        ("AMM5A21/1SC1", {"warning": True}, "usable_with_warning", ["warning_unexplained"]),
+        ("AMM5A21/1SC1", {"error": True}, "not_usable", ["error"]),
         ("AMM5A21/65KSC1", {"warning": True, "error": True}, "not_usable", ["error", "warning"]),
         # A low battery keeps the position, and EE_1 sums it up: 4.3.1 p.23, 7.3.2 p.42.
         (
@@ -79,11 +83,26 @@ def carried(placed: PlacedLayout, number: int) -> Any:
         ),
         ("AMM5A21/65KJP1", {"status_other_error": True}, "not_usable", ["status_other_error"]),
         ("AMM5A21/65KJP1", {"battery_alarm": True, "busy": True}, "not_usable", ["busy", "battery_alarm"]),
+        # A singleturn model has no battery: 4.3 p.23.
+        (
+            "AMM5A21/1JP1",
+            {"battery_alarm": True, "status_other_error": True},
+            "usable_with_warning",
+            ["status_other_error", "battery_alarm_unexplained"],
+        ),
+        ("AMM5A21/1JP1", {"mt_error": True}, "usable_with_warning", ["mt_error_unexplained"]),
+        ("AMM5A21/1JP1", {"mt_error": True, "ps_error": True}, "not_usable", ["ps_error", "mt_error_unexplained"]),
+        (
+            "AMM5A21/65KJP1",
+            {"mt_error": True, "status_other_error": True},
+            "not_usable",
+            ["status_other_error", "mt_error"],
+        ),
         ("AMM5A21/65KJP1", {"unused": 0x800}, "usable_with_warning", ["alarm_zero_3_4"]),
         ("AMM5A21/65KJP1", {"unused": 0x1C1}, "usable_with_warning", ["status_info", "status_zero", "alarm_zero_0"]),
         # Bits that stand for error and warning in the BiSS protocol, and that this encoder does not use: 6.3.1 p.21.
         ("AM3616/4096-I7", {}, "not_told", []),
-        ("AM3616/4096-I7", {"unused": 1}, "usable_with_warning", ["warning"]),
+        ("AM3616/4096-I7", {"unused": 1}, "not_told", ["warning"]),
         ("AM3616/4096-I7", {"unused": 2}, "not_usable", ["error"]),
         # SSI words of the position alone, and with an error bit: 5.4 p.22.
         ("AMM5A21/65KBG1", {}, "not_told", []),
@@ -97,6 +116,7 @@ def test_what_the_manuals_say(lika: Any, code: str, made: dict[str, Any], verdic
     kinds = {"JP1": "CompleteReply", "BG1": "SsiWord", "BG": "SsiWord"}
     kind = getattr(module, next((kind for mark, kind in kinds.items() if mark in code), "SingleCycleData"))
     first = {name: 5 for name in kind._fields if name in ("multiturn", "singleturn", "position")}
+    first |= {"multiturn": 0} if "/1" in code else {}
     flags = {name: False for name in kind._fields if name.startswith("status_")}
     identity = {"encoder_id": 0x23} if "encoder_id" in kind._fields else {}
     frame = encoder.decode(kind(encoder, **first | flags | identity | made).encode())
@@ -175,9 +195,11 @@ def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Map
         reports = getattr(lika, device.name).REPORTS
         found = set()
         for _, layout in device.layouts():
-            for field in layout.fields:
+            flags = [item for item in layout.fields if isinstance(item.kind, Flag) and item.kind.only]
+            others = [replace(item.unexplained, name=f"{item.name}_unexplained") for item in flags]
+            for field in (*layout.fields, *others):
                 alarm = alarm_of(device, field)
-                said = (field.printed_name, meaning(field, alarm), remedy(alarm))
+                said = (field.printed_name, meaning(field, alarm), remedy(field, alarm))
                 found |= {key for key, item in reports.items() if key.endswith(field.name) and item[1:4] == said}
         assert found == set(reports)
         assert all(key == item.name for key, item in reports.items())

@@ -269,7 +269,7 @@ def _tells(codec: Codec) -> str:
     """The verdict and the mask of reports, of a frame with any values; ``unused`` has no other bit."""
     known = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
     assume = [f"__CPROVER_assume((in.unused & ~{known:#x}ULL) == 0);"] if codec.layout.unused else []
-    claims = [_claim(f"{function}(&in) == ({value})", words) for function, value, words in told_of(codec)]
+    claims = [_claim(f"{function}(&variant, &in) == ({value})", words) for function, value, words in told_of(codec)]
     return _function("tells", codec.header.anything(codec.name, "in"), *assume, *claims) if claims else ""
 
 

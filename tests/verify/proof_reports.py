@@ -34,15 +34,19 @@ def _speaking(codec: Codec) -> Iterator[tuple[Field, Verdict | None]]:
 def _verdict(codec: Codec) -> str:
     by_name = {item.name: item for item, _ in _speaking(codec)}
     text = str(list(Verdict).index(Verdict.NOT_TOLD))
-    if any(isinstance(item.kind, Flag) and worth is not Verdict.USABLE for item, worth in _speaking(codec)):
+    flags = [item.kind for item in codec.layout.fields if isinstance(item.kind, Flag)]
+    tells = any(kind.makes_position is not Verdict.USABLE and not kind.only for kind in flags)
+    if tells:
         text = str(list(Verdict).index(Verdict.USABLE))
     for verdict in (Verdict.USABLE_WITH_WARNING, Verdict.NOT_USABLE):
         saying = []
         for item, worth in _speaking(codec):
             names = item.kind.sums_up if isinstance(item.kind, Flag) else ()
             others = "".join(f" && !{_speaks(codec, by_name[name])}" for name in names if name in by_name)
-            saying += [f"({_speaks(codec, item)}{others})"] if worth is verdict else []
-        if saying:
+            saying += [f"({_explained(item)}{_speaks(codec, item)}{others})"] if worth is verdict else []
+            if _explained(item) and verdict is Verdict.USABLE_WITH_WARNING:
+                saying.append(f"(!({_explained(item)}1) && {_speaks(codec, item)})")
+        if saying and (tells or verdict is Verdict.NOT_USABLE):
             text = f"({' || '.join(saying)}) ? {list(Verdict).index(verdict)} : ({text})"
     return text
 
@@ -50,10 +54,24 @@ def _verdict(codec: Codec) -> str:
 def _reports(codec: Codec) -> str:
     """The names of the bits are those that the plan gives out; which field makes which report is its field's name."""
     (frame,) = (item for item in reportings(codec.device) if item.codec.layout.name == codec.layout.name)
-    names = {told.by.field.name: told.report.name for told in frame.told}
+    names = {(told.by.field.name, told.report.name.endswith("_unexplained")): told.report.name for told in frame.told}
     told = [
-        f"({_speaks(codec, item)} ? {f'{codec.prefix}_report_{names[item.name]}'.upper()} : 0)"
+        f"({explained}{_speaks(codec, item)} ? {f'{codec.prefix}_report_{names[item.name, is_other]}'.upper()} : 0)"
         for item, worth in _speaking(codec)
-        if worth is not Verdict.USABLE
+        for is_other, explained in _by_code(item)
+        if is_other or worth is not Verdict.USABLE
     ]
     return " | ".join(told)
+
+
+def _explained(field: Field) -> str:
+    """What has to hold of the order code, so that the manual explains the flag."""
+    limited = isinstance(field.kind, Flag) and field.kind.only_while
+    return f"variant.{field.kind.only_while} != 0 && " if limited else ""  # type: ignore[union-attr]
+
+
+def _by_code(field: Field) -> Iterator[tuple[bool, str]]:
+    """Whether order codes are those without an explanation, and what has to hold of them."""
+    yield False, _explained(field)
+    if _explained(field):
+        yield True, f"!({_explained(field)}1) && "

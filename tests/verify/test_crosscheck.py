@@ -31,6 +31,7 @@ from codewheel.reference.findings import findings
 from codewheel.targets.c.reserved import c_name
 from codewheel.targets.python.context import Context
 from frames import chunks, input_of, wires
+from test_c_reports import said_by
 from tools import tool
 from tree import generated_tree, library, number_from_environment
 
@@ -245,7 +246,7 @@ class Oracle:
     def __init__(self, device: Device, codec: Codec) -> None:
         self.device, self.layout = device, codec.layout
         told = next((item.told for item in reportings(device) if item.codec.layout.name == codec.name), ())
-        self._bits = {item.by.field.name: 1 << item.report.number for item in told}
+        self._bits = {said_by(device, item): 1 << item.report.number for item in told}
 
     def of(self, variant: Variant, sent: Sequence[int] | Sequence[bytes]) -> Iterator[tuple[int, int, int, int]]:
         device, placed, bits = self.device, self.layout.place(variant.parameters), self._bits
@@ -260,7 +261,7 @@ class Oracle:
             said = findings(device, variant, decoded)
             verdict = VERDICTS[said.verdict.value] if said.verdict is not None else NO_VERDICT
             unused = decoded.fields[-1].raw if decoded.fields[-1].name == UNUSED else 0
-            yield 0, verdict, sum(bits[item.field] for item in said.reports), unused
+            yield 0, verdict, sum(bits[item.field, item.meaning] for item in said.reports), unused
 
 
 @pytest.mark.parametrize(("family", "name"), of_encoders())

@@ -175,7 +175,7 @@ int @name@_read(const uint8_t *rx, uint64_t *position)
         return (int)result;
     }
     *position = frame.position;
-    return (lika_@family@_single_cycle_data_verdict(&frame) == LIKA_NOT_USABLE) ? 100 : 0;
+    return (lika_@family@_single_cycle_data_verdict(&encoder, &frame) == LIKA_NOT_USABLE) ? 100 : 0;
 }
 int @name@_bytes(void);
 int @name@_bytes(void) { return (int)LIKA_@NAME@_BISS_RX_BYTES; }

@@ -44,7 +44,7 @@ static void spi_dma_done(uint32_t now_us)
     uint64_t word;
     if (lika_biss_receive(rx, sizeof(rx), LIKA_AM36_AM3616_4096_I7_BISS_BITS, &word) == LIKA_OK
         && lika_am36_single_cycle_data_decode(&encoder, word, &frame) == LIKA_OK
-        && lika_am36_single_cycle_data_verdict(&frame) != LIKA_NOT_USABLE) {
+        && lika_am36_single_cycle_data_verdict(&encoder, &frame) != LIKA_NOT_USABLE) {
         lika_tracker_add(&axis, frame.position, now_us);
     }
 }

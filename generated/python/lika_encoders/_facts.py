@@ -220,7 +220,7 @@ class Register(NamedTuple):
 
 
 class Timing(NamedTuple):
-    """A time, by its bounds in microseconds."""
+    """A time, by its bounds in microseconds; ``only`` names the order codes that have it, where not all do."""
 
     name: str
     meaning: str
@@ -229,6 +229,7 @@ class Timing(NamedTuple):
     at_most_us: int | None = None
     symbol: str = ""
     source: str = ""
+    only: str = ""
 
 
 class Clock(NamedTuple):
@@ -385,7 +386,9 @@ class Alarm(NamedTuple):
     """An error or a warning.
 
     ``field`` is the flag that shows it, in a frame or in ``register``, ``latch`` whether it stays until it is reset,
-    ``below_mv`` the voltage in millivolts below which it is raised, ``cleared_by`` the procedures that clear it.
+    ``below_mv`` the voltage in millivolts below which it is raised, ``cleared_by`` the procedures that clear it,
+    ``by_hand`` the characteristics with the steps to carry out. ``only`` names the order codes that have it, where not
+    all do.
     """
 
     name: str
@@ -401,6 +404,8 @@ class Alarm(NamedTuple):
     cleared_by: tuple[str, ...] = ()
     names: Mapping[str, str] = _NO_NAMES
     source: str = ""
+    only: str = ""
+    by_hand: tuple[str, ...] = ()
 
 
 class Contact(NamedTuple):
@@ -425,10 +430,16 @@ class Connector(NamedTuple):
 
 
 class LedState(NamedTuple):
-    """A state of a light and what it means."""
+    """A state of a light and what it means.
+
+    ``only`` names the order codes that have it, where not all do, ``by_hand`` the characteristics with the steps to
+    carry out.
+    """
 
     state: str
     meaning: str
+    only: str = ""
+    by_hand: tuple[str, ...] = ()
 
 
 class Led(NamedTuple):
@@ -488,6 +499,7 @@ class Erratum(NamedTuple):
     """A place where the manual cannot be taken literally.
 
     ``status`` says whether the manual's own evidence decides it, ``severity`` what copying it literally would do.
+    ``only`` names the order codes that it is about, where not all are.
     """
 
     name: str
@@ -498,3 +510,4 @@ class Erratum(NamedTuple):
     severity: Severity
     affects: tuple[str, ...] = ()
     source: str = ""
+    only: str = ""

@@ -59,6 +59,7 @@ RULES: tuple[Rule, ...] = (
     references.field_references,
     references.register_references,
     references.alarm_references,
+    references.by_hand_references,
     references.procedure_references,
     references.example_references,
     references.erratum_references,

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from ...model import Biss
+from ...model.by_hand import has_steps
 from ...model.expressions import Expression, ExpressionError
 from ..hints import number_hint
 from ..problems import DocumentReport, Path, quoted, suggestion
@@ -183,6 +184,25 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             flags = by_name(owners[alarm[owner]], "fields")
             known.refer_by("field", path, alarm, f"field of {quoted(alarm[owner])} called", flags)
         known.refer_by("cleared_by", path, alarm, "procedure")
+
+
+def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Steps by hand are those of a characteristic whose value counts them."""
+    known = _Names(raw, report)
+    counted = [name for name, item in by_name(raw, "characteristics").items() if has_steps(f"{item.get('value')}")]
+    for path, owner in _with_steps((), spec):
+        known.refer_by("by_hand", path, owner, "characteristic with steps 1., 2., 3. called", counted)
+
+
+def _with_steps(path: Path, node: Any) -> Iterator[tuple[Path, Spec]]:
+    if isinstance(node, dict):
+        if isinstance(node.get("by_hand"), list):
+            yield path, node
+        for key, item in node.items():
+            yield from _with_steps((*path, key), item)
+    elif isinstance(node, list):
+        for index, item in enumerate(node):
+            yield from _with_steps((*path, index), item)
 
 
 def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:

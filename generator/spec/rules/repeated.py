@@ -11,7 +11,8 @@ from .walk import Spec
 #: Lists that are sets, wherever they stand.
 _SETS = frozenset(
     """
-    interfaces sums_up explained_by write_clears cleared_by data_id memory_access printed also_written cable_lengths
+    interfaces sums_up explained_by write_clears cleared_by by_hand data_id memory_access printed also_written
+    cable_lengths
     """.split()
 )
 #: Maps of lists that are sets.

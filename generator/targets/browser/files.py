@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, TypedDict
 
-from ...model import Fault
+from ...model import UNEXPLAINED, Fault
 from ...render import Templates, our_templates
 from ...say import fault
 from ...say.layout import as_one_number
@@ -65,6 +65,7 @@ def table(library: Library) -> Data:
     return {
         "faults": [item.value for item in Fault],
         "worth": {verdict.value: words for verdict, words in WORTH.items()},
+        "unexplained": UNEXPLAINED,
         "said": _SAID,
         "slips": [[item.text, item.front, item.missing, item.lost, item.behind] for item in SLIPS],
         "families": [family(device) for device in library.devices],

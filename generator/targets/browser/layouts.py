@@ -22,7 +22,7 @@ from ...plan.codec import (
 )
 from ...plan.columns import Condition, Place, conditions, kind_of
 from ...plan.limits import Limits, limits_of
-from ...plan.reports import Judgement, Reporting, Speaks
+from ...plan.reports import Judgement, Only, Reporting, Speaks
 from ...reference.editions import edition_before, tests_of
 from ...reference.parameters import needed_parameters
 from ...say.fault import of_older_edition
@@ -37,9 +37,9 @@ from .plain import Data, bound, expression, kept, number
 def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
     """A frame, with what it tells of the encoder."""
     judgement = reporting.judgement if reporting is not None else None
-    by_name = {item.by.field.name: item.by.field for item in (reporting.told if reporting is not None else ())}
+    reports = list(reporting.told if reporting is not None else ())
     # As the frame has them, not the flags first.
-    fields = [by_name[item.name] for item in layout.fields if item.name in by_name]
+    made = [(field, told) for field in layout.fields for told in reports if told.by.field.name == field.name]
     return _layout(device, layout) | kept(
         title=title(layout),
         sender=layout.sender,
@@ -48,7 +48,7 @@ def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
         selects=[number(value) for value in layout.selects],
         speaks=[*_speaks(judgement)] if judgement is not None else (),
         otherwise=judgement.otherwise.value if judgement is not None else "",
-        tells=[_told(item, alarm_of(device, item)) for item in fields],
+        tells=[_told(told.made_of, field.name, alarm_of(device, told.made_of), told.only) for field, told in made],
     )
 
 
@@ -66,7 +66,7 @@ def register(device: Device, item: Register) -> Data:
         writable=item.writable,
         default=default.hex(" ").upper() if default is not None else "",
         limits=[_limits(one, limits_of(device, item, one)) for one in meanings],
-        tells=[_told(field, alarm) for field, alarm in alarms if alarm is not None],
+        tells=[_told(field, field.name, alarm, _explained(field)) for field, alarm in alarms if alarm is not None],
         strange=[*_strange(device, item)],
     )
 
@@ -111,6 +111,7 @@ def _fields(codec: Codec) -> Iterator[Data]:
             meaning=item.meaning,
             on=flag.when_active,
             off=flag.when_inactive,
+            only=flag.only_while,
             values=[_cut(number(one.value), one.name, one.meaning) for one in item.values],
             zero=number(item.number.zero_means),
             power=item.number.power_of_two,
@@ -183,23 +184,37 @@ def _check(layout: Layout, item: Condition) -> Data:
 
 
 def _speaks(judgement: Judgement) -> Iterator[list[Any]]:
-    """What decides about the position, the worst first: verdict, field, and the flags that silence it."""
-    for verdict, items in (("not_usable", judgement.not_usable), ("usable_with_warning", judgement.with_warning)):
-        yield from ([verdict, *_speaking(item)] for item in items)
+    """What decides about the position, the worst first.
+
+    Verdict, field, the flags that silence it, and a parameter with whether it is other than 0 then.
+    """
+    for verdict, items in judgement.worst_first:
+        yield from ([verdict.value, *_speaking(item)] for item in items)
 
 
 def _speaking(item: Speaks) -> list[Any]:
-    return _cut(item.by.field.name, [part.field.name for part in item.unless])
+    row = [item.by.field.name, [part.field.name for part in item.unless]]
+    return [*row, item.only.parameter, int(item.only.holds)] if item.only is not None else _cut(*row)
 
 
-def _told(field: Field, alarm: Alarm | None) -> Data:
-    """A report that the field makes while it is active, or not as the manual has it."""
+def _told(field: Field, name: str, alarm: Alarm | None, only: Only | None = None) -> Data:
+    """A report that the field called ``name`` makes while it is active, or not as the manual has it.
+
+    It does for order codes in which the parameter ``only`` is not 0, or in which ``others`` is.
+    """
     return kept(
-        field=field.name,
+        field=name,
         meaning=meaning(field, alarm),
-        remedy=remedy(alarm),
+        remedy=remedy(field, alarm),
+        only=only.parameter if only is not None and only.holds else "",
+        others=only.parameter if only is not None and not only.holds else "",
         source=cite(source(field, alarm)),
     )
+
+
+def _explained(field: Field) -> Only | None:
+    """The order codes for which the manual explains a flag, if not for all."""
+    return Only(field.kind.only_while, True) if isinstance(field.kind, Flag) and field.kind.only_while else None
 
 
 def _limits(meant: RegisterMeaning | None, limits: Limits) -> Data:

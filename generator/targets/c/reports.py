@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Device, Layout, Unused, Verdict, cite
 from ...plan.codec import Part, Reserved
-from ...plan.reports import Judgement, Report, Reporting, Speaks, reportings, reports_of
+from ...plan.reports import Only, Report, Reporting, Speaks, reportings, reports_of
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import said
@@ -40,7 +40,29 @@ class FrameReports:
     def told(self) -> Iterator[Expr]:
         """What the mask of its reports is made of."""
         for told in self.reporting.told:
-            yield Either(self._says(told.by), self.family.constant(told.report), Number(0))
+            says = joined("&&", (*self._holds(told.only), self._says(told.by)))
+            yield Either(says, self.family.constant(told.report), Number(0))
+
+    @property
+    def verdict_depends(self) -> bool:
+        """Whether the verdict differs with the order code."""
+        return any(item.only for _, speaking in self._levels for item in speaking)
+
+    @property
+    def reports_depend(self) -> bool:
+        """Whether the reports differ with the order code."""
+        return any(item.only for item in self.reporting.told)
+
+    @property
+    def _levels(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
+        return self.judgement.worst_first if self.judgement is not None else ()
+
+    def _holds(self, only: Only | None) -> tuple[Expr, ...]:
+        """What has to hold of the order code, if anything."""
+        if only is None:
+            return ()
+        member = Name(f"variant->{c_name(only.parameter)}")
+        return (Operation("!=" if only.holds else "==", (member, Number(0))),)
 
     def _says(self, by: Part | Reserved) -> Expr:
         return self._differ([by]) if isinstance(by, Reserved) else Name(_flag(by))
@@ -48,17 +70,17 @@ class FrameReports:
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
         """When the position is worth less than ``otherwise``, the worst first."""
-        judgement = self.judgement or Judgement((), (), Verdict.NOT_TOLD)
-        levels = {Verdict.NOT_USABLE: judgement.not_usable, Verdict.USABLE_WITH_WARNING: judgement.with_warning}
-        for verdict, speaking in levels.items():
-            if speaking:
-                yield self._any(speaking), verdict
+        for verdict, speaking in self._levels:
+            yield self._any(speaking), verdict
 
     def _any(self, speaking: Sequence[Speaks]) -> Expr:
         """That one of these speaks; unused bits are looked at together."""
         unused = [item.by for item in speaking if isinstance(item.by, Reserved)]
-        flags = [(item.by, item.unless) for item in speaking if isinstance(item.by, Part)]
-        said = [joined("&&", (Name(_flag(by)), *(Name(f"!{_flag(one)}") for one in unless))) for by, unless in flags]
+        flags = [(item.by, item) for item in speaking if isinstance(item.by, Part)]
+        said = [
+            joined("&&", (*self._holds(item.only), Name(_flag(by)), *(Name(f"!{_flag(one)}") for one in item.unless)))
+            for by, item in flags
+        ]
         return joined("||", (*said, *([self._differ(unused)] if unused else [])))
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
@@ -116,7 +138,7 @@ def _texts(device: Device, report: Report) -> tuple[str, ...]:
     """The members of its text."""
     field = report.field
     alarm = alarm_of(device, field)
-    return (report.name, field.printed_name, meaning(field, alarm), remedy(alarm), cite(source(field, alarm)))
+    return (report.name, field.printed_name, meaning(field, alarm), remedy(field, alarm), cite(source(field, alarm)))
 
 
 def _note(device: Device, report: Report) -> str:

@@ -16,7 +16,7 @@ from ...say.parameter import value
 from ...say.place import addresses
 from ...say.words import volts
 from .patterns import patterns
-from .places import to_alarm, to_layout, to_register
+from .places import to_alarm, to_layout, to_register, to_steps
 
 #: No family can be called so.
 WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
@@ -170,7 +170,14 @@ def alarms(devices: Sequence[Device]) -> AlarmsPage:
     return {
         "alarm_rows": [_alarm_row(*pair) for pair in found],
         "led_rows": [
-            (text(item.title), text(state.state), _family(device), text(state.meaning), cited(item.source))
+            (
+                text(item.title),
+                text(state.state),
+                _family(device),
+                joined([text(state.meaning), *to_steps(f"{device.name}/", state.by_hand)]),
+                code(state.only),
+                cited(item.source),
+            )
             for device in devices
             for item in device.leds
             for state in item.states
@@ -186,4 +193,5 @@ def _by_name(pair: tuple[Alarm, Device]) -> tuple[str, str]:
 def _alarm_row(alarm: Alarm, device: Device) -> Row:
     name = to_alarm(device, alarm, text(title(alarm)))
     meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
-    return name, _family(device), meaning, text(alarm.remedy), cited(alarm.source)
+    remedy = joined([text(alarm.remedy), *to_steps(f"{device.name}/", alarm.by_hand)])
+    return name, _family(device), meaning, remedy, code(alarm.only), cited(alarm.source)

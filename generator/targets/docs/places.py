@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import Alarm, Device, Interface, Layout, Procedure, Register
 from ...reference.parts import for_interface
-from ...say.markdown import STYLE, code, link, reference
+from ...say.markdown import STYLE, code, link, reference, text
+from ...say.name import heading
 from ...say.text import Ref, Style
 
 #: The page of all errata of a family, in its folder.
@@ -39,6 +41,11 @@ def to_procedure(device: Device, item: Procedure) -> str:
 
 def to_erratum(device: Device, name: str) -> str:
     return link(code(name), f"{device.name}/{ERRATA}#erratum-{name}")
+
+
+def to_steps(folder: str, names: Iterable[str]) -> list[str]:
+    """Links to steps by hand; ``folder`` leads to that of the family."""
+    return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 
 def style_beside(device: Device) -> Style:

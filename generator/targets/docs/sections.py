@@ -12,12 +12,13 @@ from ...say import layout as say_layout
 from ...say import procedure as say_procedure
 from ...say import register as say_register
 from ...say.alternative import needs
-from ...say.markdown import cited, code, link, text
+from ...say.markdown import cited, code, joined, link, text
 from ...say.name import title, words
 from ...say.origin import origin, other_editions
 from ...say.place import addresses
 from ...say.text import Code, Said
 from . import bites, codes, facts, layouts, usable
+from .places import to_steps
 
 #: Rows of a table; its cells are Markdown.
 Rows = list[tuple[str, ...]]
@@ -66,7 +67,8 @@ def sections(device: Device) -> Sections:
             (
                 text(item.title) if index == 0 else "",
                 text(state.state),
-                text(state.meaning),
+                joined([text(state.meaning), *to_steps("", state.by_hand)]),
+                code(state.only),
                 cited(item.source) if index == 0 else "",
             )
             for item in device.leds

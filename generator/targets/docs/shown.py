@@ -58,6 +58,11 @@ def of_codes(device: Device, codes: Sequence[str], page: str) -> Pictures:
         if differs and layouts.has_picture(item):
             stacks = _uncaptioned(layouts.register_stacks(here, item))
             found[_held(item)] = _picture(f"{page}-register-{item.name}.svg", item, stacks)
+    every = {item.name: len(item.contacts) for item in device.connectors}
+    for connector in here.connectors:
+        if len(connector.contacts) < every[connector.name]:
+            key = f"connector-{connector.name}"
+            found[key] = Picture(f"{page}-{key}.svg", connector_text(connector), connector_picture(connector))
     return found
 
 

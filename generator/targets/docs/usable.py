@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Device, Field, Flag, Interface, Layout, Unused, Verdict
-from ...plan.reports import reportings, reports_of
+from ...plan.reports import Judgement, Only, reportings, reports_of
 from ...say.field import short
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
-from ...say.report import alarm_of, meaning, remedy, source
+from ...say.report import advice, alarm_of, by_hand, meaning, source
 from ...say.text import Code, listed, said
-from .places import to_erratum, to_layout
+from .places import to_erratum, to_layout, to_steps
 
 #: No family can be called so.
 PAGE = "usable-or-not.md"
@@ -46,7 +46,7 @@ def _decides(device: Device) -> Iterator[Row]:
     for item in reportings(device):
         if item.judgement is not None:
             layout = item.codec.layout
-            rows = tuple(_speaking(device, item.interface, layout))
+            rows = tuple(_speaking(device, item.interface, layout, item.judgement))
             last = ("none of these" if rows else "nothing", "", code(item.judgement.otherwise.value), "", "")
             found.setdefault((item.interface.title, (*rows, last)), []).append(layout)
     for (title, rows), layouts in found.items():
@@ -54,24 +54,36 @@ def _decides(device: Device) -> Iterator[Row]:
             yield *((title, _links(device, layouts)) if index == 0 else ("", "")), *row
 
 
-def _speaking(device: Device, interface: Interface, layout: Layout) -> Iterator[Row]:
+def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
     """What speaks in a frame, the worst first."""
-    for verdict in Verdict:
-        for field in layout.fields:
-            match field.kind:
-                case Flag(makes_position=worth, active_low=low) if worth is verdict:
-                    when = f"{0 if low else 1}" + _unless(field, layout)
-                case Unused(value=value, makes_position=worth) if worth is verdict:
-                    when = f"{1 - value}" if field.widest == 1 else f"not {short(value)}"
-                case _:
-                    continue
-            yield (
-                _named(field),
-                when,
-                code(verdict.value),
-                _cited(device, field),
-                _errata(device, interface, layout, field),
-            )
+    speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
+    order = [item.name for item in layout.fields]
+    speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
+    speaking += [(Verdict.USABLE, item, None) for item in layout.fields if _is_harmless(item)]
+    for verdict, field, only in speaking:
+        yield (
+            _named(field),
+            _when(field, only) + _unless(field, layout),
+            code(verdict.value),
+            _cited(device, field),
+            _errata(device, interface, layout, field),
+        )
+
+
+def _is_harmless(field: Field) -> bool:
+    return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is Verdict.USABLE
+
+
+def _when(field: Field, only: Only | None) -> str:
+    """The bits with which a field speaks, and the order codes if not all."""
+    match field.kind:
+        case Flag(active_low=low, only=codes):
+            which = f"with {code(codes)}" if only is not None and only.holds else "with all others"
+            return f"{0 if low else 1}" + (f" {which}" if only is not None else "")
+        case Unused(value=value):
+            return f"{1 - value}" if field.widest == 1 else f"not {short(value)}"
+        case _:
+            return ""
 
 
 def _unless(field: Field, layout: Layout) -> str:
@@ -98,7 +110,9 @@ def _reports(device: Device) -> Iterator[Row]:
     for item in reports_of(device):
         alarm = alarm_of(device, item.field)
         name = joined([code(item.name), text(own_names(item.field))])
-        yield name, text(meaning(item.field, alarm)), text(remedy(alarm)), cited(source(item.field, alarm))
+        advised = joined([text(advice(item.field, alarm)), *to_steps(f"{device.name}/", by_hand(item.field, alarm))])
+        what_to_do = advised or "The manual names no remedy"
+        yield name, text(meaning(item.field, alarm)), what_to_do, cited(source(item.field, alarm))
 
 
 def _named(field: Field) -> str:

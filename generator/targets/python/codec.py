@@ -70,7 +70,8 @@ class Coder:
         """Whether anything of it differs with the order code."""
         stated = [item.equals for item in self.expected if isinstance(item.equals, Expression)]
         limited = self.limits is not None and differ(self.limits)
-        return self.plan.depends or limited or not all(item.is_constant for item in stated)
+        reported = self.reports is not None and self.reports.depends
+        return self.plan.depends or limited or reported or not all(item.is_constant for item in stated)
 
     @property
     def encode_takes_variant(self) -> bool:
@@ -249,7 +250,8 @@ class Coder:
         """What a frame of the encoder tells of it."""
         if self.register is not None or self.layout.sender != "encoder":
             return None
-        return FrameReports(self.context.reportings.get(self.layout.name), self.plan, self.names)
+        reporting = self.context.reportings.get(self.layout.name)
+        return FrameReports(reporting, self.plan, self.names, self.context.parameters)
 
     # -- limits of registers
 

@@ -177,7 +177,7 @@ def tables(device: Device) -> list[Table]:
             "Where the manual cannot be taken literally, and what is used instead.",
             "ERRATA",
             "Erratum",
-            _rows("Erratum", device.errata, "name printed used why status severity", "affects source"),
+            _rows("Erratum", device.errata, "name printed used why status severity", "affects source only"),
         ),
         Table("Documents that sources cite by their key.", "DOCUMENTS", "Document", documents),
     )
@@ -185,7 +185,7 @@ def tables(device: Device) -> list[Table]:
 
 
 def _alarms(device: Device) -> list[Call]:
-    more = "printed_name register field detected below_mv latch implemented remedy cleared_by names source"
+    more = "printed_name register field detected below_mv latch implemented remedy cleared_by names source only by_hand"
     return [_row("Alarm", item, "name meaning", more, implemented=_unless(item.implemented)) for item in device.alarms]
 
 
@@ -195,7 +195,7 @@ def _unless(holds: bool) -> bool | None:
 
 
 def _timings(of: Device | Interface) -> tuple[Call, ...]:
-    return _rows("Timing", of.timings, "name meaning", "at_least_us typical_us at_most_us symbol source")
+    return _rows("Timing", of.timings, "name meaning", "at_least_us typical_us at_most_us symbol source only")
 
 
 def _connectors(device: Device) -> Iterator[Call]:
@@ -208,7 +208,9 @@ def _connectors(device: Device) -> Iterator[Call]:
 
 def _leds(device: Device) -> Iterator[Call]:
     for item in device.leds:
-        states = tuple(call("LedState", state.state, state.meaning) for state in item.states)
+        states = tuple(
+            call("LedState", one.state, one.meaning, only=one.only, by_hand=one.by_hand) for one in item.states
+        )
         yield _row("Led", item, "name title states", "source", states=states)
 
 
@@ -234,7 +236,7 @@ def _report(name: str, item: Field, alarm: Alarm | None) -> Call:
     return record(
         "Report",
         {"name": name, "printed_name": item.printed_name, "meaning": meaning(item, alarm)},
-        remedy=remedy(alarm),
+        remedy=remedy(item, alarm),
         makes_position=Member("Verdict", worth.name) if worth is not None else None,
         source=cite(source(item, alarm)),
     )

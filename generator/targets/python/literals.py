@@ -56,7 +56,17 @@ class Call:
         return f"{self.function}({', '.join(arguments)})"
 
 
-Literal = None | bool | int | str | bytes | Code | Member | Hex | Call | Sequence["Literal"] | Mapping[str, str]
+@dataclass(frozen=True)
+class Sometimes:
+    """An item of a tuple that is there while the expression ``condition`` holds."""
+
+    item: Call
+    condition: str
+
+
+Literal = (
+    None | bool | int | str | bytes | Code | Member | Hex | Call | Sometimes | Sequence["Literal"] | Mapping[str, str]
+)
 
 
 def call(function: str, *positional: Literal, **optional: Literal) -> Call:
@@ -86,6 +96,8 @@ def functions(value: Literal) -> Iterator[str]:
             yield function
             for _, item in arguments:
                 yield from functions(item)
+        case Sometimes(item):
+            yield from functions(item)
         case Mapping():
             yield "ReadOnly"
         case tuple() | list():
@@ -116,6 +128,8 @@ def literal(value: Literal) -> str:
         return f"{value.kind}.{value.value.upper()}"
     if isinstance(value, Call):
         return value.flat
+    if isinstance(value, Sometimes):
+        return f"*([{value.item.flat}] if {value.condition} else [])"
     if value is None or isinstance(value, bool):
         return str(value)
     if isinstance(value, int):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from ...model import Field
 from ...plan.codec import Codec, Part, Reserved
-from ...plan.reports import Reporting, Speaks
+from ...plan.reports import Only, Reporting, Speaks
 from .expr import Atom, Expr, Not, Operation, joined, mask
 from .names import ClassNames
 
@@ -14,15 +14,30 @@ from .names import ClassNames
 class FrameReports:
     """What a frame of the encoder tells, as its template asks for it; ``reporting`` is None where it tells nothing."""
 
-    def __init__(self, reporting: Reporting | None, codec: Codec, names: ClassNames) -> None:
+    def __init__(
+        self, reporting: Reporting | None, codec: Codec, names: ClassNames, parameters: Mapping[str, str]
+    ) -> None:
         self._told = reporting.told if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
-        self._reserved, self._names = codec.reserved, names
+        self._reserved, self._names, self._parameters = codec.reserved, names, parameters
 
     @property
     def told(self) -> list[tuple[str, Expr]]:
         """The name of each report, and what is true while the frame makes it."""
-        return [(item.report.name, self._active(item.by)) for item in self._told]
+        return [
+            (item.report.name, joined("and", [*self._holds(item.only), self._active(item.by)])) for item in self._told
+        ]
+
+    @property
+    def depends(self) -> bool:
+        """Whether what it tells differs with the order code."""
+        judged = self._judgement.worst_first if self._judgement is not None else ()
+        conditions = [item.only for item in self._told] + [item.only for _, items in judged for item in items]
+        return any(item is not None for item in conditions)
+
+    def _holds(self, only: Only | None) -> list[Expr]:
+        """What has to hold of the order code, if anything."""
+        return [holding(only, f"self.variant.{self._parameters[only.parameter]}")] if only is not None else []
 
     @property
     def in_words(self) -> str:
@@ -38,8 +53,7 @@ class FrameReports:
         """The verdicts that something in the frame leads to, the worst first, and the conditions of which one holds."""
         if self._judgement is None:
             return []
-        speaking = (("NOT_USABLE", self._judgement.not_usable), ("USABLE_WITH_WARNING", self._judgement.with_warning))
-        return [(verdict, self._conditions(items)) for verdict, items in speaking if items]
+        return [(verdict.name, self._conditions(items)) for verdict, items in self._judgement.worst_first]
 
     @property
     def otherwise(self) -> str:
@@ -63,9 +77,19 @@ class FrameReports:
 
     def _conditions(self, items: Sequence[Speaks]) -> list[str]:
         """Flag by flag; unused bits are looked at together."""
-        flags = [(self._flag(item.by), map(self._flag, item.unless)) for item in items if isinstance(item.by, Part)]
+        flags = [
+            self._speaks(item.by, [*map(self._flag, item.unless)], item.only)
+            for item in items
+            if isinstance(item.by, Part)
+        ]
         reserved = [item.by for item in items if isinstance(item.by, Reserved)]
-        return [*(_unless(*item) for item in flags), *([str(self._differ(reserved))] if reserved else [])]
+        return [*flags, *([str(self._differ(reserved))] if reserved else [])]
+
+    def _speaks(self, flag: Part, unless: Sequence[Expr], only: Only | None) -> str:
+        """A flag that says nothing while one of the others is active, nor for other order codes."""
+        others = [Not(joined("or", unless))] if unless else []
+        conditions = [*self._holds(only), self._flag(flag), *others]
+        return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
 
 def _ones(reserved: Iterable[Reserved]) -> int:
@@ -73,7 +97,6 @@ def _ones(reserved: Iterable[Reserved]) -> int:
     return sum(((1 << item.bits.widest) - 1) << item.place for item in reserved)
 
 
-def _unless(flag: Expr, others: Iterable[Expr]) -> str:
-    """A flag that says nothing while one of the others is active."""
-    active = [*others]
-    return f"({Operation(flag, 'and', Not(joined('or', active)))})" if active else str(flag)
+def holding(only: Only, member: str) -> Expr:
+    """What has to hold of an order code, by the ``member`` of its variant that tells it."""
+    return Atom(member) if only.holds else Not(Atom(member))

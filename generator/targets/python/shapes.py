@@ -7,10 +7,11 @@ from functools import cached_property
 
 from ...model import Choice
 from ...plan.columns import Condition, Place, Worth, conditions, crc_place, fixed, kind_of, parities, telling, worth
-from ...plan.reports import Reporting
+from ...plan.reports import Only, Reporting
 from .codec import Coder
 from .expr import Expr
-from .literals import Call, Code, Literal, Member, record
+from .literals import Call, Code, Literal, Member, Sometimes, record
+from .reports import holding
 
 
 class Shape:
@@ -85,17 +86,26 @@ class Shape:
             fault = Member("Fault", "CONSTANT")
             yield record("Check", {**self._at(place), "fault": fault}, parity_of=bits, odd=odd or None)
 
-    def _speaks(self, item: Worth) -> Call:
+    def _speaks(self, item: Worth) -> Call | Sometimes:
         names = self.coder.names
         flag = names.attribute(item.flag.field.name) if item.flag is not None else ""
         unless = tuple(names.attribute(part.field.name) for part in item.unless)
         verdict = Member("Verdict", item.verdict.name)
-        return record("Speaks", {"": verdict}, flag=flag, unless=unless, mask=item.mask or None)
+        made = record("Speaks", {"": verdict}, flag=flag, unless=unless, mask=item.mask or None)
+        return self._only(made, item.only)
 
-    def _tells(self) -> Iterator[Call]:
+    def _tells(self) -> Iterator[Call | Sometimes]:
         for item in telling(self._reporting) if self._reporting is not None else ():
             flag = self.coder.names.attribute(item.flag.field.name) if item.flag is not None else ""
-            yield record("Tells", {"": item.report}, flag=flag, mask=item.mask or None)
+            made = record("Tells", {"": item.report}, flag=flag, mask=item.mask or None)
+            yield self._only(made, item.only)
+
+    def _only(self, made: Call, only: Only | None) -> Call | Sometimes:
+        """What stands in the tuple, for those order codes that have it."""
+        if only is None:
+            return made
+        member = holding(only, f"variant.{self.coder.context.parameters[only.parameter]}")
+        return Sometimes(made, str(member))
 
     @property
     def otherwise(self) -> str:

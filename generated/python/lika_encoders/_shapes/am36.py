@@ -49,7 +49,6 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, mask=2),
-            Speaks(Verdict.USABLE_WITH_WARNING, mask=1),
         ),
         tells=(
             Tells("warning", mask=1),

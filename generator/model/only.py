@@ -1,0 +1,24 @@
+"""``only``: the order codes for which something holds, abbreviated as manuals do it, such as ``.../65K...``."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+_PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
+
+
+def fits(only: str, code: str) -> bool:
+    """Tell whether ``code`` is among the order codes ``only``; all are where that is empty.
+
+    ``...`` stands for any text and ``x`` for any one character; a comma separates several. A label goes on with a
+    hyphen, which counts as part of the order code.
+    """
+    return not only or any(pattern.fullmatch(f"{code}-") for pattern in _patterns(only))
+
+
+@cache
+def _patterns(only: str) -> tuple[re.Pattern[str], ...]:
+    meant = {"...": ".*", "…": ".*", "x": "."}
+    parts = (_PARTS.findall(item.strip()) for item in only.split(","))
+    return tuple(re.compile("".join(meant.get(part) or re.escape(part) for part in item) + "-?") for item in parts)

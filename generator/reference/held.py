@@ -1,0 +1,64 @@
+"""A device as some of its order codes have it: what holds ``only`` for others is left out, or not explained."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+from ..model import Device, Field, Flag
+from ..model.only import fits
+
+#: The parts of a device in which ``only`` stands, or what refers to such parts.
+_PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
+
+
+def held_by(device: Device, codes: Collection[str]) -> Device:
+    """Return the device as these order codes have it.
+
+    What holds for none of them is left out, and a flag is not explained; what holds for all of them no longer says so.
+    """
+    made = replace(device, **{name: _held(getattr(device, name), codes) for name in _PARTS})
+    steps = {item.name for item in made.characteristics}
+    return replace(made, **{name: _with_steps(getattr(made, name), steps) for name in _PARTS})
+
+
+def _held(item: Any, codes: Collection[str]) -> Any:
+    if isinstance(item, tuple):
+        kept = tuple(_held(one, codes) for one in item if not _is_of_others(one, codes))
+        is_same = len(kept) == len(item) and all(new is old for new, old in zip(kept, item, strict=True))
+        return item if is_same else kept
+    if not is_dataclass(item) or isinstance(item, type):
+        return item
+    if isinstance(item, Field) and isinstance(item.kind, Flag) and _is_of_others(item.kind, codes):
+        return item.unexplained
+    changed = {
+        part.name: new for part in fields(item) if (new := _held(old := getattr(item, part.name), codes)) is not old
+    }
+    only = getattr(item, "only", "")
+    if only and all(fits(only, code) for code in codes):
+        changed["only"] = ""
+    return replace(item, **changed) if changed else item
+
+
+def _is_of_others(item: Any, codes: Collection[str]) -> bool:
+    only = getattr(item, "only", "")
+    return bool(only) and not any(fits(only, code) for code in codes)
+
+
+def _with_steps(item: Any, known: Collection[str]) -> Any:
+    """The same without steps by hand that the order codes do not have."""
+    if isinstance(item, tuple):
+        kept = tuple(_with_steps(one, known) for one in item)
+        return item if all(new is old for new, old in zip(kept, item, strict=True)) else kept
+    if not is_dataclass(item) or isinstance(item, type):
+        return item
+    changed = {
+        part.name: new
+        for part in fields(item)
+        if (new := _with_steps(old := getattr(item, part.name), known)) is not old
+    }
+    names = getattr(item, "by_hand", ())
+    if not set(names) <= set(known):
+        changed["by_hand"] = tuple(name for name in names if name in known)
+    return replace(item, **changed) if changed else item
