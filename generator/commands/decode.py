@@ -251,7 +251,7 @@ def _taken_lines(device: Device, taken: Mapping[str, str]) -> Iterator[str]:
     for item in device.alternatives:
         for answer in item.answers:
             if taken.get(item.name) == answer.name:
-                yield wrapped(f"read with {item.name} = {answer.name}: {answer.meaning}", 80, "  ", "")
+                yield wrapped(f"read with {item.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
 
 
 def _crc_line(crc: Crc, found: codec.CrcResult) -> str:

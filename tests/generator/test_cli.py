@@ -168,6 +168,15 @@ def test_a_sound_frame_with_an_error_exits_3(capsys: pytest.CaptureFixture[str])
     assert fields["warning"] is True
 
 
+@pytest.mark.parametrize("arguments", [("list",), ("show", "AMM5A17/1SC1"), ("decode", "AMM5A17/1SC1", "0x3F")])
+def test_json_is_indented_by_two_and_not_escaped(
+    capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]
+) -> None:
+    out = run(capsys, *arguments, "--json")[1]
+    assert out == json.dumps(json.loads(out), indent=2, ensure_ascii=False) + "\n"
+    assert out.startswith(('{\n  "', "[\n  {"))
+
+
 def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixture[str]) -> None:
     """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-... for what edition 1.0 has as AMx36xx/4096-I7-..."""
     label, frame = "AM3616/4096SC1", f"0x{0b11 << 6 | 0x3F:x}"

@@ -306,6 +306,21 @@ def test_public_frames_of_the_eeprom(capsys: Capture, frame: str, address: int, 
     assert "read with eeprom_address = as_t_format: Bits 6:0, as public T-format stacks have it" in out
 
 
+@pytest.mark.parametrize(("length", "lines"), [(80, 1), (81, 2)])
+def test_what_was_chosen_is_wrapped_at_80_columns(capsys: Capture, tmp_path: Path, length: int, lines: int) -> None:
+    base = Path(__file__).parents[1] / "changes" / "base"
+    start = "read with memory = low: "
+    # The last word fits into the line, or is the first that does not.
+    meaning = "x" * (length - len(start) - 5) + " last"
+    changed = (base / "demo.yaml").read_text(encoding="utf-8").replace('"Bits 6:0"', meaning)
+    (tmp_path / "demo.yaml").write_text(changed, encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_bytes((base / "manufacturer.yaml").read_bytes())
+    asked = ("--specs", str(tmp_path), "DEMO13-SJP", "--from", "master", "EA 01 EB", "--choose", "memory=low")
+    assert main(["decode", *asked]) == 0
+    shown = f"{start}{meaning}" if lines == 1 else f"{start}{meaning.removesuffix(' last')}\n  last"
+    assert f"\n{shown}\n" in capsys.readouterr().out
+
+
 def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     for more in ((), ("--json",)):
         message = refused(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")

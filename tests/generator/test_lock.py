@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from codewheel import lock, write
-from codewheel.commands import generate
+from codewheel.commands.cli import main
 
 TARGETS = ("c", "docs", "python")
 HEAD = """
@@ -179,6 +179,16 @@ def test_a_folder_that_was_not_there_is_not_left_behind_empty(tmp_path: Path) ->
     assert not (tmp_path / "out").exists()
 
 
-def test_who_waits_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    generate._tell_of_the_wait(Path("generated"))
-    assert capsys.readouterr().err == "codewheel: waiting for another run that writes into generated\n"
+@pytest.mark.usefixtures("impatient")
+def test_the_command_says_that_it_waits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "demo"]) == 0
+    with lock.locked(tmp_path / "out", list):
+        assert main(["generate", "demo.yaml", "--target", "browser", "-o", "out"]) == 1
+    assert capsys.readouterr().err == (
+        "codewheel: waiting for another run that writes into out\n"
+        "codewheel: another run of codewheel has been writing into out for 60 s; nothing has changed; "
+        "try again when it has ended\n"
+    )
