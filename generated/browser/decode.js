@@ -436,7 +436,8 @@
     if (!layouts[0].bytes) return decodeBits(placedFor(found, layouts[0], held, answers), numberIn(trimmed));
     const bytes = bytesIn(trimmed);
     const told = toldApart(found.interface, sender, bytes);
-    return told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
+    const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
+    return { ...made, data: bytes };
   }
 
   /** A frame of bits; ``given`` is its text as a number. */
@@ -503,9 +504,36 @@
   }
 
   const LEAST_BITS = 3;
+  // So few bits may well be all alike.
+  const LEAST_STUCK = 12;
+
+  /** What is said of a line that does not move, which comes before anything else; empty where it does. */
+  function deadLine({ at, given, number, data }) {
+    if (at?.layout.length !== undefined) return "";
+    const exact = given?.exact ? given.bits : Math.max(at?.bits ?? 0, given?.bits ?? 0);
+    const size = data ? 8 * data.length : exact;
+    const found = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n) : given?.number ?? number;
+    if (size < LEAST_STUCK || (found !== 0n && found !== ones(size))) return "";
+    const level = found ? 1 : 0;
+    return at && !at.layout.crc
+      ? `Every bit is ${level}: a line that does not move looks the same, and without a CRC nothing tells.`
+      : `Every bit is ${level}: the line does not move. Is it ${level ? "cut" : "shorted"}, is there a supply, `
+        + "does the clock arrive?";
+  }
+
+  /** The bits each of which, inverted alone, makes the frame valid: the usual cause where only some frames fail. */
+  function disturbedBits({ at, number, problems }) {
+    if (!at?.layout.crc || problems[0]?.fault === "length" || !problems.some((item) => item.fault === "crc")) return [];
+    const { low, width } = crcField(at);
+    const crc = at.family.crcs[at.layout.crc];
+    const fits = (one) => computedBy(crc, at, one) === bits(one, low, width) && hasFixed(at, one);
+    return [...Array(at.bits).keys()].filter((bit) => fits(number ^ (ONE << BigInt(bit))));
+  }
 
   /** The mistakes of the table that make a frame of which the CRC fits; each with how many random frames fit it. */
-  function explained({ at, given, problems, number }) {
+  function explained(frame) {
+    const { at, given, problems, number } = frame;
+    if (deadLine(frame)) return [];
     if (!at?.layout.crc || !problems.some((item) => ["crc", "length"].includes(item.fault))) return [];
     const crc = at.family.crcs[at.layout.crc];
     const isWhole = problems.every((item) => item.fault !== "length");
@@ -577,8 +605,7 @@
     if (high < 0) return "";
     const range = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
     if (!at.layout.bytes) return range(high, low);
-    const byteOf = (bit) => (at.layout.bytes === 1 ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
-    const ends = [byteOf(low), byteOf(high)].sort((one, other) => one - other);
+    const ends = [byteOf(at, low), byteOf(at, high)].sort((one, other) => one - other);
     const isWhole = low % 8 === 0 && high % 8 === 7;
     if (ends[0] === ends[1]) return `byte ${ends[0]}${isWhole ? "" : `.${range(high % 8, low % 8)}`}`;
     return isWhole ? `bytes ${ends[0]}-${ends[1]}` : `bytes ${ends[0]}.${low % 8}-${ends[1]}.${high % 8}`;
@@ -655,13 +682,24 @@
 
   /** The mistakes that would explain a wrong CRC, and the command that knows more of them. */
   function whyOf(found, command) {
+    const dead = deadLine(found);
+    if (dead) return [element("p", {}, dead)];
     if (!found.problems.length) return [];
+    const flips = disturbedBits(found);
+    const which = flips.length === 1 ? bitName(found.at, flips[0]) : `one of ${flips.length} bits`;
+    const noise = flips.length ? [element("p", {},
+      `If only some frames fail, one bit was disturbed on the way: the CRC fits with ${which} inverted. `
+      + "Nothing has to be changed then.")] : [];
     const reasons = explained(found).map((item) => `${item.text} (by coincidence in 1 of ${item.oneIn} frames)`);
     const crcFault = found.at?.layout.crc && found.problems.some((item) => ["crc", "length"].includes(item.fault));
-    const told = reasons.length ? [element("p", {}, "What would make it fit:"), list(reasons)] : [];
+    const start = noise.length ? "If all frames fail, what would make it fit:" : "What would make it fit:";
+    const told = reasons.length ? [element("p", {}, start), list(reasons)] : [];
     const more = crcFault ? [element("p", {}, "More mistakes are tried, and weighed, by"), commandLine(command)] : [];
-    return [...told, ...more];
+    return [...noise, ...told, ...more];
   }
+
+  const byteOf = (at, bit) => (at.layout.bytes === 1 ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
+  const bitName = (at, bit) => (at.layout.bytes ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
 
   const commandLine = (command) => element("pre", { tabindex: "0" }, element("code", {}, command));
 

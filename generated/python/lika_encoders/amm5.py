@@ -3213,6 +3213,11 @@ def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
 
 
 # Procedures
+#: The procedures over each interface, for the error on an encoder of another one.
+_PROCEDURES: Final = {
+    _BISS: ("set_preset", "store_preset", "save_parameters", "activate_preset"),
+    _RS485: ("reset_singleturn_and_multiturn", "reset_multiturn_and_errors", "reset_errors"),
+}
 
 
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
@@ -3236,7 +3241,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes(
             "preset_setting_enable",
@@ -3283,7 +3288,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes(
             "preset_setting_enable",
@@ -3327,7 +3332,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3354,7 +3359,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3393,7 +3398,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\xc2", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(18_000, "execution takes 18 ms at most, EEPROM writing included"),
@@ -3430,7 +3435,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\x62", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),
@@ -3466,7 +3471,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\xba", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
         Wait(2000, "the BUSY flag is set for 2 ms at most"),

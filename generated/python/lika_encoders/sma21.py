@@ -2844,6 +2844,19 @@ def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
 
 
 # Procedures
+#: The procedures over each interface, for the error on an encoder of another one.
+_PROCEDURES: Final = {
+    _BISS: (
+        "set_configuration",
+        "set_preset",
+        "select_preset",
+        "set_offset",
+        "save_parameters",
+        "restore_defaults",
+        "identify_steps",
+    ),
+    _RS485: ("reset_errors", "reset_position"),
+}
 
 
 def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
@@ -2862,7 +2875,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     Configuration.decode(whole("configuration", Configuration, configuration, 1, "big"))
     return (
         *writes(
@@ -2893,7 +2906,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("position", position, PresetOffset.preset_limits(variant))
     return (
         *writes(
@@ -2925,7 +2938,7 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00),
         Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x00),
@@ -2964,7 +2977,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
         FamilyError: The encoder is of another family.
         InterfaceError: The encoder has another interface.
     """
-    check_encoder(variant, Variant, _BISS)
+    check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "let preset and offset be used"),
@@ -3000,7 +3013,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3022,7 +3035,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(30_000, "EEPROM writing time"),
@@ -3045,7 +3058,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Lika's are 4C 69"),
         Read(Address.DEVICE_ID, 6, "device_id", "name SM21, and the release"),
@@ -3078,7 +3091,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\xda", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
     )
@@ -3113,7 +3126,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\x7a", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
     )
