@@ -3,7 +3,7 @@ fit."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -89,7 +89,8 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     wrong = {item.fault for item in decoded.problems}
     if placed is not None and not placed.layout.in_bytes:
         given = frame_number(placed, text.strip())
-        if wrong & {Fault.CRC, Fault.LENGTH}:
+        has_no_crc = not wrong and placed.layout.crc_field is None
+        if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc:
             return explain_bits(device, variant, placed, given)
         return explain_constant(device, variant, placed, given) if Fault.CONSTANT in wrong else None
     if placed is not None and not wrong & {Fault.CRC, Fault.LENGTH}:
@@ -171,6 +172,7 @@ def _why_data(why: Why) -> dict[str, Any]:
         "tried": why.tried,
         "coincidence": round(why.coincidence, 4),
         "cannot_see": list(why.cannot_see),
+        "disturbed": list(why.disturbed),
     }
 
 
@@ -204,7 +206,7 @@ def explain(
     lines += [wrapped(f"not as documented: {item.message}", WIDTH, "  ", "") for item in said.differences]
     if not decoded.problems:
         lines += _last_words(decoded, said)
-    lines += _why_lines(why) if why is not None else []
+    lines += _why_lines(why, decoded.layout) if why is not None else []
     return "\n".join(lines)
 
 
@@ -305,7 +307,26 @@ def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
     return f"{name}: {degrees}" + (f" of revolution {turn:,}" if turns > 1 and name == measurement.of else "")
 
 
-def _why_lines(why: Why) -> list[str]:
+def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
+    if [item.kind for item in why.explanations] == ["line_stuck"]:
+        text = sentence(why.explanations[0].text)
+        return ["", wrapped(text[0].upper() + text[1:], WIDTH, "  ", "")]
+    noise = _disturbed_lines(why.disturbed, placed)
+    return [*noise, *_mistake_lines(why)]
+
+
+def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> list[str]:
+    """The usual cause where only some frames fail: one bit was inverted on the way."""
+    if not disturbed or placed is None:
+        return []
+    first, size = disturbed[0], placed.bits // 8
+    place = f"bit {first % 8} of byte {size - 1 - first // 8}" if placed.layout.in_bytes else f"bit {first}"
+    which = place if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    said = f"If only some frames fail, one bit was disturbed on the way: the CRC fits with {which} inverted"
+    return ["", wrapped(f"{said}. Nothing has to be changed then. If all frames fail, read on.", WIDTH, "  ", "")]
+
+
+def _mistake_lines(why: Why) -> list[str]:
     by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = counted(why.tried, "usual mistake")
     noise = f"{tried} tried; of 100 frames of random bits {by_chance} would fit one or more of them"

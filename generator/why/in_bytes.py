@@ -29,6 +29,12 @@ def tries(device: Device, variant: Variant, sender: str, given: PlacedLayout | N
         yield from _moved(placed, crc, data)
 
 
+def is_sound(device: Device, placed: PlacedLayout, data: bytes) -> bool:
+    """Return whether the CRC and the constants of the frame are right."""
+    crc = device.crc_of(placed.layout)
+    return crc is not None and crc.width == 8 and _read_as("", "", placed, crc, data).fits
+
+
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
     """The frame is as it was sent; the CRC is another one."""
     same = _over_bytes(as_sent(placed, crc, number_from_bytes(placed.layout, data)), data)

@@ -21,6 +21,8 @@ __all__ = ["BitText", "Explanation", "Why", "explain_bits", "explain_bytes", "ex
 
 #: A mistake that more than one random frame in eight fits explains nothing.
 _LEAST_BITS = 3
+#: So few bits may well be all alike.
+_LEAST_STUCK = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,27 +48,34 @@ class Why:
     """What would explain a frame, likeliest first.
 
     ``tried`` mistakes were tried, pairs included; of random frames the part ``coincidence`` would fit at least one of
-    them. ``cannot_see`` says which mistakes no CRC of this kind notices.
+    them. ``cannot_see`` says which mistakes no CRC of this kind notices. ``disturbed`` are the bits, 0 the last one of
+    the number, each of which makes the frame valid if it alone is inverted. It is the usual cause if only some frames
+    fail, and none that a single frame could show: the CRC is short, and most random frames have such a bit.
     """
 
     explanations: tuple[Explanation, ...]
     tried: int
     coincidence: float
     cannot_see: tuple[str, ...]
+    disturbed: tuple[int, ...] = ()
 
 
 def explain_bits(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
     """What would make the CRC of ``text`` fit, which was to be a frame by ``placed``.
 
-    None where the frame has no CRC.
+    None where the frame has no CRC, unless all its bits are alike.
     """
     crc = device.crc_of(placed.layout)
+    stuck = _stuck(text.number, text.bits if text.exact else max(text.bits, placed.bits), crc is not None)
+    if stuck is not None:
+        return stuck
     if crc is None:
         return None
-    stuck = _stuck(text.number, placed.bits) if not text.exact or text.bits == placed.bits else None
-    return _why(
-        device, stuck, in_bits.tries(device, variant, placed, crc, text), _known_to_fail(placed, crc, text), (crc,)
-    )
+    failed = _known_to_fail(placed, crc, text)
+    why = _why(device, in_bits.tries(device, variant, placed, crc, text), failed, (crc,))
+    flips = (1 << bit for bit in range(placed.bits if failed else 0))
+    fits = [in_bits.read_as("", "", placed, crc, text.number ^ flip).fits for flip in flips]
+    return replace(why, disturbed=_places(fits)) if why is not None else None
 
 
 def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
@@ -78,7 +87,7 @@ def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, tex
     if crc is None:
         return None
     fitting = [item for item in in_bits.other_answers(device, variant, placed, crc, text) if item.fits]
-    return _why(device, None, fitting, (), (crc,)) if fitting else None
+    return _why(device, fitting, (), (crc,)) if fitting else None
 
 
 def explain_bytes(
@@ -88,12 +97,23 @@ def explain_bytes(
 
     None where nothing could be tried.
     """
-    stuck = _stuck(int.from_bytes(data, "big"), 8 * len(data)) if len(data) > 1 else None
+    number = int.from_bytes(data, "big")
+    stuck = _stuck(number, 8 * len(data), True)
+    if stuck is not None:
+        return stuck
     tried = list(in_bytes.tries(device, variant, sender, placed, data))
     crcs = tuple({item.crc.name: device.crc(item.crc.name) for item in tried}.values())
     # Nobody has decided anything for a frame that is not known: what depends on it is better not read than read wrongly.
     undecided = frozenset(name for item in device.alternatives for name in item.answers[0].sets)
-    return _why(device, stuck, tried, (), crcs, undecided)
+    why = _why(device, tried, (), crcs, undecided)
+    if why is None or placed is None or 8 * len(data) != placed.bits:
+        return why
+    flipped = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(placed.bits))
+    return replace(why, disturbed=_places([in_bytes.is_sound(device, placed, item) for item in flipped]))
+
+
+def _places(fits: Sequence[bool]) -> tuple[int, ...]:
+    return tuple(bit for bit, does_fit in enumerate(fits) if does_fit)
 
 
 def _known_to_fail(placed: PlacedLayout, crc: Crc, text: BitText) -> tuple[Try, ...]:
@@ -105,7 +125,6 @@ def _known_to_fail(placed: PlacedLayout, crc: Crc, text: BitText) -> tuple[Try, 
 
 def _why(
     device: Device,
-    stuck: Explanation | None,
     tries: Iterable[Try],
     failed: Sequence[Try],
     crcs: Sequence[Crc],
@@ -116,7 +135,7 @@ def _why(
         return None
     found = [_explanation(device, item, undecided) for item in single if item.fits]
     asked = single
-    if not found and stuck is None:
+    if not found:
         # Two at once only with the commonest of all, and only then: every further pair would fit by coincidence too.
         asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != NOT_INVERTED)), failed)
         found = [replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits]
@@ -124,7 +143,7 @@ def _why(
     chances = {item.question: item.one_in for item in asked}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
     blind = tuple(dict.fromkeys(text for crc in crcs for text in _cannot_see(crc)))
-    return Why((*([stuck] if stuck is not None else []), *found), len(asked), coincidence, blind)
+    return Why(tuple(found), len(asked), coincidence, blind)
 
 
 def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
@@ -169,12 +188,19 @@ def _explanation(device: Device, item: Try, undecided: frozenset[str]) -> Explan
     return Explanation(item.kind, item.text, item.one_in, item.score, reads, item.codes)
 
 
-def _stuck(number: int, bits: int) -> Explanation | None:
-    """All bits alike: that is no frame at all."""
-    if number not in (0, (1 << bits) - 1):
+def _stuck(number: int, bits: int, has_crc: bool) -> Why | None:
+    """All bits alike: that is no frame at all, and no other mistake is worth a try."""
+    if bits < _LEAST_STUCK or number not in (0, (1 << bits) - 1):
         return None
-    text = f"every bit is {1 if number else 0}: the line does not move, and there is nothing to check"
-    return Explanation("line_stuck", text, 1 << (bits - 1), MISTAKES["line_stuck"] * 2.0 ** (bits - 1), {})
+    level = 1 if number else 0
+    if has_crc:
+        cause = "cut" if level else "shorted"
+        text = f"every bit is {level}: the line does not move. Is it {cause}, is there a supply, does the clock arrive?"
+    else:
+        text = f"every bit is {level}: a line that does not move looks the same, and without a CRC nothing tells"
+    one_in = 1 << min(bits - 1, 62)
+    found = Explanation("line_stuck", text, one_in, MISTAKES["line_stuck"] * one_in, {})
+    return Why((found,), 1, 1 / one_in, ())
 
 
 def _cannot_see(crc: Crc) -> list[str]:

@@ -116,6 +116,8 @@ STEPS = """
   type(code, ""); type(text, "02 00 C7 D1 6A 7E"); seen.inferred = said(box);
   box.querySelector(".codewheel-decode-codes button").click(); seen.picked = said(box); seen.code = code.value;
   type(code, "AMM5A21/65KSC1"); type(text, "0xF4243D2"); seen.why = said(box);
+  type(text, "0x0"); seen.low = said(box); type(text, "0b" + "1".repeat(45)); seen.high = said(box);
+  type(code, "AMM5A23/65KBG1"); type(text, "0x0"); seen.ssi = said(box); type(code, "AMM5A21/65KSC1");
   choose(what, "=preset"); type(text, "00 30 24 f4 00 00 00"); seen.preset = said(box);
   seen.position = named(box, "position").value;
   type(named(box, "position"), "1000004"); seen.bytes = text.value;
@@ -160,7 +162,11 @@ def test_fields_reports_and_verdict(seen: dict[str, str]) -> None:
 def test_a_fault_in_the_words_of_the_command(seen: dict[str, str]) -> None:
     assert "crc fault: the CRC is 0x7f; over these bits it has to be 0x7e" in seen["fault"]
     assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
-    assert "read one bit early: a bit such as CDS is in front" in seen["why"]
+    early = seen["why"].index("read one bit early: a bit such as CDS is in front")
+    assert 0 < seen["why"].index("one bit was disturbed on the way: the CRC fits with bit 0 inverted") < early
+    assert "Every bit is 0: the line does not move." in seen["low"]
+    assert "Every bit is 1: the line does not move." in seen["high"]
+    assert "Every bit is 0: a line that does not move looks the same" in seen["ssi"]
 
 
 @pytest.mark.slow

@@ -207,7 +207,7 @@ def test_where_there_is_no_verdict(
 
 
 def test_ssi(capsys: Capture) -> None:
-    assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 17)[1].endswith(
+    assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
         "no fault; this frame carries no CRC; nothing in this frame tells whether the position is usable"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")

@@ -278,8 +278,37 @@ def test_a_line_that_does_not_move_comes_first(decode: Run) -> None:
         ("AMM5A23/65KJP1", "FF FF FF FF FF FF"),
     ):
         found = decode(code, frame)[1]["why"]["explanations"]
-        assert found[0]["kind"] == "line_stuck"
-        assert not any(item["twice"] for item in found)  # it needs no second mistake, so none is sought
+        # Nothing else is worth a try.
+        assert [item["kind"] for item in found] == ["line_stuck"]
+
+
+def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
+    """Position 0 is a position; but no CRC of SSI tells it from a line that does not move."""
+    for frame, level in (("0x0", 0), ("0b" + "1" * 39, 1)):
+        code, data = decode("AMM5A23/65KBG1", frame)
+        assert code == 0
+        assert [item["kind"] for item in data["why"]["explanations"]] == ["line_stuck"]
+        assert main(["decode", "AMM5A23/65KBG1", frame]) == 0
+        out = " ".join(capsys.readouterr().out.split())
+        assert (
+            f"Every bit is {level}: a line that does not move looks the same, and without a CRC nothing tells." in out
+        )
+    assert decode("AMM5A23/65KBG1", "0x1")[1]["why"] is None
+
+
+def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
+    """The frame 0xF4243D3 of AMM5's worked position 1,000,003, its last bit inverted; also of the reply in bytes."""
+    code, data = decode("AMM5A21/65KSC1", "0xF4243D2")
+    assert (code, data["why"]["disturbed"]) == (1, [0])
+    assert main(["decode", "AMM5A21/65KSC1", "0xF4243D2"]) == 1
+    out = " ".join(capsys.readouterr().out.split())
+    first = "one bit was disturbed on the way: the CRC fits with bit 0 inverted"
+    assert 0 < out.index(first) < out.index("the polynomial is 0x25")
+    # x^8 + 1 tells in which of eight places, not in which byte: a parity bit, a constant and padding cannot be it.
+    reply = bytes.fromhex("02 00 15 CD 5B 81")
+    data = decode("AMM5A23/65KJP1", (reply[:4] + bytes([reply[4] ^ 0x10]) + reply[5:]).hex())[1]
+    assert data["why"]["disturbed"] == [4, 12, 20, 28, 36]
+    assert decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")[1]["why"]["disturbed"] == []
 
 
 def test_published_frames_with_active_high_status(

@@ -401,7 +401,14 @@ def test_what_was_accepted_before_is_refused(lika: Any) -> None:
     ):
         with pytest.raises(lika.FamilyError):
             call()
-    with pytest.raises(lika.InterfaceError, match="AMM5A21/65KBG1 is connected by SSI; BISS is needed"):
+    # What exists over the interface of the encoder is named.
+    with pytest.raises(lika.InterfaceError) as caught:
+        lika.amm5.set_preset(lika.lookup("AMM5A23/65KJP1"), 1)
+    assert str(caught.value).startswith("AMM5A23/65KJP1 is connected by RS485; BISS is needed; over RS485 there is ")
+    assert "reset_singleturn_and_multiturn" in str(caught.value)
+    with pytest.raises(lika.InterfaceError, match=r"AMM5A21/65KBG1 is connected by SSI; BISS is needed$"):
+        lika.amm5.set_preset(ssi, 1)
+    with pytest.raises(lika.InterfaceError, match=r"AMM5A21/65KBG1 is connected by SSI; BISS is needed$"):
         lika.amm5.SingleCycleData.decode(0xF4243D3, ssi)
     for wrong in ("AMM5A21/65KSC1", None, 5, lika.amm5.FAMILY):
         with pytest.raises(TypeError, match=r"is no encoder; lookup\(\) gives one"):

@@ -52,6 +52,43 @@ def test_common_mistakes_with_bytes(lika: Any, frame: bytes, said: str) -> None:
     assert said in lika.lookup("AMM5A23/65KJP1").try_decode(frame).hint
 
 
+@pytest.mark.parametrize(
+    ("code", "frame", "said"),
+    [
+        ("AMM5A21/65KSC1", 0, "Every bit is 0: the line does not move"),
+        ("AMM5A21/65KSC1", (1 << 45) - 1, "Every bit is 1: the line does not move"),
+        ("AMM5A21/65KSC1", (1 << 64) - 1, "Every bit is 1: the line does not move"),
+        ("AMM5A21/65KSC1", "0" * 45, "Every bit is 0: the line does not move"),
+        ("AMM5A21/65KSC1", "", "Nothing was received"),
+        ("AMM5A23/65KJP1", b"", "Nothing was received"),
+        ("AMM5A23/65KJP1", bytes(6), "Every bit is 0: the line does not move"),
+        ("AMM5A23/65KJP1", b"\xff" * 6, "Every bit is 1: the line does not move"),
+    ],
+)
+def test_a_dead_line_is_the_only_answer(lika: Any, code: str, frame: Any, said: str) -> None:
+    fault = lika.lookup(code).try_decode(frame)
+    assert isinstance(fault, lika.FrameError)
+    assert fault.hint.startswith(said)
+    assert len(lika.why(lika.lookup(code), frame)) == 1
+
+
+def test_a_dead_line_of_ssi_may_be_a_position(lika: Any) -> None:
+    encoder = lika.lookup("AMM5A23/65KBG1")
+    for word, level in ((0, 0), ((1 << 39) - 1, 1)):
+        assert lika.why(encoder, word)[0].startswith(f"every bit is {level}: a line that does not move looks the same")
+    assert lika.why(encoder, 5) == ()
+
+
+def test_a_disturbed_bit_comes_first(lika: Any) -> None:
+    encoder = lika.lookup("AMM5A21/65KSC1")
+    assert (
+        lika.why(encoder, WORD ^ 1 << 40)[0] == "with bit 40 inverted: disturbed on the way, if only some frames fail"
+    )
+    # x^8 + 1 tells in which of eight places, not in which byte.
+    reply = REPLY[:4] + bytes([REPLY[4] ^ 0x10]) + REPLY[5:]
+    assert lika.why(lika.lookup("AMM5A23/65KJP1"), reply)[0].startswith("with one of 5 bits inverted: disturbed")
+
+
 def test_nothing_explains_noise(lika: Any) -> None:
     assert lika.why(lika.lookup("AMM5A23/65KJP1"), b"\x55\xaa\x12") == ()
     assert lika.why(lika.lookup("AMM5A21/65KSC1"), "0101") == ()

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum, IntEnum
 from functools import lru_cache
 from importlib import import_module
 from operator import index
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, Union, cast, get_args
 
 from ._reports import Family
@@ -130,14 +131,15 @@ class FamilyError(ValueError):
 class InterfaceError(ValueError):
     """The encoder has another interface than the frame, register or procedure."""
 
-    def __init__(self, code: str, found: Interface, expected: Interface) -> None:
-        super().__init__(code, found, expected)
+    def __init__(self, code: str, found: Interface, expected: Interface, instead: str = "") -> None:
+        super().__init__(code, found, expected, instead)
         self.code = code
         self.found = found
         self.expected = expected
+        self.instead = instead
 
     def __str__(self) -> str:
-        return f"{self.code} is connected by {self.found.name}; {self.expected.name} is needed"
+        return f"{self.code} is connected by {self.found.name}; {self.expected.name} is needed{self.instead}"
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
@@ -197,20 +199,33 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:60]}..."
 
 
-def wrong_encoder(found: object, kind: type, interface: Interface) -> Exception:
+#: Nothing that could be done instead.
+_NONE: Final[Mapping[Interface, tuple[str, ...]]] = MappingProxyType({})
+
+
+def wrong_encoder(
+    found: object, kind: type, interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+) -> Exception:
     """The error for an encoder that is none of this family, or not connected by ``interface``."""
     if isinstance(found, kind):
-        return InterfaceError(getattr(found, "code"), getattr(found, "interface"), interface)
+        own: Interface = getattr(found, "interface")
+        instead = f"; over {own.name} there is {', '.join(procedures[own])}" if own in procedures else ""
+        return InterfaceError(getattr(found, "code"), own, interface, instead)
     family = getattr(found, "family", None)
     if isinstance(family, Family):
         return FamilyError(getattr(found, "code"), family.name, getattr(kind, "family").name)
     return TypeError(f"{shown(found)} is no encoder; lookup() gives one for what is on its label")
 
 
-def check_encoder(found: object, kind: type, interface: Interface) -> None:
-    """Raises the error for an encoder of another family or interface."""
+def check_encoder(
+    found: object, kind: type, interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+) -> None:
+    """Raises the error for an encoder of another family or interface.
+
+    ``procedures`` are the names of those of each interface, where this is asked for one of them.
+    """
     if not isinstance(found, kind) or getattr(found, "interface") is not interface:
-        raise wrong_encoder(found, kind, interface)
+        raise wrong_encoder(found, kind, interface, procedures)
 
 
 def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:

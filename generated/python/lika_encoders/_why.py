@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import cast
+from collections.abc import Callable, Iterable, Iterator
+from operator import index
+from typing import Final, SupportsIndex, cast
 
 from ._codec import FrameError
 from ._encoder import Encoder
@@ -14,10 +15,14 @@ from ._encoder import Encoder
 def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     """What would make a sound frame of this one, the most likely first; empty where nothing known does.
 
-    A CRC of few bits is right by chance now and then, one of 6 bits in 1 of 64 cases. So look at several frames: the
-    mistake that explains all of them is yours.
+    A line that does not move is the only answer. A CRC of few bits is right by chance now and then, one of 6 bits in 1
+    of 64 cases, and with one bit inverted in most. So look at several frames: the mistake that explains all of them is
+    yours.
     """
-    if not _is_told_apart(encoder):
+    apart = _is_told_apart(encoder)
+    if dead := _dead_line(frame, _bits_of(encoder), apart):
+        return (dead,)
+    if not apart:
         return ()
     return tuple(said for said, other in _others(encoder, frame) if _is_sound(encoder.decode, other))
 
@@ -25,7 +30,39 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
 def hint(encoder: Encoder, frame: object) -> str:
     """The same as one sentence."""
     found = why(encoder, frame)
+    if found and _dead_line(frame, _bits_of(encoder), _is_told_apart(encoder)):
+        return found[0][0].upper() + found[0][1:]
     return f"The frame would be sound {'; or '.join(found)}" if found else ""
+
+
+#: So few bits may well be all alike.
+_LEAST_BITS: Final = 12
+
+
+def _dead_line(frame: object, bits: int, has_crc: bool) -> str:
+    """What is said of a line that does not move; empty if it does."""
+    if isinstance(frame, (bytes, bytearray, memoryview)):
+        data = bytes(cast(bytes, frame))
+        number, bits = int.from_bytes(data, "big"), 8 * len(data)
+    elif isinstance(frame, str):
+        text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
+        if set(text) - {"0", "1"}:
+            return ""
+        number, bits = int(text or "0", 2), len(text)
+    elif isinstance(frame, SupportsIndex) and not isinstance(frame, bool):
+        number = index(frame)
+        bits = max(bits, number.bit_length())
+    else:
+        return ""
+    if not bits:
+        return "nothing was received: is there a supply, is a wire off or swapped, does the clock or request arrive?"
+    if bits < _LEAST_BITS or number not in (0, (1 << bits) - 1):
+        return ""
+    level = 1 if number else 0
+    if not has_crc:
+        return f"every bit is {level}: a line that does not move looks the same, and without a CRC nothing tells"
+    cause = "cut" if level else "shorted"
+    return f"every bit is {level}: the line does not move. Is it {cause}, is there a supply, does the clock arrive?"
 
 
 def _is_told_apart(encoder: Encoder) -> bool:
@@ -45,6 +82,9 @@ def _is_sound(decode: Callable[[object], object], frame: object) -> bool:
 def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
     if isinstance(frame, (bytes, bytearray, memoryview)):
         data = bytes(cast(bytes, frame))
+        number = int.from_bytes(data, "big")
+        flipped = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(8 * len(data)))
+        yield from _disturbed(encoder, flipped, lambda bit: f"bit {bit % 8} of byte {len(data) - 1 - bit // 8}")
         yield "with all bits inverted: are the two wires of the line swapped?", bytes(byte ^ 0xFF for byte in data)
         yield "with its bytes in the other order", data[::-1]
         turned = bytes(int(f"{byte:08b}"[::-1], 2) for byte in data)
@@ -57,6 +97,8 @@ def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
     if not isinstance(frame, int) or isinstance(frame, bool) or frame < 0 or not bits:
         return
     last = (1 << bits) - 1
+    if frame <= last:
+        yield from _disturbed(encoder, (frame ^ 1 << bit for bit in range(bits)), lambda bit: f"bit {bit}")
     yield "with all bits inverted: are the two wires of the line swapped?", frame & last ^ last
     if frame <= last:
         yield "with its bits in the other order: the first bit sent is the most significant", _turned(frame, bits)
@@ -69,6 +111,16 @@ def _others(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
         for filled in range(1 << place):
             more = f"with {_count(place, 'bit')} more at its end, {filled:0{place}b}: clock more"
             yield more, (frame << place | filled) & last
+
+
+def _disturbed(
+    encoder: Encoder, flipped: Iterable[object], named: Callable[[int], str]
+) -> Iterator[tuple[str, object]]:
+    """The frame with one bit inverted, the usual cause if only some frames fail; with which one, if only one does."""
+    found = [(bit, other) for bit, other in enumerate(flipped) if _is_sound(encoder.decode, other)]
+    if found:
+        which = named(found[0][0]) if len(found) == 1 else f"one of {len(found)} bits"
+        yield f"with {which} inverted: disturbed on the way, if only some frames fail", found[0][1]
 
 
 def _bits_of(encoder: Encoder) -> int:

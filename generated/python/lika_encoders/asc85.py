@@ -1567,6 +1567,20 @@ def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
 
 
 # Procedures
+#: The procedures over each interface, for the error on an encoder of another one.
+_PROCEDURES: Final = {
+    _BISS: (
+        "request_position",
+        "save_configuration",
+        "read_absolute_data",
+        "software_reset",
+        "verify_configuration",
+        "simulate_error",
+        "clear_simulated_error",
+        "reset_errors",
+        "identify_steps",
+    ),
+}
 
 
 def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
@@ -1585,7 +1599,7 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
         Poll(Address.STATUS, 1, "status", 0x01, 0x01, "0 as long as the new data are not available"),
@@ -1615,7 +1629,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 for the whole duration of the writing"),
@@ -1647,7 +1661,7 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
         Poll(Address.STATUS, 1, "status", 0x02, 0x02, "set when the data were loaded"),
@@ -1672,7 +1686,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
         Poll(Address.STATUS, 1, "status", 0x80, 0x80, "configuration verified, absolute data read"),
@@ -1703,7 +1717,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 during the verification"),
@@ -1724,7 +1738,7 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
         Read(Address.STATUS, 1, "status", "1 while the error is simulated"),
@@ -1744,7 +1758,7 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *writes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
         Read(Address.STATUS, 1, "status", "0 after the simulation"),
@@ -1767,7 +1781,7 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Read(Address.ERROR_REGISTER, 1, "error_register", "which messages are active"),
         Read(Address.DIAGNOSTIC_DATA, 1, "diagnostic_data", "what is behind Control error and Signal error"),
@@ -1793,7 +1807,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has another interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li: an encoder of Lika Electronic"),
         Read(Address.DEVICE_ID, 6, "device_id", "AS85 and the release"),

@@ -106,6 +106,10 @@ class Module:
         self.coders = (*frames, *coders.values())
         kinds = tuple(self._frame_kinds())
         self.codes = Variants(self.context, kinds, frames)
+        over = dict.fromkeys(item.interface for item in self.procedures)
+        self.procedures_by_interface = {
+            kind: tuple(item.name for item in self.procedures if item.interface == kind) for kind in over
+        }
         self.readme = Readme(self.context, kinds, coders, {item.procedure.name: item for item in self.procedures})
         self.identities = list(identities(device))
         self.family, self.manual, self.tables = facts.family(device), facts.manual(device.manual), facts.tables(device)
