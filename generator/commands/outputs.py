@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -10,7 +11,7 @@ from ..build.load import Family, load_families, sound_families
 from ..model import Device
 from ..spec.problems import Report, listed, suggestion
 from ..targets import Library, Options, Target, TargetError
-from ..targets.registry import BUILT_IN, load_target, problems_of, target_names
+from ..targets.registry import BUILT_IN, PackageMissing, load_target, problems_of, target_names
 from .editions import beside
 from .terminal import Stop
 
@@ -18,7 +19,7 @@ _WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None) -> list[Target]:
-    """The targets of these names, each once; without any, ours.
+    """Return the targets of these names, each once; without any, ours, without those that a package is missing for.
 
     Raises:
         Stop: There is no such target, exit code 2, or it cannot be loaded, exit code 1.
@@ -29,6 +30,10 @@ def targets_named(names: Iterable[str] | None = None) -> list[Target]:
             found.append(load_target(name))
         except LookupError:
             raise Stop(_no_target(name), 2) from None
+        except PackageMissing as error:
+            if names:
+                raise Stop(str(error), 1) from None
+            print(f"codewheel: {error}; left out, the other targets run", file=sys.stderr)
         except TargetError as error:
             raise Stop(str(error), 1) from None
     return found

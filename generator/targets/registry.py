@@ -20,6 +20,10 @@ GROUP = "codewheel.targets"
 _Given = TypeVar("_Given")
 
 
+class PackageMissing(TargetError):
+    """A target needs a Python package that is not installed."""
+
+
 def target_names() -> list[str]:
     """The names of all targets: ours, then registered ones."""
     return [*BUILT_IN, *(name for name in _registered() if name not in BUILT_IN)]
@@ -118,6 +122,11 @@ def _owner(entry: EntryPoint) -> str:
 def _loaded(name: str, load: Callable[[], object]) -> Target:
     try:
         found = load()
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if not package or package == __package__.partition(".")[0]:
+            raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
+        raise PackageMissing(f"the target '{name}' needs the Python package '{package}', which is missing") from error
     except Exception as error:
         raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
     if not isinstance(found, Target):

@@ -57,8 +57,8 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """No other register lies where BiSS has one of its own, but where an erratum says why.
 
-    A read-only register of the same bytes is the same thing under another name, and ``profile_id_low`` is a part of it.
-    Manuals use 40h and 41h for other things where there are no banks.
+    What is read-only and lies inside is that register or a part of it under another name, and ``profile_id_low`` is a
+    part of it by its name. Manuals use 40h and 41h for other things where there are no banks.
     """
     for path, register in items(spec, "registers"):
         name, first = register["name"], register["address"]
@@ -66,8 +66,9 @@ def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         for known, (address, length, where) in _PLACES.items():
             overlaps = first < address + length and address < first + register["length"]
-            is_it = (first, register["length"], register["access"]) == (address, length, "read_only")
-            if known == "eds_bank" or not overlaps or is_it or name.startswith(known):
+            inside = address <= first and first + register["length"] <= address + length
+            is_part = inside and (register["access"] == "read_only" or name.startswith(known))
+            if known == "eds_bank" or not overlaps or is_part:
                 continue
             if not explained(raw, "registers", name, "address"):
                 last = first + register["length"] - 1

@@ -1,0 +1,54 @@
+"""A package that one target needs and that is missing disables that target alone."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+TV62 = Path(__file__).resolve().parents[2] / "docs" / "example" / "tolvarn"
+#: Runs a command where lxml, which only the target 'biss' needs, cannot be imported.
+HIDDEN = """
+import sys
+
+class Hidden:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "lxml":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Hidden())
+from codewheel.commands.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def without_lxml(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", HIDDEN, *arguments], capture_output=True, text=True, check=False, timeout=300
+    )
+
+
+def test_check_runs_and_says_what_is_left_out() -> None:
+    done = without_lxml("check", str(TV62))
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "no problems in 1 family: tv62")
+    assert done.stderr == (
+        "codewheel: the target 'biss' needs the Python package 'lxml', which is missing; left out, the other targets"
+        " run\n"
+    )
+
+
+def test_the_other_targets_are_generated(tmp_path: Path) -> None:
+    done = without_lxml("generate", str(TV62), "-o", str(tmp_path / "out"))
+    assert done.returncode == 0
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {"python", "c", "docs", "browser"}
+
+
+def test_the_target_asked_for_is_an_error(tmp_path: Path) -> None:
+    done = without_lxml("generate", str(TV62), "-o", str(tmp_path / "out"), "--target", "biss")
+    message = "codewheel: the target 'biss' needs the Python package 'lxml', which is missing\n"
+    assert (done.returncode, done.stderr) == (1, message)
+    assert not (tmp_path / "out").exists()
