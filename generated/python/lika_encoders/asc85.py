@@ -21,9 +21,9 @@ In here:
 
 A sound frame is not yet a usable position. Look at its verdict before you use the position:
 
-    from lika_encoders import Verdict, lookup
+    from lika_encoders import Verdict, asc85, lookup
     encoder = lookup("ASC8525/SC1")
-    frame = encoder.decode(0x2b79a2ac1)
+    frame = encoder.decode(0x2b79a2ac1, zero_bit=asc85.ZeroBit.AS_PRINTED)
     if frame.verdict is not Verdict.NOT_USABLE:
         print(frame.position)
 
@@ -265,11 +265,11 @@ class Variant(Encoder):
         """How many bits a frame has, from the first data bit to the last, the CRC included where it ends in one.
 
         Raises:
-            ValueError: Over this interface frames are made of bytes, or as long as an answer makes them.
+            ValueError: Over this interface the length depends on an answer.
         """
         if self.interface is _SSI:
             return self.position_bits
-        raise ValueError(f"no frame bits over {self.interface.name}: frames are made of bytes, or as long as an answer makes them")
+        raise ValueError(f"no frame bits over {self.interface.name}: the length depends on an answer")
 
     def decode(self, frame: Any) -> Frame:
         """What the encoder sent; the class of its interface says in which form."""
@@ -357,7 +357,13 @@ class BissEncoder(Variant):
         except TypeError as error:
             raise TypeError(f"{self.code}: {error}") from error
 
-    def try_decode(self, frame: Word, *, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData | FrameError:
+    def try_decode(
+        self,
+        frame: Word,
+        *,
+        bits: int | None = None,
+        zero_bit: ZeroBit | None = None,
+    ) -> SingleCycleData | FrameError:
         """As ``decode``, but gives the fault instead of raising it: a type checker then asks what is done about it."""
         try:
             return self.decode(frame, bits=bits, zero_bit=zero_bit)
@@ -720,8 +726,8 @@ class SingleCycleData(NamedTuple):
     @staticmethod
     def frame_bits(variant: BissEncoder, zero_bit: ZeroBit) -> int:
         """How many bits the frame has, the CRC included where it ends in one."""
-        decided(ZeroBit, zero_bit)
         check_encoder(variant, Variant, _BISS)
+        decided(ZeroBit, zero_bit)
         return zero_bit.zero_bits + variant.position_bits + 8
 
     @classmethod
@@ -806,8 +812,8 @@ class SingleCycleData(NamedTuple):
     @staticmethod
     def bit_fields(variant: BissEncoder, zero_bit: ZeroBit) -> tuple[BitField, ...]:
         """Where each field lies; width 0 where the encoder has none."""
-        decided(ZeroBit, zero_bit)
         check_encoder(variant, Variant, _BISS)
+        decided(ZeroBit, zero_bit)
         return (
             BitField("position", zero_bit.zero_bits + 8, variant.position_bits),
             BitField("zero", 8, zero_bit.zero_bits),
