@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 from biss_line import ssi_only
 from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
-from codewheel.model import Device
-from codewheel.plan.received import longest_reply, received
+from codewheel.model import Alternative, Answer, Device
+from codewheel.plan.received import Received, longest_reply, received
 from codewheel.targets import Library, TargetError
 from codewheel.targets.c.files import generate
 
@@ -456,6 +456,8 @@ LENGTHS = {
         "A23_65KBG1_SSI": 39,
         "A17_1BG1_SSI": 17,
     },
+    # With the 0 bit that the manual prints, and without it, as OnStepX reads it.
+    "asc85": {"25_SC1_BISS_AS_PRINTED": 34, "25_SC1_BISS_LEFT_OUT": 33, "20_SC2_BISS_LEFT_OUT": 28},
     "am36": {"AM3616_4096_I7_BISS": 44, "AM3619_4096_BG_SSI": 31, "AMC3616_4096_GG_SSI": 28},
 }
 
@@ -489,6 +491,10 @@ def test_lengths_are_constants(
     assert subprocess.run(command, input=wrong, capture_output=True, text=True).returncode != 0
 
 
+def answered(device: Device, item: Received) -> list[tuple[Alternative, Answer]]:
+    return [(asked, answer) for asked in device.alternatives for answer in item.answers if answer in asked.answers]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_constants_are_what_the_functions_say(
@@ -509,11 +515,17 @@ def test_the_constants_are_what_the_functions_say(
             )
             bits = f"lika_{family}_{item.layout.name}_bits"
             lines.append(f"    {{ static const lika_{family}_variant v = {macro};")
-            lines.append(f"      wrong += {bits}(&v) != {macro}_{interface.name.upper()}_BITS; }}")
+            # What the user decides is the last argument of the function, and the end of the name.
+            enum = f"LIKA_{family.upper()}"
+            given = [f", {enum}_{asked.name}_{answer.name}".upper() for asked, answer in answered(device, item)]
+            stem = "_".join((macro, interface.name, *(answer.name for answer in item.answers))).upper()
+            lines.append(f"      wrong += {bits}(&v{''.join(given)}) != {stem}_BITS; }}")
             count += 1
     lines += ["    return wrong;", "}"]
     program = compile_c(GCC, "\n".join(lines) + "\n", tmp_path, include)
-    assert count == sum(item.interface in ("ssi", "biss") for item in device.variants)
+    # Each order code of ASC85 with BiSS has two lengths.
+    again = sum(item.interface == "biss" for item in device.variants) if family == "asc85" else 0
+    assert count == sum(item.interface in ("ssi", "biss") for item in device.variants) + again
     assert subprocess.run([str(program)]).returncode == 0
 
 

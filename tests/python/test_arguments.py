@@ -191,11 +191,19 @@ def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping
                 with pytest.raises(ValueError, match="no frame bits over RS485: frames are made of bytes"):
                     _ = made.frame_bits
                 continue
+            if device.alternatives_of(layout):
+                with pytest.raises(ValueError, match="no frame bits over BISS: the length depends on an answer"):
+                    _ = made.frame_bits
+                continue
             assert made.frame_bits == layout.bits.value(variant.parameters)
     encoder = lika.lookup("AM3616/4096-I7")
     assert encoder.frame_bits - encoder.with_registers({0x56: 16}).frame_bits == 4
     amm5 = lika.lookup("AMM5A21/65KSC1")
     assert lika.amm5.SingleCycleData.frame_bits(amm5) == amm5.frame_bits == 37 + 8
+    # ASC85 6.2.1 with the 0 bit, and as OnStepX reads it.
+    asc85, zero_bit = lika.lookup("ASC8525/SC1"), lika.asc85.ZeroBit
+    assert lika.asc85.SingleCycleData.frame_bits(asc85, zero_bit.AS_PRINTED) == 34
+    assert lika.asc85.SingleCycleData.frame_bits(asc85, zero_bit.LEFT_OUT) == 33
 
 
 # ------------------------------------------------------------ numbers

@@ -158,14 +158,14 @@ class Module:
         for frame in self.readme.frames[:1]:
             # The lookup() of the package leads to the family that this one was made of.
             name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
-            names = f"Verdict, {name}" if frame.judged else name
+            names = ", ".join(filter(None, ("Verdict" if frame.judged else "", frame.module, name)))
             start = (
                 f"from {self.device.manufacturer.python_package} import {names}",
                 f'encoder = {call}("{frame.code}")',
             )
             if frame.judged:
                 yield "A sound frame is not yet a usable position. Look at its verdict before you use the position:"
-            yield Lines((*start, f"frame = encoder.decode({frame.text})", *frame.lines))
+            yield Lines((*start, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
 
     @property
     def alternatives(self) -> list[tuple[Asked, str]]:

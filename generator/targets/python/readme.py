@@ -43,7 +43,8 @@ class Shown:
     ``judged`` is a frame that tells what its position is worth; ``spoilt`` is the same frame with a position that
     is not usable, ``reported`` what it reports, and ``tried`` what is printed of both and of a damaged one.
     ``kind`` is its class where the encoder sends several. Of a frame that is a string of bits there are their
-    number and ``digits``. ``looked_up`` says that the call needs the encoder.
+    number and ``digits``. ``looked_up`` says that the call needs the encoder. ``answers`` are the arguments that
+    decide what the manual leaves open, ``module`` where their classes are.
     """
 
     code: str
@@ -58,6 +59,8 @@ class Shown:
     bits: int = 0
     digits: str = ""
     looked_up: bool = False
+    answers: str = ""
+    module: str = ""
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -71,7 +74,7 @@ def start(readmes: Sequence[Readme]) -> Shown:
     """The example to begin with: of a frame that can report an error, and one in bits, where any family has such."""
     frames = [frame for readme in readmes for frame in readme.frames]
     no_frame = Shown(readmes[0].device.variants[0].code, "", "", "")
-    return max(frames, key=lambda item: (bool(item.spoilt), bool(item.bits)), default=no_frame)
+    return max(frames, key=lambda item: (not item.answers, bool(item.spoilt), bool(item.bits)), default=no_frame)
 
 
 class Readme:
@@ -121,6 +124,11 @@ class Readme:
             judged=coder.reports is not None and bool(coder.reports.otherwise),
             bits=0 if layout.in_bytes else placed.bits,
             digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
+            answers="".join(
+                f", {item.name}={self.device.name}.{item.kind}.{item.alternative.answers[0].name.upper()}"
+                for item in coder.asked
+            ),
+            module=self.device.name if coder.asked else "",
         )
         if not (made.judged and coder.reports is not None and layout.spoiling_flags):
             return made

@@ -177,8 +177,9 @@ class Variants:
     @property
     def no_frame_bits(self) -> str:
         """Why an interface is left out there."""
-        is_open = any(item.has_open_length for item in self.frame_kinds)
-        return "frames are made of bytes" + (", or as long as an answer makes them" if is_open else "")
+        of_bytes = ["frames are made of bytes"] if any(item.in_bytes for item in self.frame_kinds) else []
+        is_open = ["the length depends on an answer"] if any(item.has_open_length for item in self.frame_kinds) else []
+        return ", or ".join([*of_bytes, *is_open])
 
     # -- what registers hold
 
