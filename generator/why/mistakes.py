@@ -75,7 +75,7 @@ def explain_bits(device: Device, variant: Variant, placed: PlacedLayout, text: B
     why = _why(device, in_bits.tries(device, variant, placed, crc, text), failed, (crc,))
     flips = (1 << bit for bit in range(placed.bits if failed else 0))
     fits = [in_bits.read_as("", "", placed, crc, text.number ^ flip).fits for flip in flips]
-    return replace(why, disturbed=_places(fits)) if why is not None else None
+    return replace(why, disturbed=_fitting_bits(fits)) if why is not None else None
 
 
 def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
@@ -109,10 +109,10 @@ def explain_bytes(
     if why is None or placed is None or 8 * len(data) != placed.bits:
         return why
     flipped = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(placed.bits))
-    return replace(why, disturbed=_places([in_bytes.is_sound(device, placed, item) for item in flipped]))
+    return replace(why, disturbed=_fitting_bits([in_bytes.is_sound(device, placed, item) for item in flipped]))
 
 
-def _places(fits: Sequence[bool]) -> tuple[int, ...]:
+def _fitting_bits(fits: Sequence[bool]) -> tuple[int, ...]:
     return tuple(bit for bit, does_fit in enumerate(fits) if does_fit)
 
 
@@ -138,7 +138,9 @@ def _why(
     if not found:
         # Two at once only with the commonest of all, and only then: every further pair would fit by coincidence too.
         asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != NOT_INVERTED)), failed)
-        found = [replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits]
+        found = [
+            replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits
+        ]
     found.sort(key=lambda item: -item.score)
     chances = {item.question: item.one_in for item in asked}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
