@@ -1393,10 +1393,10 @@ class SingleturnReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-            True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
-            position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
-            error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1584,10 +1584,10 @@ class MultiturnReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-            True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
-            position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
-            error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 where the encoder has none. Unit: revolutions.
             Right-aligned in 24 bits, zeros above it.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1766,10 +1766,10 @@ class EncoderIdReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-            True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
-            position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
-            error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies
             the encoder; decoding accepts any value.
         unused: 0 while all unused bits are as the manual has them; those that differ are 1.
@@ -1923,10 +1923,10 @@ class CompleteReply(NamedTuple):
         status_st_error: EE_0. True at 1: ST error. False at 0: no ST error. Sums up ``st_error``. While it is True, the
             position is not usable. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-            True at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all
-            position data are 0. False at 0: neither BUSY flag nor PS error, in multiturn models no battery alarm or MT
-            error either. Sums up ``busy``, ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the
-            position is not usable. Remedy: Request data ID 3: its ALMC shows which error it is.
+            True at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. False at 0:
+            none of BUSY flag, PS error, battery alarm and MT error. Sums up ``busy``, ``ps_error``, ``battery_alarm``
+            and ``mt_error``. While it is True, the position is not usable. Remedy: Request data ID 3: its ALMC shows
+            which error it is.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, zeros
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h; a frame with another one is decoded. Holds 23h, which identifies

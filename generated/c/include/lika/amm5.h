@@ -434,9 +434,9 @@ static inline const lika_report_text *lika_amm5_report_text(uint32_t reports)
         {
             "status_other_error",
             "EE_1",
-            "BUSY flag or PS error, in multiturn models also battery alarm or MT error; while "
-            "BUSY, all position data are 0. One bit for BUSY, which clears itself, and for errors "
-            "that stay until they are reset.",
+            "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. "
+            "One bit for BUSY, which clears itself, and for errors that stay until they are "
+            "reset.",
             "Request data ID 3: its ALMC shows which error it is",
             "7.3.2 p.42; it: 7.3.2 p.43"
         },
@@ -1336,11 +1336,10 @@ typedef struct lika_amm5_singleturn_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-     * Active at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while
-     * BUSY, all position data are 0. Inactive at 0: neither BUSY flag nor PS error, in multiturn
-     * models no battery alarm or MT error either. Sums up busy, ps_error, battery_alarm and
-     * mt_error. While it is active, the position is not usable. Remedy: Request data ID 3: its ALMC
-     * shows which error it is.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**
@@ -1492,11 +1491,10 @@ typedef struct lika_amm5_multiturn_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-     * Active at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while
-     * BUSY, all position data are 0. Inactive at 0: neither BUSY flag nor PS error, in multiturn
-     * models no battery alarm or MT error either. Sums up busy, ps_error, battery_alarm and
-     * mt_error. While it is active, the position is not usable. Remedy: Request data ID 3: its ALMC
-     * shows which error it is.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**
@@ -1637,11 +1635,10 @@ typedef struct lika_amm5_encoder_id_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-     * Active at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while
-     * BUSY, all position data are 0. Inactive at 0: neither BUSY flag nor PS error, in multiturn
-     * models no battery alarm or MT error either. Sums up busy, ps_error, battery_alarm and
-     * mt_error. While it is active, the position is not usable. Remedy: Request data ID 3: its ALMC
-     * shows which error it is.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**
@@ -1773,11 +1770,10 @@ typedef struct lika_amm5_complete_reply {
     bool status_st_error;
     /**
      * EE_1: One bit for BUSY, which clears itself, and for errors that stay until they are reset.
-     * Active at 1: BUSY flag or PS error, in multiturn models also battery alarm or MT error; while
-     * BUSY, all position data are 0. Inactive at 0: neither BUSY flag nor PS error, in multiturn
-     * models no battery alarm or MT error either. Sums up busy, ps_error, battery_alarm and
-     * mt_error. While it is active, the position is not usable. Remedy: Request data ID 3: its ALMC
-     * shows which error it is.
+     * Active at 1: BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data
+     * are 0. Inactive at 0: none of BUSY flag, PS error, battery alarm and MT error. Sums up busy,
+     * ps_error, battery_alarm and mt_error. While it is active, the position is not usable. Remedy:
+     * Request data ID 3: its ALMC shows which error it is.
      */
     bool status_other_error;
     /**

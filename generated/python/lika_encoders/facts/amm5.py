@@ -540,8 +540,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="status_other_error",
             printed_name="EE_1",
             meaning=(
-                "BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all position "
-                "data are 0. One bit for BUSY, which clears itself, and for errors that stay until they are reset."
+                "BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0. One bit for "
+                "BUSY, which clears itself, and for errors that stay until they are reset."
             ),
             remedy="Request data ID 3: its ALMC shows which error it is",
             makes_position=Verdict.NOT_USABLE,
@@ -792,11 +792,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="EE_1",
                 meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
-                when_active=(
-                    "BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all "
-                    "position data are 0"
-                ),
-                when_inactive="neither BUSY flag nor PS error, in multiturn models no battery alarm or MT error either",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
@@ -843,11 +840,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="EE_1",
                 meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
-                when_active=(
-                    "BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all "
-                    "position data are 0"
-                ),
-                when_inactive="neither BUSY flag nor PS error, in multiturn models no battery alarm or MT error either",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
@@ -894,11 +888,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="EE_1",
                 meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
-                when_active=(
-                    "BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all "
-                    "position data are 0"
-                ),
-                when_inactive="neither BUSY flag nor PS error, in multiturn models no battery alarm or MT error either",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
@@ -943,11 +934,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="EE_1",
                 meaning="One bit for BUSY, which clears itself, and for errors that stay until they are reset",
                 active="high",
-                when_active=(
-                    "BUSY flag or PS error, in multiturn models also battery alarm or MT error; while BUSY, all "
-                    "position data are 0"
-                ),
-                when_inactive="neither BUSY flag nor PS error, in multiturn models no battery alarm or MT error either",
+                when_active="BUSY flag, PS error, battery alarm or MT error; while BUSY, all position data are 0",
+                when_inactive="none of BUSY flag, PS error, battery alarm and MT error",
                 source="7.3.2 p.42; it: 7.3.2 p.43",
             ),
             FieldFacts(name="status_zero", unused=0, source="7.3.2 p.42; it: 7.3.2 p.43"),
