@@ -42,10 +42,15 @@ def frames(device: Device, cell: str) -> list[Layout]:
     return [device.layout(name.strip("`")) for name in plain(cell).split(", ")]
 
 
-def said(device: Device, layout: Layout, active: str) -> Findings:
-    """What a frame says in which one flag is active, or unused bits differ, or nothing if ``active`` is no field."""
+def said(device: Device, layout: Layout, active: str, when: str = "") -> Findings:
+    """What a frame says in which one flag is active, or unused bits differ, or nothing if ``active`` is no field.
+
+    It is sent by an order code for which the row holds, as ``when`` says.
+    """
     interface = next(kind for kind, item in device.layouts() if item is layout)
-    variant = next(item for item in device.variants if item.interface == interface.name)
+    # AMM5 alone has flags that do not mean the same for all order codes.
+    mark = "/1" if "with all others" in when else "/65K" if ".../65K..." in when else ""
+    variant = next(item for item in device.variants if item.interface == interface.name and mark in item.code)
     placed = layout.place(variant.parameters)
     unused = {item.name: ((1 << item.widest) - 1) << place for item, place in layout.unused}
     values: dict[str, int | str | bool] = {"unused": unused.get(active, 0)} if layout.unused else {}
@@ -76,7 +81,7 @@ def test_the_table_is_what_the_reference_codec_decides(library: Library, page: s
         for layout in frames(device, cell):
             assert title in {kind.title for kind, item in device.layouts() if item is layout}
             speaks = plain(name).strip("`")
-            found = said(device, layout, speaks).verdict
+            found = said(device, layout, speaks, when).verdict
             assert found is not None
             assert f"`{found.value}`" == verdict, (layout.name, name)
             seen.setdefault((device.name, layout.name), set()).add(speaks)
@@ -110,6 +115,7 @@ def level(layout: Layout, name: str) -> str:
     [
         # 6.3.1 p.21: nE and nW are not used and always 1; the BiSS protocol has them 0 for error and warning.
         ("am36", "single_cycle_data", "error", "0", "not_usable"),
+        ("am36", "single_cycle_data", "warning", "0", "not_told"),
         ("am36", "single_cycle_data", "none of these", "", "not_told"),
         # 7.3.2 p.42: EE_1 stands for four, which are in ALMC of data ID 3 alone.
         ("amm5", "singleturn_reply", "status_other_error", "1", "not_usable"),
@@ -142,6 +148,18 @@ def test_as_the_manuals_have_it(
     assert found == [(when, f"`{verdict}`")]
 
 
+def test_what_a_battery_decides_goes_by_the_order_code(library: Library, page: str) -> None:
+    """AMM5, 6.2.1 p.33 and 7.4.1 p.44: multiturn models alone have a battery (4.3 p.23)."""
+    found = {
+        (plain(row[2]).strip("`"), row[3].partition(", ")[0], row[4])
+        for device, row in by_family(library, page, "What decides")
+        if device.name == "amm5"
+    }
+    for name, level in (("warning", "0"), ("mt_error", "1")):
+        assert (name, f"{level} with `.../65K...`", "`not_usable`") in found
+        assert (name, f"{level} with all others", "`usable_with_warning`") in found
+
+
 def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page: str) -> None:
     silent = {"amm5", "asc85", "sma21"}
     for device, row in by_family(library, page, "What decides"):
@@ -165,6 +183,8 @@ def test_every_report_is_there_and_each_frame_says_which(library: Library, page:
         for layout in frames(device, row[1]):
             assert layout.sender == "encoder"
             expected = {report.field for item in layout.fields for report in said(device, layout, item.name).reports}
+            flags = (item for item in layout.fields if isinstance(item.kind, Flag) and item.kind.only)
+            expected |= {f"{item.name}_unexplained" for item in flags}
             if device.alternatives_of(layout) == ():
                 assert set(re.findall("`([a-z0-9_]+)`", row[2])) == expected
     assert told == {name: set(names) for name, names in listed.items()}

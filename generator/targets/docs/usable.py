@@ -58,8 +58,13 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
     """What speaks in a frame, the worst first."""
     speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
     order = [item.name for item in layout.fields]
+    if judgement.otherwise is Verdict.NOT_TOLD:
+        # With a warning no more is known of the position than without.
+        speaking += [
+            (judgement.otherwise, item, None) for item in layout.fields if _is(item, Verdict.USABLE_WITH_WARNING)
+        ]
     speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
-    speaking += [(Verdict.USABLE, item, None) for item in layout.fields if _is_harmless(item)]
+    speaking += [(Verdict.USABLE, item, None) for item in layout.fields if _is(item, Verdict.USABLE)]
     for verdict, field, only in speaking:
         yield (
             _named(field),
@@ -70,8 +75,8 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
         )
 
 
-def _is_harmless(field: Field) -> bool:
-    return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is Verdict.USABLE
+def _is(field: Field, verdict: Verdict) -> bool:
+    return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is verdict
 
 
 def _when(field: Field, only: Only | None) -> str:
