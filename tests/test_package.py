@@ -139,3 +139,10 @@ def test_no_family_is_named_in_the_generator_or_a_template() -> None:
                 # A public test vector has its source, which is the firmware of one.
                 text = path.read_text(encoding="utf-8", errors="replace").lower().replace("mjbots/moteus: fw/test", "")
                 assert not [name for name in names if name in text], path
+
+
+def test_every_folder_of_generated_files_has_the_licence() -> None:
+    texts = {folder.name: (folder / "LICENSE").read_text(encoding="utf-8") for folder in (ROOT / "generated").iterdir()}
+    assert set(texts) >= {"biss", "browser", "c", "docs", "python"}
+    assert len(set(texts.values())) == 1
+    assert texts["c"].startswith("Zero-Clause BSD (0BSD)\n")

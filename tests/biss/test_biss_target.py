@@ -212,7 +212,7 @@ def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device) -> None
 
 def test_a_manufacturer_without_an_id_has_no_file(amm5: Device) -> None:
     nameless = dataclasses.replace(amm5, manufacturer=dataclasses.replace(amm5.manufacturer, biss_id=None))
-    assert set(generate(Library((nameless,)))) == {"biss/lika-amm5.xml", "biss/device-description.xsd"}
+    assert set(generate(Library((nameless,)))) == {"biss/LICENSE", "biss/lika-amm5.xml", "biss/device-description.xsd"}
 
 
 def test_another_maker(tmp_path: Path) -> None:
@@ -224,7 +224,8 @@ def test_another_maker(tmp_path: Path) -> None:
     devices, report = load_library([tmp_path])
     assert not report.problems
     files = generate(Library(devices))
-    assert set(files) == {"biss/idbiss4163.xml", "biss/acme-minimal.xml", "biss/device-description.xsd"}
+    made = {"LICENSE", "idbiss4163.xml", "acme-minimal.xml", "device-description.xsd"}
+    assert set(files) == {f"biss/{name}" for name in made}
     assert "Not listed" in files["biss/idbiss4163.xml"]
     assert from_xml(files["biss/acme-minimal.xml"].encode()) == device_dump(devices[0])
     assert "docs/minimal.md" in generate_docs(Library(devices))

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from browser_harness import browser, program
+from chromium import Browser
 from codewheel.model import Device, Flag
 from codewheel.reference import codec
 from codewheel.targets import Library
@@ -260,6 +261,26 @@ def test_a_link_fills_the_page_in(chromium: str, page: Path) -> None:
     assert (code, what, text) == ("AMM5A21/65KSC1", "=preset", "00 30 24 f4 00 00 00")
     assert "1000003" in result
     assert link == "#code=AMM5A21%2F65KSC1&frame=00+30+24+f4+00+00+00&as=preset"
+
+
+@pytest.mark.slow
+def test_the_policy_of_the_page_allows_its_own_script_and_style_only(chromium: str, page: Path, tmp_path: Path) -> None:
+    """Open the page as a file, then with parts that an attacker would add."""
+    text = (page / "decode.html").read_text(encoding="utf-8")
+    added = '<style>h1 { color: red }</style><script>document.title = "added"</script><img src="decode.js">'
+    (page / "attacked.html").write_text(text.replace("</main>", f"{added}</main>"), encoding="utf-8")
+    seen = "[document.title, document.body.innerText, getComputedStyle(document.querySelector('h1')).color]"
+    with Browser(tmp_path) as browser:
+        browser.open((page / "decode.html").as_uri() + "#code=AMM5A23/65KJP1&frame=02+20+C7+D1+6A+5E")
+        title, shown, colour = browser.run(seen)
+        assert title == "Decode a frame: Lika Electronic"
+        assert "not_usable: the position is not usable." in shown
+        assert browser.run("getComputedStyle(document.body).maxWidth") == "960px"
+        assert browser.complaints == []
+        browser.open((page / "attacked.html").as_uri())
+        assert browser.run(seen)[::2] == [title, colour]
+        refused = [item for item in browser.complaints if "Content Security Policy" in item]
+        assert len(refused) == 3, browser.complaints
 
 
 HOSTILE = """

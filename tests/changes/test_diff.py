@@ -67,7 +67,7 @@ demo
                  all 4 BiSS order codes; C, Python, XML [value-new]
   documentation  registers.command.function.save.meaning [words]
 4 changes: 1 breaking, 1 behaviour, 1 compatible, 1 documentation
-generated: 15 of 119 files change; maker_encoders 1.4.2 → 2.0.0, where the spec
+generated: 15 of 123 files change; maker_encoders 1.4.2 → 2.0.0, where the spec
   still says 1.4.2
 """
 

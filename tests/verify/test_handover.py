@@ -112,6 +112,7 @@ def test_cmake_after_an_installation(folder: Path, user: Path, tmp_path: Path) -
     run(cmake, "-S", folder, "-B", tmp_path / "b", cwd=tmp_path)
     run(cmake, "--build", tmp_path / "b", cwd=tmp_path)
     run(cmake, "--install", tmp_path / "b", "--prefix", prefix, cwd=tmp_path)
+    assert (prefix / "share" / "doc" / "lika-encoders" / "LICENSE").is_file()
     shutil.rmtree(folder)
     prints(built_by_cmake(user, "find_package(lika-encoders 0.1 REQUIRED)", f"-DCMAKE_PREFIX_PATH={prefix}"))
 

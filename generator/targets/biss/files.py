@@ -31,6 +31,7 @@ from ...say.text import BY_NAME
 from ...say.words import counted
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..file_names import names_of_codes
+from ..licence import licence_in
 from .identity import (
     DataLength,
     IdBits,
@@ -105,7 +106,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
             files |= dict(file for device in devices for file in _by_code(f"biss/{maker.name}-{device.name}", device))
     if files:
-        files[f"biss/{XSD_NAME}"] = schema_text()
+        files |= {f"biss/{XSD_NAME}": schema_text()} | licence_in("biss")
     return files
 
 

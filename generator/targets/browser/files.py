@@ -6,6 +6,8 @@ the box of the page in them.
 
 from __future__ import annotations
 
+import base64
+import hashlib
 from typing import Annotated, TypedDict
 
 from ...model import UNEXPLAINED, Fault
@@ -17,6 +19,7 @@ from ...say.markdown import text
 from ...say.words import WORTH
 from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
+from ..licence import licence_in
 from .family import family
 from .plain import Data, script_json
 
@@ -57,7 +60,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "table": table(library),
     }
     names = ("README.md", "decode.html", "decode.js")
-    return {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
+    files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
+    return files | licence_in("browser")
 
 
 def table(library: Library) -> Data:
@@ -72,10 +76,15 @@ def table(library: Library) -> Data:
     }
 
 
+def sha256(part: str) -> str:
+    """Return the source in a Content-Security-Policy that allows this inline part of a page."""
+    return f"sha256-{base64.b64encode(hashlib.sha256(part.encode()).digest()).decode()}"
+
+
 TEMPLATES = Templates(
     our_templates("browser"),
     values=dict.fromkeys(("README.md.jinja", "decode.html.jinja", "decode.js.jinja"), Page),
-    filters={"script_json": script_json, "md": text},
+    filters={"script_json": script_json, "md": text, "sha256": sha256},
 )
 TARGET = Target(
     name="browser",

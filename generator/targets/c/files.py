@@ -19,6 +19,7 @@ from ...plan.received import longest_reply
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem, has_biss
+from ..licence import licence_in
 from .device import DeviceView
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
@@ -88,7 +89,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
         tests = selftest_files(makers, views, rendered)
         package = package_files(makers, views, tests, rendered)
-        files |= {f"c/{path}": text for path, text in (package | tests).items()}
+        files |= {f"c/{path}": text for path, text in (package | tests).items()} | licence_in("c")
     return files
 
 

@@ -14,6 +14,7 @@ from ...say.name import heading, title
 from ...say.place import addresses
 from ...say.words import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
+from ..licence import licence_in
 from . import across, bites, by_code, changes, facts, family, glossary, over, places, usable, waves
 from . import masters as masters_page
 from .sections import Rows, Section
@@ -46,7 +47,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         bites.ALL: (f"{bites.ALL}.jinja", bites.all_values(library.devices)),
         glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
     }
-    files: dict[str, str] = {}
+    files = licence_in("docs")
     for item in families:
         pages |= _of_family(item, masters)
         files |= {f"docs/{item.device.name}/{name}": picture for name, picture in _pictures(item)}

@@ -15,6 +15,7 @@ from ...model import Device, Manufacturer
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss
+from ..licence import licence_in
 from .filters import FILTERS, FUNCTIONS, TESTS
 from .imports import fact_imports, imports
 from .module import Module
@@ -22,7 +23,7 @@ from .names import BISS, FOLDERS, SHARED
 from .readme import Shown, start
 
 #: The files that a package has once: beside its folder, and in it.
-_BESIDE = ("LICENSE", "README.md", "pyproject.toml")
+_BESIDE = ("README.md", "pyproject.toml")
 _INSIDE = ("__init__", *SHARED)
 
 
@@ -59,6 +60,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     makers = library.by_manufacturer()
     for maker, devices in makers:
         folder = "python" if len(makers) == 1 else f"python/{maker.python_package}"
+        files |= licence_in(folder)
         for path, text in _package(maker, devices, library).items():
             files[f"{folder}/{path}"] = text
     return files
