@@ -71,7 +71,7 @@ PARTS = (
         ("tracker",),
         "lika_tracker *axis, const uint64_t *position, uint32_t now",
         "return (uint32_t)lika_tracker_add(axis, *position, now);",
-        200,
+        240,
     ),
     Part("tracker: its speed", ("tracker",), "const lika_tracker *axis", "return (uint32_t)lika_tracker_speed(axis);"),
     Part(

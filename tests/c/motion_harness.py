@@ -8,7 +8,19 @@ from pathlib import Path
 
 from c_harness import WARNINGS
 
-OK, RANGE = 0, 4
+OK, RANGE, LOST = 0, 4, 13
+
+
+class Config(ctypes.Structure):
+    """The limits of an axis as the header has them, in its order."""
+
+    _fields_ = [
+        ("modulus", ctypes.c_uint64),
+        ("max_speed", ctypes.c_uint32),
+        ("boot_us", ctypes.c_uint32),
+        ("lost_after_us", ctypes.c_uint32),
+        ("lost_after_refused", ctypes.c_uint32),
+    ]
 
 
 class Tracker(ctypes.Structure):
@@ -16,15 +28,18 @@ class Tracker(ctypes.Structure):
 
     _fields_ = [
         ("known", ctypes.c_uint32),
+        ("lost", ctypes.c_uint32),
         ("at_us", ctypes.c_uint32),
-        ("limit", ctypes.c_uint32),
-        ("boot_us", ctypes.c_uint32),
         ("refused", ctypes.c_uint32),
         ("elapsed_us", ctypes.c_uint32),
+        ("limit", ctypes.c_uint32),
+        ("boot_us", ctypes.c_uint32),
+        ("lost_after_us", ctypes.c_uint32),
+        ("refused_at_most", ctypes.c_uint32),
+        ("modulus", ctypes.c_uint64),
         ("raw", ctypes.c_uint64),
         ("position", ctypes.c_int64),
         ("moved", ctypes.c_int64),
-        ("modulus", ctypes.c_uint64),
     ]
 
 
@@ -39,7 +54,7 @@ FUNCTIONS = {
     "angle_radians": ("float", ("uint32_t",)),
     "angle_highest_bit": ("uint32_t", ("uint64_t",)),
     "counts_per_second": ("int64_t", ("int64_t", "uint32_t")),
-    "tracker_start": ("void", ("lika_tracker *", "uint64_t", "uint32_t", "uint32_t", "uint32_t")),
+    "tracker_start": ("void", ("lika_tracker *", "const lika_tracker_config *", "uint32_t")),
     "tracker_restart": ("void", ("lika_tracker *", "uint32_t")),
     "tracker_add": ("int", ("lika_tracker *", "uint64_t", "uint32_t")),
     "tracker_speed": ("int64_t", ("const lika_tracker *",)),
@@ -55,13 +70,16 @@ _TYPES = {
     "uint64_t": ctypes.c_uint64,
     "lika_tracker *": ctypes.POINTER(Tracker),
     "const lika_tracker *": ctypes.POINTER(Tracker),
+    "const lika_tracker_config *": ctypes.POINTER(Config),
 }
 
 
 def source() -> str:
     """A function of the name without ``lika_`` for each; the struct is what Python takes it for."""
     text = '#include "lika/tracker.h"\n#include "lika/angle.h"\n'
-    text += f"typedef char as_python_has_it[(sizeof(lika_tracker) == {ctypes.sizeof(Tracker)}U) ? 1 : -1];\n"
+    for kind in (Tracker, Config):
+        name = "lika_tracker" if kind is Tracker else "lika_tracker_config"
+        text += f"typedef char {name}_here[(sizeof({name}) == {ctypes.sizeof(kind)}U) ? 1 : -1];\n"
     for name, (kind, given) in FUNCTIONS.items():
         head = f"{kind} {name}({', '.join(f'{item} a{index}' for index, item in enumerate(given))})"
         call = f"lika_{name}({', '.join(f'a{index}' for index in range(len(given)))})"

@@ -88,6 +88,7 @@ static void frame(bool seen_there, bool seen_here)
 
 int main(int count, char **given)
 {
+    const lika_tracker_config limits = { (uint64_t)1U << 37U, 100000000U, 0U, 0U, 0U };
     const uint32_t lost_of = (uint32_t)atoi(given[1]);
     const unsigned presets = (unsigned)atoi(given[2]);
     const uint32_t cut = (uint32_t)atoi(given[3]), mended = cut + (uint32_t)atoi(given[4]);
@@ -97,7 +98,7 @@ int main(int count, char **given)
     lika_biss_slave_init(&slave);
     if (lika_biss_slave_allow(&slave, 0U, 128U, true, true) != LIKA_OK) { return 1; }
     lika_biss_master_init(&master);
-    lika_tracker_start(&axis, (uint64_t)1U << 37U, 100000000U, 0U, 0U);
+    lika_tracker_start(&axis, &limits, 0U);
     for (done = 0U; done < presets; done++) {
         unsigned left;
         int64_t before;

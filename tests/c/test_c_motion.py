@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import MadeOnce, compile_c
-from motion_harness import OK, RANGE, Tracker, compile_motion, motion_of
+from motion_harness import LOST, OK, RANGE, Config, Tracker, compile_motion, motion_of
 
 pytestmark = pytest.mark.slow
 
@@ -31,10 +31,23 @@ def motion(include: Path, made_once: MadeOnce) -> ctypes.CDLL:
     return motion_of(made_once("motion", lambda folder: compile_motion(include, folder)))
 
 
-def started(motion: ctypes.CDLL, modulus: int, max_speed: int = 0xFFFFFFFF, boot: int = 0, now: int = 0) -> Tracker:
-    tracker = Tracker(*[0x5A5A5A5A] * 10)
-    motion.tracker_start(ctypes.byref(tracker), modulus, max_speed, boot, now)
+def started(
+    motion: ctypes.CDLL,
+    modulus: int,
+    max_speed: int = 0xFFFFFFFF,
+    boot: int = 0,
+    now: int = 0,
+    lost: tuple[int, int] = (0, 0),
+) -> Tracker:
+    """A tracker that starts; ``lost`` has the microseconds and the refused positions after which the axis is."""
+    tracker = Tracker(*[0x5A5A5A5A] * 13)
+    config = Config(modulus, max_speed, boot, *lost)
+    motion.tracker_start(ctypes.byref(tracker), ctypes.byref(config), now & 0xFFFFFFFF)
     return tracker
+
+
+def restart(motion: ctypes.CDLL, tracker: Tracker, now: int) -> None:
+    motion.tracker_restart(ctypes.byref(tracker), now & 0xFFFFFFFF)
 
 
 def add(motion: ctypes.CDLL, tracker: Tracker, position: int, now: int) -> int:
@@ -98,7 +111,7 @@ def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
     for now, true, max_speed in walk("sound", modulus, 20_000):
         raw = true % modulus if modulus else true % (1 << 64)
         if first:
-            motion.tracker_start(ctypes.byref(tracker), modulus, max_speed, 0, now & 0xFFFFFFFF)
+            tracker = started(motion, modulus, max_speed, 0, now)
             offset, first, before = raw - true, False, (now, true)
         assert add(motion, tracker, raw, now) == OK
         assert tracker.position == true + offset
@@ -115,7 +128,7 @@ def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CD
     for index, (now, true, max_speed) in enumerate(walk("faults", modulus, 3_000)):
         raw = true % modulus if modulus else true % (1 << 64)
         if not index:
-            motion.tracker_start(ctypes.byref(tracker), modulus, max_speed, 0, now & 0xFFFFFFFF)
+            tracker = started(motion, modulus, max_speed, 0, now)
         assert add(motion, tracker, raw, now) == OK
         for count in range(1, random_.randint(1, 3) + 1):
             after = random_.randrange(500)
@@ -162,28 +175,79 @@ def test_without_a_speed_the_limit_does_not_start_again(motion: ctypes.CDLL) -> 
         assert tracker.limit >= 0xFFFFFFFE
 
 
-def test_no_fault_lasts(motion: ctypes.CDLL) -> None:
-    """A shaft that slipped: its new place is refused for 2^19 us, and believed then."""
-    tracker = started(motion, 1 << 23, 1000)
-    assert add(motion, tracker, 100, 0) == OK
-    assert [add(motion, tracker, 4_000_000, now) for now in range(0, 524_288, 65_536)] == [RANGE] * 8
-    assert add(motion, tracker, 4_000_000, 524_287) == RANGE
-    assert add(motion, tracker, 4_000_000, 524_288) == OK
-    assert (tracker.position, tracker.refused, tracker.elapsed_us) == (4_000_000, 0, 524_288)
+@pytest.mark.parametrize("modulus", [0, 1 << 39, 1 << 41])
+def test_time_alone_never_makes_a_refused_position_plausible(modulus: int, motion: ctypes.CDLL) -> None:
+    """An axis at 1,000,000,000 with 1,000,000 counts per second at most, and an encoder that restarts and sends zeros.
+    The reach grows for 2^19 us: after an hour of zeros, half a second before the time wraps, they are still refused."""
+    tracker = started(motion, modulus, 1_000_000, 100_000, 7)
+    assert add(motion, tracker, 1_000_000_000, 7) == OK
+    held = members(tracker)
+    for now in (*range(107, 2_000_000, 100_000), 524_294, 524_295, 524_296, 60_000_000, (1 << 32) - 500_000):
+        assert add(motion, tracker, 0, 7 + now) == RANGE
+    assert members(tracker) == held
+    # And one within its reach is accepted, as far as half a second reaches.
+    assert add(motion, tracker, 1_000_500_000, 60_000_000) == OK
+    assert (tracker.position, tracker.moved, tracker.elapsed_us) == (1_000_500_000, 500_000, 59_999_993)
+
+
+@pytest.mark.parametrize("silence", [1, 2_000, 524_288, 3_000_000_000])
+def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
+    """Without an accepted position for longer than that; a plausible one does not end it, nor does time."""
+    tracker = started(motion, 1 << 23, 1000, 0, 0xFFFFFF00, (silence, 0))
+    assert add(motion, tracker, 100, 0xFFFFFF00 + 5_000_000) == OK, "nothing is lost before the first"
+    at = 0xFFFFFF00 + 5_000_000
+    assert add(motion, tracker, 100, at + silence) == OK, "just in time"
+    assert add(motion, tracker, 100, at + 2 * silence + 1) == LOST
+    assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, 1)
+    held = members(tracker)
+    assert [add(motion, tracker, 100, at + 2 * silence + later) for later in (1, 2, 1_000_000, 1 << 31)] == [LOST] * 4
+    assert (members(tracker), tracker.refused) == (held, 5)
+    restart(motion, tracker, at)
+    assert (tracker.known, tracker.lost, tracker.refused) == (0, 0, 0)
+    assert add(motion, tracker, 4_000_000, at + 10_000_000) == OK
+    assert (tracker.known, tracker.position) == (1, 4_000_000)
+
+
+@pytest.mark.parametrize("most", [1, 2, 7])
+def test_lost_after_so_many_refused(most: int, motion: ctypes.CDLL) -> None:
+    """In a row: an accepted one between them counts anew. Zeros while the encoder starts up do not count."""
+    tracker = started(motion, 1 << 23, 1000, 5_000, 0, (0, most))
+    assert [add(motion, tracker, 0, now) for now in range(20)] == [RANGE] * 20
+    assert add(motion, tracker, 100, 20) == OK
+    for _ in range(3):
+        assert [add(motion, tracker, 4_000_000, 21) for _ in range(most - 1)] == [RANGE] * (most - 1)
+        assert add(motion, tracker, 100, 22) == OK
+    assert [add(motion, tracker, 4_000_000, 23) for _ in range(most)] == [RANGE] * (most - 1) + [LOST]
+    assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, most)
+    assert [add(motion, tracker, 100, now) for now in (24, 1_000_000)] == [LOST] * 2
+
+
+def test_the_gate_of_the_start_holds_after_a_restart(motion: ctypes.CDLL) -> None:
+    """The encoder lost its supply: zeros until the axis is LOST, a restart, and zeros still."""
+    tracker = started(motion, 1 << 39, FAST, 2_000, 0, (0, 3))
+    assert [add(motion, tracker, 77 << 30, now) for now in (0, 100)] == [OK, OK]
+    assert [add(motion, tracker, 0, now) for now in (200, 300, 400, 500)] == [RANGE, RANGE, LOST, LOST]
+    restart(motion, tracker, 600)
+    assert [add(motion, tracker, 0, now) for now in (700, 1_500, 2_599)] == [RANGE] * 3
+    assert add(motion, tracker, 78 << 30, 2_599) == OK
+    assert tracker.position == 78 << 30
 
 
 def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
-    """The preset's value is believed at once, 0 too; untold, it would be refused."""
+    """The value of the preset is the first position; without the restart it would be refused."""
     tracker = started(motion, 1 << 23, 1000, boot=10_000)
     assert add(motion, tracker, 4_000_000, 0) == OK
-    assert add(motion, tracker, 0, 100) == RANGE
-    motion.tracker_restart(ctypes.byref(tracker), 200)
+    assert add(motion, tracker, 5, 100) == RANGE
+    restart(motion, tracker, 200)
     assert (tracker.known, tracker.refused, tracker.moved, tracker.elapsed_us) == (0, 0, 0, 0)
     assert (tracker.modulus, tracker.limit) == (1 << 23, 1000 + (1000 >> 4))
-    assert add(motion, tracker, 0, 300) == OK
-    assert (tracker.known, tracker.position, tracker.at_us) == (1, 0, 300)
+    assert add(motion, tracker, 5, 300) == OK
+    assert (tracker.known, tracker.position, tracker.at_us) == (1, 5, 300)
     assert add(motion, tracker, (1 << 23) - 1, 20_300) == OK
-    assert (tracker.position, tracker.moved, tracker.elapsed_us) == (-1, -1, 20_000)
+    assert (tracker.position, tracker.moved, tracker.elapsed_us) == (-1, -6, 20_000)
+    # A preset to 0 is known after the time in which a 0 may be none.
+    restart(motion, tracker, 20_400)
+    assert [add(motion, tracker, 0, now) for now in (20_500, 30_399, 30_400)] == [RANGE, RANGE, OK]
 
 
 def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
@@ -293,14 +357,18 @@ def test_the_field_of_a_motor(steps: int, motion: ctypes.CDLL) -> None:
 FAULTS = {
     "modulus not added": ("tracker.h", "forward += modulus;", "forward += modulus - 1U;"),
     "low half of the limit": ("tracker.h", "& 0xFFFFU) * units) >> 16U", "& 0xFFFFU) * units) >> 17U"),
-    "limit twice": ("tracker.h", "> (2U * believed)", "> (3U * believed)"),
+    "limit twice": ("tracker.h", "> (2U * reach)", "> (3U * reach)"),
     "time of a refused frame": (
         "tracker.h",
-        "        if ((moved + believed) >",
-        "        tracker->at_us = now_us;\n        if ((moved + believed) >",
+        "    if ((moved + reach) >",
+        "    tracker->at_us = now_us;\n    if ((moved + reach) >",
     ),
     "no gate": ("tracker.h", "(position == 0U) &&", "(position == 1U) &&"),
-    "silence": ("tracker.h", "524288U", "524287U"),
+    "reach that grows on": ("tracker.h", "units > (LIKA_TRACKER_REACH_US / 16U)", "units == 0U"),
+    "silence": ("tracker.h", "elapsed_us > tracker->lost_after_us", "elapsed_us >= tracker->lost_after_us"),
+    "silence that ends": ("tracker.h", "if (tracker->lost != 0U) {", "if (tracker->lost > 1U) {"),
+    "how many refused": ("tracker.h", "lost_after_refused - 1U", "lost_after_refused"),
+    "a silence without a limit": ("tracker.h", "== 0U) ? 0xFFFFFFFFU : config", "== 1U) ? 0xFFFFFFFFU : config"),
     "speed": ("tracker.h", "if (rest >= elapsed_us)", "if (rest > elapsed_us)"),
     "shift of an angle": ("angle.h", "up = 32U - bits", "up = 33U - bits"),
     "bits of a position": ("angle.h", "if (bit > 32U)", "if (bit > 33U)"),
@@ -326,7 +394,9 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
         lambda: [test_no_turn_is_lost_or_gained(modulus, broken) for modulus in (1 << 17, 36_000)],
         lambda: [test_a_frame_that_is_too_far_changes_nothing(modulus, broken) for modulus in (1 << 17, 36_000)],
         lambda: [test_the_limit_is_the_speed_and_a_little_more(FAST, elapsed, broken) for elapsed in (1000, 65_536)],
-        lambda: test_no_fault_lasts(broken),
+        lambda: test_time_alone_never_makes_a_refused_position_plausible(1 << 39, broken),
+        lambda: test_lost_after_a_silence(2_000, broken),
+        lambda: test_lost_after_so_many_refused(2, broken),
         lambda: test_zeros_at_the_start_are_not_believed(broken),
         lambda: test_speeds(broken),
         lambda: test_angles_of_any_number_of_steps(broken),
@@ -349,7 +419,8 @@ int main(void)
 {
     static const lika_amm5_variant encoder = LIKA_AMM5_A23_65KSC1;
     static lika_tracker axis;
-    lika_tracker_start(&axis, lika_amm5_modulus(&encoder), 838860800U, 0U, 0U);
+    const lika_tracker_config config = { lika_amm5_modulus(&encoder), 838860800U, 0U, 0U, 0U };
+    lika_tracker_start(&axis, &config, 0U);
     lika_tracker_add(&axis, 5U, 50U);
     return (axis.position == 5) ? 0 : 1;
 }

@@ -5,28 +5,49 @@
 #include "@maker@/angle.h"
 #include "@maker@/tracker.h"
 #include "fuzz.h"
-#include <string.h>
 
-/* Whatever is sent: a frame that is refused changes nothing but its count. */
+/* Whether all members are equal but refused, known and lost. */
+static bool same(const @maker@_tracker *one, const @maker@_tracker *two)
+{
+    return one->at_us == two->at_us && one->elapsed_us == two->elapsed_us && one->limit == two->limit
+        && one->boot_us == two->boot_us && one->lost_after_us == two->lost_after_us
+        && one->refused_at_most == two->refused_at_most && one->modulus == two->modulus && one->raw == two->raw
+        && one->position == two->position && one->moved == two->moved;
+}
+
+/* Whatever is sent: a frame that is refused changes nothing but its count, and may lose the axis. */
 static void anything(void)
 {
     @maker@_tracker axis;
     uint32_t now = (uint32_t)take(4U);
-    const uint64_t modulus = take((take(1U) & 1U) * 7U);
-    @maker@_tracker_start(&axis, modulus, (uint32_t)take(4U), (uint32_t)take(2U), now);
+    @maker@_tracker_config config = { 0U, 0U, 0U, 0U, 0U };
+    config.modulus = take((take(1U) & 1U) * 7U);
+    config.max_speed = (uint32_t)take(4U);
+    config.boot_us = (uint32_t)take(2U);
+    config.lost_after_us = (uint32_t)take(3U);
+    config.lost_after_refused = (uint32_t)take(1U);
+    @maker@_tracker_start(&axis, &config, now);
     while (left > 0U) {
-        @maker@_tracker before = axis;
+        const @maker@_tracker before = axis;
         const uint64_t position = take(7U);
+        @maker@_result result;
         now += (uint32_t)take(3U);
         if ((take(1U) & 31U) == 0U) {
             @maker@_tracker_restart(&axis, now);
-            require(axis.known == 0U && axis.modulus == modulus && axis.limit == before.limit, "a restart that forgets too much");
-            require(@maker@_tracker_add(&axis, position, now) == @MAKER@_OK && axis.position == (int64_t)position, "the first");
-        } else if (@maker@_tracker_add(&axis, position, now) == @MAKER@_OK) {
-            require(axis.known == 1U && axis.refused == 0U && axis.raw == position && axis.at_us == now, "not taken in");
+            require(axis.known == 0U && axis.lost == 0U && axis.modulus == config.modulus && axis.limit == before.limit
+                && axis.boot_us == config.boot_us, "a restart that forgets too much");
+            result = @maker@_tracker_add(&axis, position, now);
+            require(result == ((position == 0U && config.boot_us != 0U) ? @MAKER@_FAULT_RANGE : @MAKER@_OK), "the first");
+            continue;
+        }
+        result = @maker@_tracker_add(&axis, position, now);
+        if (result == @MAKER@_OK) {
+            require(axis.known == 1U && axis.refused == 0U && axis.raw == position && axis.at_us == now && before.lost == 0U, "not taken in");
         } else {
-            before.refused++;
-            require(memcmp(&before, &axis, sizeof(axis)) == 0, "a refusal that changes something");
+            require(same(&before, &axis) && axis.refused == before.refused + 1U, "a refusal that changes something");
+            require(result == @MAKER@_FAULT_LOST ? (axis.lost == 1U && axis.known == 0U)
+                : (axis.lost == 0U && axis.known == before.known), "lost, and not said");
+            require(result == @MAKER@_FAULT_LOST || before.lost == 0U, "a lost axis that is found");
         }
         (void)@maker@_tracker_speed(&axis);
     }
@@ -40,7 +61,8 @@ static void followed(void)
     const int64_t start = (int64_t)(take(4U) % (uint64_t)modulus);
     int64_t shaft = start;
     uint32_t now = (uint32_t)take(4U);
-    @maker@_tracker_start(&axis, (uint64_t)modulus, 1000000U, 0U, now);
+    const @maker@_tracker_config config = { (uint64_t)modulus, 1000000U, 0U, 0U, 0U };
+    @maker@_tracker_start(&axis, &config, now);
     require(@maker@_tracker_add(&axis, (uint64_t)start, now) == @MAKER@_OK, "the first");
     while (left > 0U) {
         const uint32_t passed = (uint32_t)take(2U);

@@ -14,7 +14,8 @@ static @maker@_tracker any_axis(void)
 {
     @maker@_tracker axis;
     axis.known = nondet_number();
-    __CPROVER_assume(axis.known <= 1U);
+    axis.lost = nondet_number();
+    __CPROVER_assume(axis.known <= 1U && axis.lost <= 1U && axis.known + axis.lost < 2U);
     __CPROVER_assume(axis.modulus < (1ULL << 61));
     __CPROVER_assume(axis.modulus == 0U || axis.raw < axis.modulus);
     __CPROVER_assume(axis.raw < (1ULL << 61));
@@ -35,8 +36,10 @@ static void believed_after(uint32_t elapsed)
     __CPROVER_assume(position < (1ULL << 61) && (axis.modulus == 0U || position < axis.modulus));
     if (@maker@_tracker_add(&axis, position, now) != @MAKER@_OK) return;
     __CPROVER_assert(axis.raw == position && axis.at_us == now && axis.refused == 0U && axis.known == 1U, "is taken in");
-    __CPROVER_assert(axis.limit == before.limit && axis.modulus == before.modulus && axis.boot_us == before.boot_us,
-        "what was set stays");
+    __CPROVER_assert(axis.limit == before.limit && axis.modulus == before.modulus && axis.boot_us == before.boot_us
+        && axis.lost_after_us == before.lost_after_us && axis.refused_at_most == before.refused_at_most, "what was set stays");
+    __CPROVER_assert(before.lost == 0U && axis.lost == 0U, "never while the axis is lost");
+    __CPROVER_assert(before.known == 0U || elapsed <= before.lost_after_us, "not after a silence");
     if (before.known == 0U) {
         __CPROVER_assert(axis.position == (int64_t)position && axis.moved == 0, "the first is as it was sent");
         __CPROVER_assert(position != 0U || elapsed >= before.boot_us, "no 0 while it starts up");
@@ -46,33 +49,55 @@ static void believed_after(uint32_t elapsed)
     __CPROVER_assert(axis.position == before.position + moved && axis.elapsed_us == elapsed, "how far, in what time");
     __CPROVER_assert(moved == ahead || moved == ahead + whole || moved == ahead - whole, "goes round whole times");
     __CPROVER_assert(whole == 0 || (2 * moved < whole && 2 * moved >= -whole), "the shorter way");
-    __CPROVER_assert(elapsed >= @MAKER@_TRACKER_SILENCE_US
-        || (moved < 0 ? -moved : moved) <= (int64_t)(((uint64_t)axis.limit * (elapsed / 16U + 1U)) >> 16),
-        "no farther than the limit");
+    const uint32_t reach_us = elapsed < @MAKER@_TRACKER_REACH_US ? elapsed : @MAKER@_TRACKER_REACH_US - 1U;
+    __CPROVER_assert((moved < 0 ? -moved : moved) <= (int64_t)(((uint64_t)axis.limit * (reach_us / 16U + 1U)) >> 16),
+        "no farther than the limit, however long ago");
 }
 void what_is_believed_at_once(void) { believed_after(0U); }
 void what_is_believed_after_a_cycle(void) { believed_after(50U); }
 void what_is_believed_after_a_while(void) { believed_after(524287U); }
 void what_is_believed_after_a_silence(void) { believed_after(524288U); }
+void what_is_believed_after_an_hour(void) { believed_after(3600000000U); }
 
-/* Whatever is sent: what is not believed is counted, and changes nothing else. */
+/* Whatever is sent: what is not believed is counted, and changes nothing else but that the axis may be lost by it. */
 static void refused_after(uint32_t elapsed)
 {
     @maker@_tracker axis = any_axis();
     const @maker@_tracker before = axis;
     const uint64_t position = nondet_word();
     const uint32_t now = before.at_us + elapsed;
-    if (@maker@_tracker_add(&axis, position, now) == @MAKER@_OK) return;
+    const @maker@_result result = @maker@_tracker_add(&axis, position, now);
+    if (result == @MAKER@_OK) return;
     __CPROVER_assert(axis.refused == before.refused + 1U, "is counted");
-    __CPROVER_assert(axis.known == before.known && axis.at_us == before.at_us && axis.limit == before.limit
-        && axis.boot_us == before.boot_us && axis.elapsed_us == before.elapsed_us && axis.raw == before.raw
-        && axis.position == before.position && axis.moved == before.moved && axis.modulus == before.modulus,
-        "and nothing else");
-    __CPROVER_assert(now - before.at_us < @MAKER@_TRACKER_SILENCE_US || (position == 0U && before.known == 0U),
-        "no fault lasts");
+    __CPROVER_assert(axis.at_us == before.at_us && axis.limit == before.limit && axis.boot_us == before.boot_us
+        && axis.lost_after_us == before.lost_after_us && axis.refused_at_most == before.refused_at_most
+        && axis.elapsed_us == before.elapsed_us && axis.raw == before.raw && axis.position == before.position
+        && axis.moved == before.moved && axis.modulus == before.modulus, "and nothing else");
+    __CPROVER_assert(result == @MAKER@_FAULT_LOST ? (axis.known == 0U && axis.lost == 1U)
+        : (result == @MAKER@_FAULT_RANGE && axis.known == before.known && axis.lost == 0U && before.lost == 0U),
+        "lost is what it says");
+    __CPROVER_assert(result != @MAKER@_FAULT_LOST || before.lost != 0U || before.known != 0U, "nothing is lost before the first");
+    __CPROVER_assert((result == @MAKER@_FAULT_LOST) == (before.lost != 0U || (before.known != 0U
+        && (elapsed > before.lost_after_us || axis.refused > before.refused_at_most))), "lost by what was set, and by nothing else");
 }
 void what_is_refused_after_a_cycle(void) { refused_after(50U); }
 void what_is_refused_after_a_silence(void) { refused_after(524288U); }
+
+/* With 0 for both an axis is never lost, and only a restart finds one that is. */
+void what_was_lost(void)
+{
+    const @maker@_tracker_config never = { nondet_word(), nondet_number(), nondet_number(), 0U, 0U };
+    @maker@_tracker axis;
+    @maker@_tracker_start(&axis, &never, nondet_number());
+    __CPROVER_assert(axis.lost_after_us == 0xFFFFFFFFU && axis.refused_at_most == 0xFFFFFFFFU, "never");
+    axis = any_axis();
+    __CPROVER_assume(axis.lost == 1U);
+    __CPROVER_assert(@maker@_tracker_add(&axis, nondet_word(), nondet_number()) == @MAKER@_FAULT_LOST && axis.lost == 1U, "whatever comes");
+    const uint32_t boot_us = axis.boot_us, now = nondet_number();
+    @maker@_tracker_restart(&axis, now);
+    __CPROVER_assert(axis.boot_us == boot_us, "the gate stays");
+    __CPROVER_assert(@maker@_tracker_add(&axis, 1U, now) == @MAKER@_OK && axis.known == 1U, "and begins anew");
+}
 
 /* A number of counts that the speed allows is always believed. */
 static void allowed_after(uint32_t elapsed)
@@ -84,7 +109,8 @@ static void allowed_after(uint32_t elapsed)
     const uint64_t distance = from < to ? to - from : from - to;
     __CPROVER_assume(max_speed <= 4000000000U && distance < (1ULL << 42));
     __CPROVER_assume(distance * 1000000U <= (uint64_t)max_speed * elapsed);
-    @maker@_tracker_start(&axis, 0U, max_speed, 0U, start);
+    const @maker@_tracker_config config = { 0U, max_speed, 0U, 0U, 0U };
+    @maker@_tracker_start(&axis, &config, start);
     __CPROVER_assert(@maker@_tracker_add(&axis, from, start) == @MAKER@_OK, "the first");
     __CPROVER_assert(@maker@_tracker_add(&axis, to, start + elapsed) == @MAKER@_OK, "and one in reach");
 }

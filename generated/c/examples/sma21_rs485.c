@@ -39,9 +39,9 @@ static size_t arrived;
 static size_t taken;
 
 /*
- * Sends a request of one byte; false where the port cannot. The encoder answers within microseconds.
- * Let the UART switch the driver of the line (hardware driver enable), or release it in the
- * interrupt of transmit complete, and have the receiver enabled before the request ends.
+ * Sends a request of one byte. Returns false if the port cannot. The encoder answers within
+ * microseconds, so let the UART switch the driver of the line (hardware driver enable), or release
+ * it in the transmit-complete interrupt, and enable the receiver before the request ends.
  */
 static bool serial_send(uint8_t request)
 {

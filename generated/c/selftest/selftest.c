@@ -41,15 +41,18 @@ static bool lika_words(void)
     return true;
 }
 
-/* From 35,990 of 36,000 on to 20 is 30 counts ahead, and a thousandth of a second each. */
+/* From 35,990 of 36,000 to 20 is 30 counts ahead, in a millisecond. Half a turn is out of reach. */
 static bool lika_turns(void)
 {
+    static const lika_tracker_config config = { 36000U, 100000U, 0U, 0U, 2U };
     lika_tracker axis;
-    lika_tracker_start(&axis, 36000U, 100000U, 0U, 0xFFFFFF00U);
+    lika_tracker_start(&axis, &config, 0xFFFFFF00U);
     return (lika_tracker_add(&axis, 35990U, 0xFFFFFF00U) == LIKA_OK) &&
         (lika_tracker_add(&axis, 20U, 744U) == LIKA_OK) && (axis.position == 36020) &&
         (lika_tracker_speed(&axis) == 30000) &&
-        (lika_tracker_add(&axis, 18020U, 1744U) == LIKA_FAULT_RANGE) && (axis.position == 36020);
+        (lika_tracker_add(&axis, 18020U, 1744U) == LIKA_FAULT_RANGE) && (axis.position == 36020) &&
+        (lika_tracker_add(&axis, 18020U, 1844U) == LIKA_FAULT_LOST) &&
+        (lika_tracker_add(&axis, 20U, 1944U) == LIKA_FAULT_LOST) && (axis.known == 0U);
 }
 
 /* A quarter of a turn, by a shift and by division. */

@@ -86,11 +86,11 @@ _RECEIVE_H = """
 """
 #: The same of runner.h, tracker.h and angle.h.
 _USE_H = """
-    ANGLE_H RUNNER_H TODO_BUSY TODO_END TODO_READ TODO_SEND TODO_WAIT TODO_WRITE TRACKER_H TRACKER_SILENCE_US
+    ANGLE_H RUNNER_H TODO_BUSY TODO_END TODO_READ TODO_SEND TODO_WAIT TODO_WRITE TRACKER_H TRACKER_REACH_US
     angle angle_degrees angle_electrical angle_highest_bit angle_millidegrees angle_q15 angle_q31 angle_radians
     counts_per_second runner runner_accessed runner_advance runner_ask runner_begin runner_close runner_done
     runner_fail runner_next runner_polled runner_sent runner_start runner_write todo tracker tracker_add
-    tracker_believed tracker_restart tracker_shorter tracker_speed tracker_start
+    tracker_config tracker_lose tracker_reach tracker_restart tracker_shorter tracker_speed tracker_start
 """
 #: The same of biss.h, after that and ``biss_``.
 _BISS_H = """
