@@ -2,34 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from ..model import Device, Interface, Join, Layout, Rs485, choices
+from ..model import Alternative, Device, Interface, Join, Layout, Rs485, choices
 from .alternative import names, needs
 from .erratum import errata, erratum
 from .text import Code, Part, Said, listed, said, told
 from .words import counted
 
 
-def head(device: Device, interface: Interface, layout: Layout, name: Part) -> Said:
-    """Which frame it is, by the ``name`` that the reader knows it by."""
+def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Said:
+    """Which frame it is, by the ``name`` that the reader knows it by.
+
+    Where its length depends on nothing but ``alternatives``, each length has its answers.
+    """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sent = f", sent by the {layout.sender} over {interface.title}{channel}: "
-    return said(name, sent, *size(device, layout), source=layout.source)
+    return said(name, sent, *size(layout, alternatives), source=layout.source)
 
 
-def size(device: Device, layout: Layout) -> tuple[Part, ...]:
+def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
     """Its length, and in which order it is sent."""
     if not layout.in_bytes:
-        return *_bits(device, layout), " bits, most significant first"
+        return *_bits(layout, alternatives), " bits, most significant first"
     order = f", {layout.byte_order.replace('_', ' ')}" if layout.widest > 8 else ""
     return (counted(layout.widest // 8, "byte") + order,)
 
 
-def _bits(device: Device, layout: Layout) -> Iterator[Part]:
-    """How many bits it has; where that depends on nothing but decisions, with the answers."""
+def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
     needed = set(layout.bits.parameters)
-    deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
+    deciding = [item for item in alternatives if not needed.isdisjoint(item.answers[0].sets)]
     if not deciding or not needed.issubset(name for item in deciding for name in item.answers[0].sets):
         yield layout.bits
         return

@@ -165,6 +165,17 @@ def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
     assert "asks for no 'other'" in decode(*arguments, "--choose", "other=x").err
 
 
+def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> None:
+    """ASC85, position 1: 1, the 0 bit, 11 and the CRC 100010b, and the same without the 0 bit, CRC 110110b."""
+    for answer, word in (("as_printed", 0b1011_100010), ("left_out", 0b111_110110)):
+        (tmp_path / "it.bin").write_bytes(packed([word], 5))
+        done = decode("ASC8525/SC1", "it.bin")
+        assert done.code == 2
+        assert "it has to be as_printed or left_out" in done.err
+        (row,) = rows(decode("ASC8525/SC1", "it.bin", "--choose", f"zero_bit={answer}").out)
+        assert (row["position"], row["fault"]) == ("1", "none")
+
+
 # What comes out
 
 

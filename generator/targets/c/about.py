@@ -113,7 +113,7 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
     elsewhere = list(layout.joins(item))  # Their members say it.
     errata = list(layout.errata_of(device, interface, item))
     about = [one for one in layout.layout(device, interface, item) if one not in (*elsewhere, *errata)]
-    head = layout.head(device, interface, item, Code(item.name))
+    head = layout.head(interface, item, Code(item.name), device.alternatives)
     return [*map(S.sentence, (head, *about)), *table(struct), *map(S.sentence, errata)]
 
 

@@ -155,7 +155,7 @@ def _group_title(group: FieldGroup) -> str:
 def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
     return {
         "layout": layout,
-        "head": say_layout.head(device, interface, layout, Code(layout.name)),
+        "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
         "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
         "rows": list(layouts.field_rows(device, layout)),
         "placements": layouts.placement_table(device, layout, interface.name),

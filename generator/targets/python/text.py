@@ -120,7 +120,7 @@ def of_parameter(device: Device, item: Parameter) -> str:
 
 
 def of_layout(device: Device, interface: Interface, item: Layout) -> tuple[str, list[Block]]:
-    summary = S.sentence(layout.head(device, interface, item, heading(item.name)))
+    summary = S.sentence(layout.head(interface, item, heading(item.name), device.alternatives))
     groups = [f"field_groups.{name}" for name in dict.fromkeys(item.group for item in item.fields if item.group)]
     found = errata(device, f"interfaces.{interface.name}.{item.name}")
     shared = ", ".join(other.name for other in errata(device, *groups) if other not in found)
