@@ -297,7 +297,7 @@ def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
         lambda: amm5.SingleturnReply(rs485, amm5.DataId.MULTITURN, False, False, 0).encode(),
         lambda: amm5.SerialNumber(100, 1, 1).encode(),
         lambda: amm5.ManufacturerId("Lika").encode(),
-        lambda: amm5.ManufacturerId("ü1").encode(),
+        lambda: amm5.ManufacturerId("\u01001").encode(),
     ]
     for call in wrong:
         with pytest.raises(lika.RangeError):
