@@ -22,12 +22,12 @@ EXAMPLES = {
     ),
     "check": ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json"),
     "list": ("codewheel list", "codewheel list --specs my_encoder.yaml"),
-    "show": ("codewheel show my_encoder --specs .", "codewheel show MY-ENCODER-13-SC --specs ."),
+    "show": ("codewheel show my_encoder", "codewheel show MY-ENCODER-13-SC"),
     "decode": (
-        "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010 --specs .",
-        'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8" --specs .',
+        "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010",
+        'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8"',
     ),
-    "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC --specs ."),
+    "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC"),
     "diff": (
         "codewheel diff old/my_encoder.yaml my_encoder.yaml",
         "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",

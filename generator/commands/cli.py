@@ -62,6 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     try:
         chosen = parse(_parser(), arguments)
+        if getattr(chosen, "looks_up", False) and getattr(chosen, "order_code", "") is not None:
+            chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
         prepare(as_json=getattr(chosen, "json", False))
         code: int = chosen.run(chosen)
         return code
@@ -310,9 +312,10 @@ def _add_spec_option(parser: argparse.ArgumentParser) -> None:
         type=a_path,
         default=[],
         metavar="PATH",
-        help="specs to use instead of those that ship with the tool",
+        help="specs to use instead of those in the current folder, or else those that ship with codewheel",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(looks_up=True)
 
 
 def _print_json(data: Mapping[str, Any]) -> None:
@@ -372,8 +375,6 @@ def _list(chosen: argparse.Namespace) -> int:
         _print_json(list_data(devices))
     else:
         print(list_text(devices))
-    if look_up.has_other_specs(chosen.specs):
-        print(f"codewheel: {look_up.OWN_SPECS_HINT}", file=sys.stderr)
     return 0
 
 

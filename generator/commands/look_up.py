@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 #: From this likeness on, of 1, a code is worth naming as the nearest.
 _NEAR = 0.4
-OWN_SPECS_HINT = "for the specs of this folder add: --specs ."
 _MOST_FILES = 8
 
 
@@ -56,14 +55,21 @@ def _is_there(path: Path) -> bool:
         return True  # Something is; reading it says what is wrong.
 
 
-def own_or_shipped(paths: Sequence[Path]) -> list[Path]:
+def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
     """The paths that were given, else the specs of the current folder, else none, which stands for those that ship.
+
+    Args:
+        paths: The paths that were given.
+        say: Say on standard error that the specs of the current folder are taken.
 
     Raises:
         Stop: There is nothing at one of the paths; exit code 2.
     """
     refuse_missing(paths)
-    return list(paths) or own_specs(Path())
+    own = list(paths) or own_specs(Path())
+    if say and own and not paths:
+        print(f"codewheel: reading the specs of this folder: {_listed([str(path) for path in own])}", file=sys.stderr)
+    return own
 
 
 def read_line(paths: Sequence[Path], devices: Sequence[Device], report: Report) -> str:
@@ -87,7 +93,7 @@ def order_code(specs: Sequence[Path], text: str) -> tuple[Device, Match]:
         Stop: There is no such code, exit code 2, or the specs have problems and no sound one has it; 1.
     """
     with _sound(specs) as devices:
-        return find(devices, text, specs)
+        return find(devices, text)
 
 
 def family_or_code(specs: Sequence[Path], text: str) -> tuple[Device, Match | None]:
@@ -98,11 +104,11 @@ def family_or_code(specs: Sequence[Path], text: str) -> tuple[Device, Match | No
     """
     with _sound(specs) as devices:
         family = _family(devices, text)
-        return (family, None) if family is not None else find(devices, text, specs)
+        return (family, None) if family is not None else find(devices, text)
 
 
-def find(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> tuple[Device, Match]:
-    """The family and variant of an order code among ``devices``, which ``specs`` describe.
+def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
+    """The family and variant of an order code among ``devices``.
 
     Raises:
         Stop: There is no such code; exit code 2.
@@ -116,7 +122,7 @@ def find(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> tuple[D
             return device, find_in(device, text)
         except UnknownOrderCode as reason:
             explanation = explanation or (str(reason) if reason.close else "")
-    raise Stop(explanation or _unknown(devices, text, specs), 2)
+    raise Stop(explanation or _unknown(devices, text), 2)
 
 
 def in_order(devices: Sequence[Device], text: str) -> list[Device]:
@@ -131,7 +137,7 @@ def in_order(devices: Sequence[Device], text: str) -> list[Device]:
     return [*special, *(item for item in devices if not item.base)]
 
 
-def _unknown(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> str:
+def _unknown(devices: Sequence[Device], text: str) -> str:
     """What to say of a text that is no order code, nor nearly one."""
     from ..reference.order_codes import nearest_codes
 
@@ -142,15 +148,9 @@ def _unknown(devices: Sequence[Device], text: str, specs: Sequence[Path]) -> str
         return f"'{text}' is a family, and {needed}"
     if Path(text).suffix in SUFFIXES:
         return f"'{text}' is no order code; a spec is given as: --specs {text}"
-    hint = f"; {OWN_SPECS_HINT}" if has_other_specs(specs) else ""
     near = ", ".join(nearest_codes(devices, text, _NEAR))
     remedy = f"the nearest are {near}" if near else "codewheel list shows what they look like"
-    return f"'{text}' is no known order code; {remedy}{hint}"
-
-
-def has_other_specs(specs: Sequence[Path]) -> bool:
-    """Whether the current folder holds specs that a look-up does not read: only those that are named count for it."""
-    return not specs and bool(own_specs(Path()))
+    return f"'{text}' is no known order code; {remedy}"
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:

@@ -12,6 +12,7 @@ from codewheel.commands.arguments import EXAMPLES
 from codewheel.commands.cli import main
 
 COMMANDS = list(EXAMPLES)
+READING = "codewheel: reading the specs of this folder: manufacturer.yaml, my_encoder.yaml"
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -60,7 +61,7 @@ def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, comman
             shutil.copy(own / name, own / "old")
     for line in EXAMPLES[command]:
         code, _, err = run(capsys, *shlex.split(line)[1:])
-        assert (code, err.replace("codewheel: for the specs of this folder add: --specs .\n", "")) == (0, ""), line
+        assert (code, err.replace(f"{READING}\n", "")) == (0, ""), line
 
 
 def test_the_examples_of_new_work(
@@ -198,17 +199,43 @@ def test_without_specs_of_ones_own_those_that_ship_are_read_and_named(
         assert out.startswith("read the specs that ship with codewheel: am36, amm5, asc85, sma21\n")
 
 
-def test_a_look_up_does_not_depend_on_the_folder_but_says_how_it_could(
-    capsys: pytest.CaptureFixture[str], own: Path
+def test_a_look_up_takes_the_specs_of_the_folder_and_says_so(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+    for line in (
+        ("list",),
+        ("show", "my_encoder"),
+        ("decode", "MY-ENCODER-17-SC", "0x3E8DA"),
+        ("master", "MY-ENCODER-17-SC"),
+    ):
+        code, out, err = run(capsys, *line)
+        assert (code, err) == (0, f"{READING}\n"), line
+        assert "MY-ENCODER-" in out
+    assert json.loads(run(capsys, "list", "--json")[1])
+    code, _, err = run(capsys, "show", "AMM5A21/65KSC1")
+    assert (code, err.splitlines()[0]) == (2, READING)
+    assert run(capsys, "show", "my_encoder", "--specs", ".")[2] == "", "who names them needs no word on it"
+    assert run(capsys, "master")[2] == "", "the list of masters is read from no spec of an encoder"
+
+
+def test_a_copy_below_the_folder_is_in_nobodys_way(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+    (own / "old").mkdir()
+    for name in ("my_encoder.yaml", "manufacturer.yaml"):
+        shutil.copy(own / name, own / "old")
+    for line in (("check",), ("list",), ("decode", "MY-ENCODER-17-SC", "0x3E8DA")):
+        assert run(capsys, *line)[0] == 0, line
+
+
+def test_without_specs_in_the_folder_those_that_ship_are_read(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    code, _, err = run(capsys, "show", "my_encoder")
-    assert code == 2
-    assert err.endswith("; for the specs of this folder add: --specs .\n")
-    assert run(capsys, "show", "my_encoder", "--specs", ".")[0] == 0
-    assert run(capsys, "list")[2] == "codewheel: for the specs of this folder add: --specs .\n"
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(capsys, "show", "AMM5A21/65KSC1")
+    assert (code, err) == (0, "")
+
+
+def test_a_spec_that_is_given_as_an_order_code(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     code, _, err = run(capsys, "show", "my_encoder.yaml")
     assert code == 2
-    assert err == "codewheel: 'my_encoder.yaml' is no order code; a spec is given as: --specs my_encoder.yaml\n"
+    assert err.endswith("codewheel: 'my_encoder.yaml' is no order code; a spec is given as: --specs my_encoder.yaml\n")
 
 
 def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.CaptureFixture[str], own: Path) -> None:

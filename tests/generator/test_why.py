@@ -453,7 +453,9 @@ def test_a_crc_of_any_width(width: int, tmp_path: Path, capsys: pytest.CaptureFi
         .replace("width: 6", f"width: {width}")
         .replace("poly: 0x03", "poly: 1")
     )
-    (tmp_path / "bits22.yaml").write_text(text.replace("xorout: 0x3F", f"xorout: {(1 << width) - 1}"), encoding="utf-8")
+    (tmp_path / "bits22.yaml").write_text(
+        text.replace("xorout: 0x3F", f"xorout: {(1 << width) - 1:#x}"), encoding="utf-8"
+    )
     (tmp_path / "manufacturer.yaml").write_text(
         (SPECS / "manufacturer.yaml").read_text(encoding="utf-8"), encoding="utf-8"
     )
