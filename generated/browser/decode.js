@@ -252,8 +252,9 @@
       .map((item) => item.name));
     found.reports = at.tells.filter((item) => active.has(item.field));
     if (at.layout.otherwise) {
+      const holds = (only, is) => !only || Boolean(at.parameters[only]) === Boolean(is);
       const worst = (at.layout.speaks ?? []).find(([, by, unless, only, is]) =>
-        active.has(by) && !(unless ?? []).some((name) => active.has(name)) && (!only || Boolean(at.parameters[only]) === Boolean(is)));
+        active.has(by) && !(unless ?? []).some((name) => active.has(name)) && holds(only, is));
       found.verdict = worst ? worst[0] : at.layout.otherwise;
     }
     found.differences = [...at.fields.flatMap((item) => differenceOf(found, item)), ...strangeIn(found)];
